@@ -1,0 +1,38 @@
+# `make stand` and `make test` do all set-up themselves; everything lives in .venv.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+.DEFAULT_GOAL := help
+.PHONY: help setup stand test lint bench docs clean
+
+help: ## list the targets
+	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+$(VENV)/.installed: pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Surefoot needs Python 3.11 or newer, this is " + sys.version)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,dev]'
+	touch $@
+
+setup: $(VENV)/.installed ## make the virtual environment
+
+stand: setup ## the main job: a simulated Go2 stands on its contact forces
+	$(BIN)/surefoot stand go2 --out runs
+
+lint: setup ## ruff, mypy strict, import-linter
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test: lint ## lint, then every test
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -q
+
+bench: setup ## every benchmark, one after the other
+	$(BIN)/surefoot bench all --out runs
+
+docs: setup ## check every link and every shown command of the docs
+	$(BIN)/python docs/check.py
+
+clean: ## remove caches and the virtual environment
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,60 @@
+"""Surefoot: the contact layer for legged robots.
+
+Names are loaded on first use, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from surefoot.cones import Cone as Cone
+    from surefoot.cones import FrictionCone as FrictionCone
+    from surefoot.cones import FrictionPyramid as FrictionPyramid
+    from surefoot.cones import PolyhedralCone as PolyhedralCone
+    from surefoot.cones import ProductCone as ProductCone
+    from surefoot.contact import ContactProblem as ContactProblem
+    from surefoot.contact import ContactSolution as ContactSolution
+    from surefoot.contact import Residuals as Residuals
+    from surefoot.contact import Status as Status
+    from surefoot.contact import residuals as residuals
+    from surefoot.errors import MissingExtra as MissingExtra
+    from surefoot.errors import ModelError as ModelError
+    from surefoot.errors import NoSolution as NoSolution
+    from surefoot.errors import ProblemError as ProblemError
+    from surefoot.errors import SolverNotFound as SolverNotFound
+    from surefoot.errors import SurefootError as SurefootError
+    from surefoot.solvers import solve as solve
+    from surefoot.solvers import solver_names as solver_names
+    from surefoot.stance import FlatTerrain as FlatTerrain
+    from surefoot.stance import PatchContact as PatchContact
+    from surefoot.stance import PointContact as PointContact
+    from surefoot.stance import SlopeTerrain as SlopeTerrain
+    from surefoot.stance import Stance as Stance
+    from surefoot.stance import Terrain as Terrain
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone"),
+    "contact": ("ContactProblem", "ContactSolution", "Residuals", "Status", "residuals"),
+    "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
+    "solvers": ("solve", "solver_names"),
+    "stance": ("FlatTerrain", "PatchContact", "PointContact", "SlopeTerrain", "Stance", "Terrain"),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [*sorted(_HOME_OF), "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'surefoot' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"surefoot.{_HOME_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

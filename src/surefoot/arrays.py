@@ -1,0 +1,107 @@
+"""Array types, and the one place where numbers from outside are checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surefoot.errors import ProblemError
+
+FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int64]
+BoolArray: TypeAlias = NDArray[np.bool_]
+
+
+def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
+    """Return `value` as a float array of the wanted shape, with no NaN in it (infinity is allowed).
+
+    Parameters
+    ----------
+    name
+        What the value is called in the error message.
+    value
+        Anything NumPy can read.
+    shape
+        Wanted shape; None stands for any length, and None as a whole for any shape.
+
+    Raises
+    ------
+    ProblemError
+        If it is not numeric, has the wrong shape or holds NaN; the message names the first bad entry.
+
+    Examples
+    --------
+    >>> real_array("com", [0, 0, 0.3], (3,))
+    array([0. , 0. , 0.3])
+    """
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
+    if shape is not None:
+        wanted = tuple(shape)
+        fits = array.ndim == len(wanted) and all(
+            w is None or w == a for w, a in zip(wanted, array.shape, strict=True)
+        )
+        if not fits:
+            text = (
+                "("
+                + ", ".join("any" if w is None else str(w) for w in wanted)
+                + ("," * (len(wanted) == 1))
+                + ")"
+            )
+            raise ProblemError(f"{name} must have shape {text}, got {array.shape}")
+    bad = np.isnan(array)
+    if bad.any():
+        raise ProblemError(f"{name}{_where(bad)} is NaN")
+    return array
+
+
+def finite_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
+    """Like `real_array`, and infinite entries are refused too."""
+    array = real_array(name, value, shape)
+    bad = ~np.isfinite(array)
+    if bad.any():
+        raise ProblemError(f"{name}{_where(bad)} is infinite")
+    return array
+
+
+def real_number(name: str, value: float, *, low: float = -np.inf, high: float = np.inf) -> float:
+    """Return `value` as a float within [low, high]; NaN is refused.
+
+    >>> real_number("mu", 0.6, low=0)
+    0.6
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(f"{name} must be a number, got {value!r:.80}") from error
+    if not low <= number <= high:
+        wanted = f">= {low:g}" if high == np.inf else f"between {low:g} and {high:g}"
+        raise ProblemError(
+            f"{name} must be a number {wanted if low > -np.inf else ''}".rstrip() + f", got {number:g}"
+        )
+    return number
+
+
+def per_contact(name: str, value: ArrayLike, count: int, *, low: float = 0.0) -> FloatArray:
+    """Return a scalar or (count,) value as a (count,) array with entries >= low (infinity allowed)."""
+    array = real_array(name, value)
+    if array.ndim == 0:
+        array = np.full(count, float(array))
+    if array.shape != (count,):
+        raise ProblemError(f"{name} must be a number or have shape ({count},), got {array.shape}")
+    bad = array < low
+    if bad.any():
+        raise ProblemError(f"{name}{_where(bad)} must be >= {low:g}, got {array[bad][0]:g}")
+    return array
+
+
+def _where(bad: BoolArray) -> str:
+    """Return the index of the first bad entry as text, empty for a scalar."""
+    if bad.ndim == 0:
+        return ""
+    return "[" + ", ".join(str(i) for i in np.argwhere(bad)[0]) + "]"

@@ -1,0 +1,1 @@
+"""Which law was broken, where and by how much; never imports a solver."""

@@ -1,0 +1,1 @@
+"""Named problem sets and measurements against rivals in the same run."""

@@ -1,0 +1,61 @@
+"""Timing that can be compared: one core, warmed up, median and 99th percentile."""
+
+from __future__ import annotations
+
+import gc
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Wall time per call [s]."""
+
+    median: float
+    p99: float
+    worst: float
+    calls: int
+
+    @staticmethod
+    def of(seconds: ArrayLike) -> Timing:
+        """Summarise the wall times of single calls [s]."""
+        s = np.asarray(seconds, dtype=np.float64)
+        return Timing(float(np.median(s)), float(np.percentile(s, 99)), float(s.max()), int(s.size))
+
+
+@contextmanager
+def one_core() -> Iterator[None]:
+    """Pin the process to one core (the last it may use) and hold the garbage collector meanwhile."""
+    cores = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else set()
+    collecting = gc.isenabled()
+    try:
+        if cores:
+            os.sched_setaffinity(0, {max(cores)})
+        gc.disable()
+        yield
+    finally:
+        if cores:
+            os.sched_setaffinity(0, cores)
+        if collecting:
+            gc.enable()
+
+
+def time_calls(function: Callable[[Any], Any], items: Iterable[Any], warm_up: int = 20) -> Timing:
+    """Time `function(item)` for every item, after `warm_up` calls on the first items."""
+    work = list(items)
+    for item in work[:warm_up]:
+        function(item)
+    seconds = np.empty(len(work))
+    clock = time.perf_counter
+    for k, item in enumerate(work):
+        start = clock()
+        function(item)
+        seconds[k] = clock() - start
+    return Timing.of(seconds)

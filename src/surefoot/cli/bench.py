@@ -1,0 +1,12 @@
+"""`surefoot bench ...`: one sub-command per benchmark; each prints a ratio to rivals of the same run."""
+
+from __future__ import annotations
+
+import typer
+
+app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
+
+
+@app.callback()
+def bench() -> None:
+    """Measure Surefoot against its rivals in the same run."""

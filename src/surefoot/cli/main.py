@@ -1,0 +1,49 @@
+"""The `surefoot` command line: collects the commands and turns errors into one line."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+import typer
+
+from surefoot.cli import bench
+from surefoot.errors import SurefootError
+
+EXIT_BAD_INPUT = 2
+
+app = typer.Typer(
+    name="surefoot",
+    help="The contact layer for legged robots: constrain, solve and check contact forces.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(bench.app, name="bench")
+
+
+def run(arguments: list[str] | None = None) -> None:
+    """Run the command line and exit; bad input is one line on stderr and exit code 2."""
+    sys.exit(main(arguments))
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    try:
+        result = app(args=arguments, prog_name="surefoot", standalone_mode=False)
+    except SurefootError as error:
+        return _bad_input(str(error))
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return EXIT_BAD_INPUT
+    except click.ClickException as error:
+        return _bad_input(error.format_message())
+    except click.Abort:
+        print("interrupted", file=sys.stderr)
+        return 130
+    return result if isinstance(result, int) else 0
+
+
+def _bad_input(message: str) -> int:
+    print("surefoot: " + " ".join(message.split()), file=sys.stderr)
+    return EXIT_BAD_INPUT

@@ -1,0 +1,122 @@
+"""Polyhedral cones: half-spaces and rays of the same set, and friction pyramids."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import nnls
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.cones.cone import Cone
+from surefoot.errors import ProblemError, unknown_name
+
+
+class PolyhedralCone(Cone):
+    """The cone {x : halfspaces @ x <= 0} = {rays.T @ beta : beta >= 0}.
+
+    Parameters
+    ----------
+    halfspaces
+        (m, dim); rows are outward normals.
+    rays
+        (r, dim); rows generate the cone.
+    """
+
+    def __init__(self, halfspaces: ArrayLike, rays: ArrayLike) -> None:
+        self.halfspaces = finite_array("halfspaces", halfspaces, (None, None))
+        self.rays = finite_array("rays", rays, (None, None))
+        if self.halfspaces.shape[1] != self.rays.shape[1]:
+            raise ProblemError(
+                f"halfspaces and rays must have the same dimension, got {self.halfspaces.shape[1]} "
+                f"and {self.rays.shape[1]}"
+            )
+        self.dim = self.halfspaces.shape[1]
+
+    def project(self, x: ArrayLike) -> FloatArray:
+        """Return the nearest point of the cone: (..., dim), by non-negative least squares on the rays."""
+        points = self._points(x)
+        flat = points.reshape(-1, self.dim)
+        out = np.array([self.rays.T @ nnls(self.rays.T, p)[0] for p in flat])
+        return out.reshape(points.shape)
+
+    def margin(self, x: ArrayLike) -> FloatArray:
+        """Return the signed distance to the boundary: (...), positive inside."""
+        points = self._points(x)
+        normals = self.halfspaces / np.linalg.norm(self.halfspaces, axis=1, keepdims=True)
+        slack = -np.max(points @ normals.T, axis=-1)
+        outside = slack < 0.0
+        if np.any(outside):
+            distance = np.linalg.norm(points - self.project(points), axis=-1)
+            slack = np.where(outside, -distance, slack)
+        return np.asarray(slack)
+
+    def dual(self) -> PolyhedralCone:
+        """Return the dual cone: its rays are minus the half-spaces, its half-spaces minus the rays."""
+        return PolyhedralCone(-self.rays, -self.halfspaces)
+
+
+@dataclass(frozen=True)
+class FitError:
+    """How far a pyramid is from its cone, as positive shares of the cone's section.
+
+    Attributes
+    ----------
+    radial
+        Largest radial gap over the radius: 1 - cos(pi / k) inside, 1 / cos(pi / k) - 1 outside.
+    area
+        Area gap over the circle's area.
+    """
+
+    radial: float
+    area: float
+
+
+class FrictionPyramid(PolyhedralCone):
+    """A friction pyramid with k sides; built by `FrictionCone.polyhedral`.
+
+    Its half-spaces are (k, 3), each with a tangential part of length one, so that a row's slack is in
+    newtons of tangential force; rays are (k, 3) with f_z = 1. With mu = 0 the pyramid is the ray
+    along z and one more row, -f_z <= 0, is needed.
+    """
+
+    def __init__(
+        self, mu: float, facets: int = 8, fit: Literal["inner", "outer"] = "inner", phase: float = 0.0
+    ) -> None:
+        self.mu = real_number("mu", mu, low=0.0)
+        if math.isinf(self.mu):
+            raise ProblemError("a friction pyramid needs a finite mu, got inf")
+        if int(facets) != facets or facets < 3:
+            raise ProblemError(f"facets must be a whole number >= 3, got {facets!r}")
+        if fit not in ("inner", "outer"):
+            raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
+        self.facets, self.fit, self.phase = int(facets), fit, float(phase)
+        half = math.pi / self.facets
+        at = self.phase + 2.0 * half * np.arange(self.facets)
+        face_angle, ray_angle = (at + half, at) if fit == "inner" else (at, at + half)
+        face_mu = self.mu * math.cos(half) if fit == "inner" else self.mu
+        ray_mu = self.mu if fit == "inner" else self.mu / math.cos(half)
+        ones = np.ones(self.facets)
+        halfspaces = np.column_stack([np.cos(face_angle), np.sin(face_angle), -face_mu * ones])
+        rays = np.column_stack([ray_mu * np.cos(ray_angle), ray_mu * np.sin(ray_angle), ones])
+        if self.mu == 0.0:
+            halfspaces = np.vstack([halfspaces, [0.0, 0.0, -1.0]])
+        super().__init__(halfspaces, rays)
+
+    def __repr__(self) -> str:
+        return f"FrictionPyramid(mu={self.mu:g}, facets={self.facets}, fit={self.fit!r})"
+
+    @property
+    def fit_error(self) -> FitError:
+        """Exact fit errors of this pyramid against its cone, in closed form.
+
+        >>> FrictionPyramid(0.6, 4, "outer").fit_error.radial
+        0.41421356...
+        """
+        half = math.pi / self.facets
+        if self.fit == "inner":
+            return FitError(1.0 - math.cos(half), 1.0 - math.sin(2 * half) / (2 * half))
+        return FitError(1.0 / math.cos(half) - 1.0, math.tan(half) / half - 1.0)

@@ -1,0 +1,179 @@
+"""Every contact law as a number, computed from the problem alone.
+
+Written apart from any solver's stopping test: solvers do not import their projections from here and
+this file imports none of theirs, so that a certificate is an independent opinion.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.problem import ContactProblem
+from surefoot.errors import ProblemError
+from surefoot.kernels import inline_kernel, kernel
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """How far forces and velocities are from the contact laws; every number is zero at a solution.
+
+    In the convex law the separation mu ||u_t|| that it adds to a sliding contact is taken off first,
+    so that the same three laws are read from what is left.
+
+    Attributes
+    ----------
+    natural_map
+        ||λ - P_K(λ - ρ(u + Γ(u)))|| / max(||λ||, ρ ||g||) with ρ = 1 / ||G||₂; Γ = 0 for the convex
+        law. Dimensionless; `Status.SOLVED` is judged by it.
+    cone_violation
+        Largest distance of a contact's force to its cone, normal bounds included [N].
+    penetration_velocity
+        Largest approach speed of a contact that is not at its upper normal bound [m/s].
+    complementarity
+        Largest normal power that the unilateral law says must vanish,
+        (λ_n - low) v_n for v_n > 0 and (high - λ_n) |v_n| for v_n < 0 and a finite bound [W].
+    dissipation
+        Largest gap between the friction power and the most that the cone allows,
+        mu λ_n ||u_t|| + λ_t . u_t [W].
+    """
+
+    natural_map: float
+    cone_violation: float
+    penetration_velocity: float
+    complementarity: float
+    dissipation: float
+
+
+def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
+    """Return the residuals of (n, 3) forces [N]; the velocities are recomputed from them.
+
+    Raises
+    ------
+    ProblemError
+        If the forces do not have the shape (n, 3). NaN gives NaN residuals, never a pass.
+    """
+    f = np.ascontiguousarray(forces, dtype=np.float64)
+    if f.shape != (problem.contacts, 3):
+        raise ProblemError(f"forces must have shape ({problem.contacts}, 3), got {f.shape}")
+    velocities = problem.G @ f.ravel() + problem.g
+    return Residuals(*measure(problem, f, velocities.reshape(-1, 3)))
+
+
+def measure(
+    problem: ContactProblem, forces: FloatArray, velocities: FloatArray
+) -> tuple[float, float, float, float, float]:
+    """Return the fields of `Residuals` for forces and their velocities, both (n, 3)."""
+    if problem.contacts == 0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+    facets = 0 if problem.facets is None else problem.facets
+    return _measure(
+        forces, velocities, problem.g, problem.mu, problem.normal_min, problem.normal_max,
+        step, facets, problem.fit == "inner", problem.law == "coulomb",
+    )  # fmt: skip
+
+
+@inline_kernel
+def _face_mu(mu: float, facets: int, inner: bool) -> float:
+    """Return the slope of a pyramid's faces (of the cone itself for facets = 0)."""
+    return mu * math.cos(math.pi / facets) if facets > 0 and inner else mu
+
+
+@inline_kernel
+def _nearest(
+    x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
+) -> tuple[float, float, float]:
+    """Return the nearest admissible force of one contact.
+
+    Works in the half-plane through the normal and the force; for a pyramid in the chamber between a
+    face's middle and its edge, which a projection onto a set with the same mirrors never leaves.
+    """
+    slope = _face_mu(mu, facets, inner)
+    radius = math.hypot(x, y)
+    bearing = math.atan2(y, x)
+    turn, side = 0.0, 1.0
+    if facets > 0:
+        sector = 2.0 * math.pi / facets
+        start = 0.5 * sector if inner else 0.0  # direction of the first face's middle
+        turn = start + sector * math.floor((bearing - start) / sector + 0.5)
+        side = 1.0 if bearing >= turn else -1.0
+        a, b = radius * math.cos(bearing - turn), radius * abs(math.sin(bearing - turn))
+        widen = math.tan(0.5 * sector)
+    else:
+        turn, a, b, widen = bearing, radius, 0.0, 0.0
+    p, q, r = a, b, z
+    if a > slope * z:
+        r = (slope * a + z) / (1.0 + slope * slope)
+        p = slope * r
+        edge = slope * widen
+        if b > edge * r:
+            r = (slope * a + edge * b + z) / (1.0 + slope * slope + edge * edge)
+            p, q = slope * r, edge * r
+        if r <= 0.0:
+            p, q, r = 0.0, 0.0, 0.0
+    if r < low or r > high:
+        r = low if r < low else high
+        p = min(a, slope * r)
+        q = b if facets == 0 else min(b, widen * slope * r)
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return p * cosine - side * q * sine, p * sine + side * q * cosine, r
+
+
+@inline_kernel
+def _dissipation_limit(ut_x: float, ut_y: float, mu: float, facets: int, inner: bool) -> float:
+    """Return the largest -f_t . u_t over the section f_z = 1: mu ||u_t|| for the exact cone."""
+    speed = math.hypot(ut_x, ut_y)
+    if facets == 0 or speed == 0.0:
+        return mu * speed
+    sector = 2.0 * math.pi / facets
+    start = 0.0 if inner else 0.5 * sector  # direction of the first ray
+    bearing = math.atan2(-ut_y, -ut_x)
+    off = bearing - (start + sector * math.floor((bearing - start) / sector + 0.5))
+    ray_mu = mu if inner else mu / math.cos(0.5 * sector)
+    return ray_mu * speed * math.cos(off)
+
+
+@kernel
+def _measure(
+    forces: FloatArray,
+    velocities: FloatArray,
+    free: FloatArray,
+    mu: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    step: float,
+    facets: int,
+    inner: bool,
+    coulomb: bool,
+) -> tuple[float, float, float, float, float]:
+    gap = force_scale = violation = approach = normal_power = slip_power = 0.0
+    for k in range(forces.shape[0]):
+        x, y, z = forces[k, 0], forces[k, 1], forces[k, 2]
+        ux, uy, uz = velocities[k, 0], velocities[k, 1], velocities[k, 2]
+        limit = _dissipation_limit(ux, uy, mu[k], facets, inner)
+        shifted = uz + limit if coulomb else uz
+        a, b, c = _nearest(
+            x - step * ux, y - step * uy, z - step * shifted, mu[k], low[k], high[k], facets, inner
+        )
+        gap += (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
+        force_scale += x * x + y * y + z * z
+        a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
+        away = math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
+        violation = away if not away <= violation else violation
+        v = uz if coulomb else uz - limit
+        if v < 0.0 and z < high[k]:
+            approach = max(approach, -v)
+        power = abs(z - low[k]) * v if v > 0.0 else 0.0
+        if v < 0.0 and high[k] < np.inf:
+            power = abs(high[k] - z) * -v
+        normal_power = power if not power <= normal_power else normal_power
+        lost = abs(z * limit + x * ux + y * uy)
+        slip_power = lost if not lost <= slip_power else slip_power
+    scale = max(math.sqrt(force_scale), step * math.sqrt(np.sum(free * free)))
+    natural = math.sqrt(gap) / scale if scale > 0.0 else math.sqrt(gap)
+    return natural, violation, approach, normal_power, slip_power

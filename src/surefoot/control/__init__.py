@@ -1,0 +1,1 @@
+"""Controllers: force distribution, standing, walking."""

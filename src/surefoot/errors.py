@@ -1,0 +1,47 @@
+"""Errors that Surefoot raises on purpose; everything else is a bug."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+
+class SurefootError(Exception):
+    """Base of every error that Surefoot raises on purpose."""
+
+
+class ProblemError(SurefootError, ValueError):
+    """Input that does not describe a problem: wrong shape, NaN, negative friction, ..."""
+
+
+class ModelError(SurefootError, ValueError):
+    """A robot, foot, frame or terrain that cannot be found or built."""
+
+
+class SolverNotFound(SurefootError, LookupError):
+    """A solver name that is unknown, or whose optional package is not installed."""
+
+
+class MissingExtra(SurefootError, ImportError):
+    """An optional package is needed; the message says which extra installs it."""
+
+    def __init__(self, package: str, extra: str) -> None:
+        super().__init__(f"{package} is not installed; run: pip install 'surefoot[{extra}]'")
+
+
+class NoSolution(SurefootError, RuntimeError):
+    """Raised by `ContactSolution.raise_if_failed`; carries the problem and what was reached."""
+
+    def __init__(self, message: str, problem: Any = None, solution: Any = None) -> None:
+        super().__init__(message)
+        self.problem = problem
+        self.solution = solution
+
+
+def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
+    """Return the one-line message for a name that is not in a list.
+
+    >>> unknown_name("gait", "hop", ["trot", "walk"])
+    "unknown gait 'hop'; valid names: trot, walk"
+    """
+    return f"unknown {kind} {name!r}; valid names: {', '.join(sorted(valid))}"

@@ -1,0 +1,28 @@
+"""The one decorator for compiled kernels, so that their settings live in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ParamSpec, TypeVar, cast
+
+import numba
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function with Numba: nopython, cached on disk, IEEE division.
+
+    No fast-math: kernels must see NaN and infinity as they are. The plain Python function stays
+    reachable as `kernel.py_func`; tests compare a kernel with a NumPy twin.
+    """
+    return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy")(function))
+
+
+def inline_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a small function that LLVM should fold into its callers (3x3 algebra, projections)."""
+    return cast(
+        "Callable[P, R]",
+        numba.njit(cache=True, error_model="numpy", inline="never", forceinline=True)(function),
+    )

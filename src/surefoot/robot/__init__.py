@@ -1,0 +1,1 @@
+"""A robot on Pinocchio: model, feet, Jacobians, dynamics."""

@@ -1,0 +1,1 @@
+"""Worlds that a controller can run in, and the log of a run."""

@@ -1,0 +1,204 @@
+"""The solver contract: register an algorithm, solve a problem, certify the answer."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.contact.problem import LAWS, ContactProblem, Law
+from surefoot.contact.residuals import Residuals, measure
+from surefoot.contact.solution import ContactSolution, Status
+from surefoot.errors import ProblemError, SolverNotFound, unknown_name
+
+ALMOST_FACTOR = 1e3
+"""A residual within this factor of the tolerance is ALMOST solved."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What every solver is told.
+
+    Attributes
+    ----------
+    tol
+        Wanted natural map residual, see `surefoot.contact.residuals`.
+    max_iterations
+        Bound on the iterations; None for the solver's own default.
+    max_time
+        Bound on the wall time [s], checked between iterations.
+    """
+
+    tol: float = 1e-8
+    max_iterations: int | None = None
+    max_time: float = math.inf
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a solver hands back to `solve`: its forces and why it stopped, no claim of success.
+
+    `stop` is read only where the residual does not already say SOLVED or ALMOST.
+    """
+
+    forces: FloatArray
+    iterations: int
+    stop: Status = Status.MAX_ITERATIONS
+    timings: dict[str, float] = field(default_factory=dict)
+
+
+SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
+Function = TypeVar("Function", bound=SolverFunction)
+
+
+@dataclass(frozen=True)
+class SolverEntry:
+    """A registered solver and what it can take."""
+
+    name: str
+    function: SolverFunction
+    laws: tuple[Law, ...]
+    exact: bool
+    polyhedral: bool
+
+
+_REGISTRY: dict[str, SolverEntry] = {}
+_MODULES = ("external",)
+
+
+def register(
+    name: str, *, laws: Iterable[Law] = LAWS, exact: bool = True, polyhedral: bool = False
+) -> Callable[[Function], Function]:
+    """Return the decorator that makes a function a solver.
+
+    Parameters
+    ----------
+    name
+        What users pass to `solve`.
+    laws
+        The laws it solves.
+    exact, polyhedral
+        Whether it takes problems with exact cones, and with pyramids.
+    """
+
+    def decorate(function: Function) -> Function:
+        _REGISTRY[name] = SolverEntry(name, function, tuple(laws), exact, polyhedral)
+        return function
+
+    return decorate
+
+
+def registry() -> dict[str, SolverEntry]:
+    """Return all solvers by name; imports their files on first use."""
+    for module in _MODULES:
+        importlib.import_module(f"surefoot.solvers.{module}")
+    return _REGISTRY
+
+
+def solver_names(problem: ContactProblem | None = None) -> tuple[str, ...]:
+    """Return the names of all solvers, or of those that take a problem's law and cones."""
+    entries = registry().values()
+    return tuple(sorted(e.name for e in entries if problem is None or _mismatch(e, problem) is None))
+
+
+def solve(
+    problem: ContactProblem,
+    solver: str = "auto",
+    tol: float = 1e-8,
+    *,
+    max_iterations: int | None = None,
+    max_time: float = math.inf,
+    warm_start: FloatArray | None = None,
+) -> ContactSolution:
+    """Solve a contact problem and certify the answer.
+
+    Parameters
+    ----------
+    problem
+        What to solve.
+    solver
+        A name from `solver_names`, or "auto".
+    tol
+        Wanted natural map residual.
+    max_iterations, max_time
+        Bounds, see `Settings`.
+    warm_start
+        (n, 3) forces to start from.
+
+    Returns
+    -------
+    ContactSolution
+        Also for a problem that could not be solved: look at `status`, or call `raise_if_failed`.
+
+    Raises
+    ------
+    SolverNotFound
+        If the name is unknown or its package is missing.
+    ProblemError
+        If the solver does not take this law or these cones, or a setting is out of range.
+    """
+    entry = find_solver(solver, problem)
+    settings = Settings(
+        real_number("tol", tol, low=0.0), max_iterations, real_number("max_time", max_time, low=0.0)
+    )
+    if warm_start is not None:
+        warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
+    start = time.perf_counter()
+    if problem.contacts == 0:
+        answer = Answer(np.zeros((0, 3)), 0)
+    else:
+        answer = entry.function(problem, settings, warm_start)
+    return certify(problem, answer, entry.name, settings.tol, time.perf_counter() - start)
+
+
+def certify(
+    problem: ContactProblem, answer: Answer, name: str, tol: float, solve_time: float
+) -> ContactSolution:
+    """Return the solution with a status that the residuals bear out, whatever the solver believes."""
+    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(-1, 3)
+    velocities = (problem.G @ forces.ravel() + problem.g).reshape(-1, 3)
+    found = Residuals(*measure(problem, forces, velocities))
+    if not math.isfinite(found.natural_map):
+        status = Status.INVALID
+    elif found.natural_map <= tol:
+        status = Status.SOLVED
+    elif answer.stop is Status.INFEASIBLE:
+        status = Status.INFEASIBLE
+    elif found.natural_map <= ALMOST_FACTOR * tol:
+        status = Status.ALMOST
+    else:
+        status = answer.stop
+    return ContactSolution(
+        problem, forces, velocities, status, found, name, answer.iterations, solve_time, answer.timings
+    )
+
+
+def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
+    """Return the entry of a solver that takes the problem; see `solve` for the errors."""
+    entries = registry()
+    if name == "auto":
+        name = "clarabel" if problem.facets is None else "daqp"
+    if name not in entries:
+        raise SolverNotFound(unknown_name("solver", name, entries))
+    entry = entries[name]
+    reason = _mismatch(entry, problem)
+    if reason is not None:
+        raise ProblemError(f"{name} {reason}; solvers that do: {', '.join(solver_names(problem)) or 'none'}")
+    return entry
+
+
+def _mismatch(entry: SolverEntry, problem: ContactProblem) -> str | None:
+    """Return why a solver does not take a problem, or None."""
+    if problem.law not in entry.laws:
+        return f"does not solve law={problem.law!r}"
+    if problem.facets is None and not entry.exact:
+        return "takes pyramids only (use problem.polyhedral(facets))"
+    if problem.facets is not None and not entry.polyhedral:
+        return "takes exact cones only (facets=None)"
+    return None

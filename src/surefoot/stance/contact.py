@@ -1,0 +1,157 @@
+"""One contact between a robot and the ground: a point or a rectangular patch."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.cones import Cone, FrictionCone
+from surefoot.errors import ProblemError
+from surefoot.spatial import rotation_from_normal
+
+
+class Contact(ABC):
+    """What a point and a patch share: place, frame, friction and bounds on the normal force.
+
+    Parameters
+    ----------
+    position
+        (3,) in world axes [m]; the centre, for a patch.
+    normal
+        (3,) unit normal out of the ground.
+    mu
+        Friction coefficient, finite and >= 0.
+    name
+        Used in tables and messages.
+    normal_min, normal_max
+        Bounds on the normal force [N]; 0 <= normal_min <= normal_max.
+    heading
+        (3,) direction that the contact frame's x axis follows, projected into the surface.
+
+    Raises
+    ------
+    ProblemError
+        If a value is not finite, a normal is not unit, mu < 0, or the bounds are out of order.
+    """
+
+    dim: int
+
+    def __init__(
+        self,
+        position: ArrayLike,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        mu: float = 0.6,
+        name: str = "",
+        normal_min: float = 0.0,
+        normal_max: float = math.inf,
+        heading: ArrayLike = (1.0, 0.0, 0.0),
+    ) -> None:
+        self.position = finite_array("position", position, (3,))
+        self.rotation_world_contact = rotation_from_normal(normal, heading)
+        self.mu = real_number("mu", mu, low=0.0)
+        if math.isinf(self.mu):
+            raise ProblemError("mu must be finite, got inf")
+        self.name = str(name)
+        self.normal_min = real_number("normal_min", normal_min, low=0.0)
+        self.normal_max = real_number("normal_max", normal_max, low=0.0)
+        if self.normal_min > self.normal_max:
+            raise ProblemError(
+                f"normal_min must be <= normal_max, got {self.normal_min:g} > {self.normal_max:g}"
+                + (f" for contact {self.name}" if self.name else "")
+            )
+
+    @property
+    @abstractmethod
+    def cone(self) -> Cone:
+        """The cone of the contact's force (3) or wrench (6), in the contact frame."""
+
+    @property
+    def normal(self) -> FloatArray:
+        """(3,) unit normal out of the ground, world axes."""
+        return self.rotation_world_contact[:, 2]
+
+    def __repr__(self) -> str:
+        place = np.array2string(self.position, precision=3)
+        return f"{type(self).__name__}({self.name!r}, position={place}, mu={self.mu:g})"
+
+
+class PointContact(Contact):
+    """A foot that touches in a point: three force components, no moment.
+
+    See `Contact` for the parameters.
+
+    Examples
+    --------
+    >>> PointContact(position=[0.2, 0.1, 0.0], mu=0.6, name="FL").cone
+    FrictionCone(mu=0.6)
+    """
+
+    dim = 3
+
+    @property
+    def cone(self) -> FrictionCone:
+        """The friction cone of the contact force, in the contact frame."""
+        return FrictionCone(self.mu)
+
+
+class PatchContact(Contact):
+    """A flat rectangular foot: a wrench of six components about the patch's centre.
+
+    Parameters
+    ----------
+    length, width
+        Full size along the contact frame's x and y axes [m], > 0.
+    position, normal, mu, name, normal_min, normal_max, heading
+        As for `Contact`.
+    """
+
+    dim = 6
+
+    def __init__(
+        self,
+        position: ArrayLike,
+        length: float,
+        width: float,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        mu: float = 0.6,
+        name: str = "",
+        normal_min: float = 0.0,
+        normal_max: float = math.inf,
+        heading: ArrayLike = (1.0, 0.0, 0.0),
+    ) -> None:
+        super().__init__(position, normal, mu, name, normal_min, normal_max, heading)
+        self.length = real_number("length", length, low=0.0)
+        self.width = real_number("width", width, low=0.0)
+        if not (0.0 < self.length < math.inf and 0.0 < self.width < math.inf):
+            raise ProblemError(
+                f"length and width must be positive and finite, got {self.length:g} and {self.width:g}"
+            )
+
+    @property
+    def cone(self) -> Cone:
+        """The contact wrench cone of the patch: the sum of its corners' cones."""
+        from surefoot.cones.wrench import WrenchCone
+
+        return WrenchCone(self.length, self.width, self.mu)
+
+    def corners(self) -> list[PointContact]:
+        """Return the four corners as point contacts with the same frame and friction.
+
+        Their forces generate the same set of wrenches as the patch. The normal bounds belong to the
+        sum, so corners carry only the upper one.
+        """
+        out = []
+        for k, (sx, sy) in enumerate(((1, 1), (1, -1), (-1, -1), (-1, 1))):
+            offset = np.array([0.5 * sx * self.length, 0.5 * sy * self.width, 0.0])
+            place = self.position + self.rotation_world_contact @ offset
+            out.append(
+                PointContact(
+                    place, self.normal, self.mu, f"{self.name}.{k}", 0.0, self.normal_max,
+                    self.rotation_world_contact[:, 0],
+                )
+            )  # fmt: skip
+        return out

@@ -1,0 +1,135 @@
+"""A stance: the contacts that hold a robot, and the map from their forces to one wrench."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.cones import ProductCone
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.spatial import skew
+from surefoot.stance.contact import Contact, PatchContact, PointContact
+
+
+class Stance:
+    """Contacts in a fixed order; forces are stacked in that order, each in its contact frame.
+
+    Parameters
+    ----------
+    contacts
+        Point and patch contacts; none at all is allowed (a robot in the air).
+
+    Examples
+    --------
+    >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+    >>> stance = Stance([PointContact(p, mu=0.6) for p in feet])
+    >>> stance.grasp_map(about=[0, 0, 0.3]).shape
+    (6, 12)
+    """
+
+    def __init__(self, contacts: Sequence[Contact]) -> None:
+        self.contacts = tuple(contacts)
+        for k, contact in enumerate(self.contacts):
+            if not isinstance(contact, (PointContact, PatchContact)):
+                raise ProblemError(
+                    f"contacts[{k}] must be a PointContact or a PatchContact, got {type(contact).__name__}"
+                )
+        ends = np.cumsum([0, *(c.dim for c in self.contacts)])
+        self.slices = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+        self.dim = int(ends[-1])
+
+    def __len__(self) -> int:
+        return len(self.contacts)
+
+    def __iter__(self) -> Iterator[Contact]:
+        return iter(self.contacts)
+
+    def __repr__(self) -> str:
+        return f"Stance([{', '.join(c.name or type(c).__name__ for c in self.contacts)}])"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the contacts, in order."""
+        return tuple(c.name for c in self.contacts)
+
+    def _each(self, attribute: str) -> FloatArray:
+        return np.array([getattr(c, attribute) for c in self.contacts], dtype=np.float64)
+
+    @cached_property
+    def positions(self) -> FloatArray:
+        """(n, 3) contact positions in world axes [m]."""
+        return self._each("position").reshape(-1, 3)
+
+    @cached_property
+    def rotations(self) -> FloatArray:
+        """(n, 3, 3) rotation_world_contact of each contact."""
+        return self._each("rotation_world_contact").reshape(-1, 3, 3)
+
+    @cached_property
+    def mu(self) -> FloatArray:
+        """(n,) friction coefficients."""
+        return self._each("mu")
+
+    @cached_property
+    def normal_min(self) -> FloatArray:
+        """(n,) lower bounds on the normal forces [N]."""
+        return self._each("normal_min")
+
+    @cached_property
+    def normal_max(self) -> FloatArray:
+        """(n,) upper bounds on the normal forces [N]."""
+        return self._each("normal_max")
+
+    def grasp_map(self, about: ArrayLike = (0.0, 0.0, 0.0)) -> FloatArray:
+        """Return the map from stacked contact forces to the wrench on the robot.
+
+        Parameters
+        ----------
+        about
+            (3,) point that moments refer to, usually the centre of mass, world axes [m].
+
+        Returns
+        -------
+        FloatArray
+            (6, dim): [force; moment about the point] in world axes = map @ forces in contact frames
+            (three columns for a point, six for a patch).
+        """
+        point = finite_array("about", about, (3,))
+        out = np.zeros((6, self.dim))
+        for contact, part in zip(self.contacts, self.slices, strict=True):
+            R = contact.rotation_world_contact
+            block = out[:, part]
+            block[:3, :3] = R
+            block[3:, :3] = skew(contact.position - point) @ R
+            if contact.dim == 6:
+                block[3:, 3:] = R
+        return out
+
+    def cone(self) -> ProductCone:
+        """Return the product of the contacts' cones, for the stacked forces."""
+        return ProductCone([c.cone for c in self.contacts])
+
+    def points(self) -> Stance:
+        """Return the same stance with every patch replaced by its four corner points."""
+        out: list[Contact] = []
+        for contact in self.contacts:
+            out.extend(contact.corners() if isinstance(contact, PatchContact) else [contact])
+        return Stance(out)
+
+    def without(self, *names: str) -> Stance:
+        """Return the stance less the named contacts (feet in swing).
+
+        Raises
+        ------
+        ProblemError
+            For a name that is not in the stance.
+        """
+        for name in names:
+            if name not in self.names:
+                raise ProblemError(unknown_name("contact", name, self.names))
+        return Stance([c for c in self.contacts if c.name not in names])

@@ -1,0 +1,1 @@
+"""Plots, pictures and reports; matplotlib is imported in the functions that draw."""

@@ -1,0 +1,66 @@
+"""How every Surefoot picture looks: figures without pyplot's global state, colours, saving."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from surefoot.errors import MissingExtra
+
+FOOT_COLOURS = ("#1b6ca8", "#d1495b", "#2e933c", "#e08e0b", "#6f4e9b", "#00798c", "#8d5524", "#5c5c5c")
+INK, MUTED, GROUND, FORCE, BAD = "#22303c", "#8a99a6", "#e8e4da", "#d1495b", "#b3001b"
+
+_STYLE = {
+    "font.size": 9,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlesize": 10,
+    "axes.titlecolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e7ea",
+    "grid.linewidth": 0.6,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "text.color": INK,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+}
+
+
+def new_figure(
+    rows: int = 1, columns: int = 1, size: tuple[float, float] = (8.0, 4.5), **subplots: Any
+) -> tuple[Any, Any]:
+    """Return a matplotlib figure and its (rows, columns) array of axes, in the house style.
+
+    `size` is in inches; further keywords go to `Figure.subplots` (for 3-D axes pass
+    ``subplot_kw={"projection": "3d"}``).
+
+    Raises
+    ------
+    MissingExtra
+        If matplotlib is not installed.
+    """
+    try:
+        import matplotlib
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtra("matplotlib", "viz") from error
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=size, layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots(rows, columns, squeeze=False, **subplots)
+    return figure, axes
+
+
+def save(figure: Any, path: Path, dpi: int = 130) -> Path:
+    """Write the figure to a new file and return its path."""
+    import matplotlib
+
+    with matplotlib.rc_context(_STYLE):
+        figure.savefig(path, dpi=dpi)
+    return path
