@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sys
 
-import click
 import typer
 
 from surefoot.cli import bench
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
+UsageError = typer.BadParameter.__bases__[0]
+"""Click's class for wrong usage, whether Typer brings Click along or depends on it."""
 
 app = typer.Typer(
     name="surefoot",
@@ -33,12 +34,11 @@ def main(arguments: list[str] | None = None) -> int:
         result = app(args=arguments, prog_name="surefoot", standalone_mode=False)
     except SurefootError as error:
         return _bad_input(str(error))
-    except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message())
-        return EXIT_BAD_INPUT
-    except click.ClickException as error:
-        return _bad_input(error.format_message())
-    except click.Abort:
+    except UsageError as error:
+        if type(error).__name__ == "NoArgsIsHelpError":  # the help has been printed
+            return EXIT_BAD_INPUT
+        return _bad_input(error.format_message())  # type: ignore[attr-defined]
+    except typer.Abort:
         print("interrupted", file=sys.stderr)
         return 130
     return result if isinstance(result, int) else 0
