@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import cast
 
 import typer
 
@@ -10,7 +11,7 @@ from surefoot.cli import bench
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
-UsageError = typer.BadParameter.__bases__[0]
+UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 """Click's class for wrong usage, whether Typer brings Click along or depends on it."""
 
 app = typer.Typer(
@@ -37,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     except UsageError as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # the help has been printed
             return EXIT_BAD_INPUT
-        return _bad_input(error.format_message())  # type: ignore[attr-defined]
+        return _bad_input(error.format_message())
     except typer.Abort:
         print("interrupted", file=sys.stderr)
         return 130
