@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from surefoot.cones import FrictionPyramid as FrictionPyramid
     from surefoot.cones import PolyhedralCone as PolyhedralCone
     from surefoot.cones import ProductCone as ProductCone
+    from surefoot.cones import WrenchCone as WrenchCone
     from surefoot.contact import ContactProblem as ContactProblem
     from surefoot.contact import ContactSolution as ContactSolution
     from surefoot.contact import Residuals as Residuals
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone"),
+    "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone", "WrenchCone"),
     "contact": ("ContactProblem", "ContactSolution", "Residuals", "Status", "residuals"),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
     "solvers": ("solve", "solver_names"),

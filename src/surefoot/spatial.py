@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError
 
+GRAVITY = 9.81
+"""Standard acceleration of gravity [m/s^2]; it acts along -z of the world."""
+
 
 def skew(vector: ArrayLike) -> FloatArray:
     """Return the matrix S with S @ b = vector x b.

@@ -1,0 +1,143 @@
+"""The 6-D contact wrench cone of a rectangular patch, in closed form.
+
+S. Caron, Q.-C. Pham, Y. Nakamura, "Stability of Surface Contacts for Humanoid Robots: Closed-Form
+Formulae of the Contact Wrench Cone for Rectangular Support Areas", ICRA 2015.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.cones.polyhedral import PolyhedralCone
+from surefoot.errors import ProblemError, unknown_name
+
+_SIGNS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+
+
+class WrenchCone(PolyhedralCone):
+    """Wrenches [force; moment] that a flat rectangular patch can transmit, about its centre.
+
+    The patch presses with a friction pyramid whose four sides face along its own x and y axes:
+    |f_x| <= m f_z and |f_y| <= m f_z. With ``fit="inner"`` m = mu / sqrt(2), so that every wrench is
+    one that the exact friction cone can give; with ``fit="outer"`` m = mu.
+
+    Coupled (``torsion=None``), the cone is exactly the sum of the four corners' pyramids (Caron's 16
+    rows): friction that goes into yaw is missing for f_x, f_y and an off-centre pressure. Decoupled,
+    the yaw moment has its own limit |tau_z| <= torsion f_z, whatever the rest does.
+
+    Parameters
+    ----------
+    length, width
+        Full size along x and y [m], > 0.
+    mu
+        Friction coefficient, finite and >= 0.
+    fit
+        "inner" or "outer": which pyramid stands for the friction cone.
+    torsion
+        None for the coupled yaw moment, or the torsional coefficient [m] of the decoupled one.
+
+    Raises
+    ------
+    ProblemError
+        If a size is not positive and finite, a coefficient negative, or the fit unknown.
+
+    Examples
+    --------
+    Half the weight on the front edge of a 0.2 m x 0.1 m sole: the pressure row is an equality.
+
+    >>> cone = WrenchCone(length=0.2, width=0.1, mu=0.6)
+    >>> wrench = np.array([0.0, 0.0, 100.0, 0.0, -10.0, 0.0])  # centre of pressure x = 0.1 m
+    >>> bool(cone.contains(wrench)), float(np.max(cone.halfspaces @ wrench))
+    (True, 0.0)
+    """
+
+    def __init__(
+        self,
+        length: float,
+        width: float,
+        mu: float,
+        fit: Literal["inner", "outer"] = "inner",
+        torsion: float | None = None,
+    ) -> None:
+        self.length = _size("length", length)
+        self.width = _size("width", width)
+        self.mu = real_number("mu", mu, low=0.0)
+        if math.isinf(self.mu):
+            raise ProblemError("a wrench cone needs a finite mu, got inf")
+        if fit not in ("inner", "outer"):
+            raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
+        self.fit = fit
+        self.torsion = None if torsion is None else real_number("torsion", torsion, low=0.0)
+        side = self.mu / math.sqrt(2.0) if fit == "inner" else self.mu
+        half = (0.5 * self.length, 0.5 * self.width)
+        if self.torsion is None:
+            super().__init__(_coupled_rows(*half, side), _coupled_rays(*half, side))
+        else:
+            super().__init__(
+                _decoupled_rows(*half, side, self.torsion), _decoupled_rays(*half, side, self.torsion)
+            )
+
+    def __repr__(self) -> str:
+        extra = "" if self.torsion is None else f", torsion={self.torsion:g}"
+        return (
+            f"WrenchCone(length={self.length:g}, width={self.width:g}, mu={self.mu:g}, "
+            f"fit={self.fit!r}{extra})"
+        )
+
+
+def _size(name: str, value: float) -> float:
+    size = real_number(name, value, low=0.0)
+    if not 0.0 < size < math.inf:
+        raise ProblemError(f"{name} must be positive and finite, got {size:g}")
+    return size
+
+
+def _common_rows(X: float, Y: float, m: float) -> FloatArray:
+    """Return the (8, 6) rows of sliding (|f_x|, |f_y|) and tipping (|tau_x|, |tau_y|)."""
+    rows = np.zeros((8, 6))
+    for k, (axis, limit) in enumerate(((0, m), (1, m), (3, Y), (4, X))):
+        rows[2 * k, axis], rows[2 * k + 1, axis] = 1.0, -1.0
+        rows[2 * k : 2 * k + 2, 2] = -limit
+    return rows
+
+
+def _coupled_rows(X: float, Y: float, m: float) -> FloatArray:
+    """Return Caron's (16, 6) rows: sliding, tipping, and yaw with its couplings."""
+    yaw = [
+        [a * Y, b * X, -m * (X + Y), -s * a * m, -s * b * m, -s]
+        for s in (1.0, -1.0)  # lower and upper limit of tau_z
+        for a, b in _SIGNS
+    ]
+    return np.vstack([_common_rows(X, Y, m), yaw])
+
+
+def _coupled_rays(X: float, Y: float, m: float) -> FloatArray:
+    """Return the (16, 6) wrenches of a unit normal force on each edge of each corner's pyramid."""
+    rays = []
+    for sx, sy in _SIGNS:
+        for a, b in _SIGNS:
+            force = np.array([a * m, b * m, 1.0])
+            rays.append([*force, *np.cross([sx * X, sy * Y, 0.0], force)])
+    return np.array(rays)
+
+
+def _decoupled_rows(X: float, Y: float, m: float, torsion: float) -> FloatArray:
+    """Return the (10, 6) rows of the decoupled cone."""
+    yaw = [[0.0, 0.0, -torsion, 0.0, 0.0, 1.0], [0.0, 0.0, -torsion, 0.0, 0.0, -1.0]]
+    return np.vstack([_common_rows(X, Y, m), yaw])
+
+
+def _decoupled_rays(X: float, Y: float, m: float, torsion: float) -> FloatArray:
+    """Return the (32, 6) corners of the section f_z = 1, a box in the other five components."""
+    return np.array(
+        [
+            [a * m, b * m, 1.0, c * Y, d * X, s * torsion]
+            for a, b in _SIGNS
+            for c, d in _SIGNS
+            for s in (1.0, -1.0)
+        ]
+    )
