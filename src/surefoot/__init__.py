@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from surefoot.errors import ProblemError as ProblemError
     from surefoot.errors import SolverNotFound as SolverNotFound
     from surefoot.errors import SurefootError as SurefootError
+    from surefoot.robot import Robot as Robot
+    from surefoot.robot import load_robot as load_robot
+    from surefoot.robot import place as place
+    from surefoot.robot import robot_names as robot_names
     from surefoot.solvers import solve as solve
     from surefoot.solvers import solver_names as solver_names
     from surefoot.stance import FlatTerrain as FlatTerrain
@@ -41,6 +45,7 @@ _HOMES = {
     "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone", "WrenchCone"),
     "contact": ("ContactProblem", "ContactSolution", "Residuals", "Status", "residuals"),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
+    "robot": ("Robot", "load_robot", "place", "robot_names"),
     "solvers": ("solve", "solver_names"),
     "stance": ("FlatTerrain", "PatchContact", "PointContact", "SlopeTerrain", "Stance", "Terrain"),
 }

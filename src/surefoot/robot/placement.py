@@ -1,0 +1,135 @@
+"""Put a robot on a terrain: feet on the ground, base along the surface, weight over the feet."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import ModelError
+from surefoot.robot.robot import Robot
+from surefoot.spatial import quaternion_from_rotation, rotation_log
+from surefoot.stance import FlatTerrain, Terrain
+
+ITERATIONS = 60
+POSE_WEIGHT = 2e5
+"""Weight of the wanted pose against joint motion: the pose is met, by the least motion."""
+LEANS = (1.0, 0.75, 0.5, 0.25, 0.0)
+"""Shares of the way to the feet's middle that the weight is moved; the first that the legs allow."""
+
+
+def place(
+    robot: Robot, terrain: Terrain | None = None, q: ArrayLike | None = None, tol: float = 1e-9
+) -> FloatArray:
+    """Return a configuration that stands on the terrain about the world's origin.
+
+    The base takes the terrain's slope at the origin (and stays level on flat feet, whose ankles take
+    up the slope), every contact sphere touches the ground, and the
+    centre of mass lies above the middle of the feet as gravity sees it (or as far that way as the
+    joints allow). Gauss-Newton on Pinocchio's
+    Jacobians.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and at least one foot.
+    terrain
+        None for flat ground.
+    q
+        (nq,) pose whose joints to stay near; None for the nominal one.
+    tol
+        Largest distance between a foot and the ground [m].
+
+    Raises
+    ------
+    ModelError
+        If the robot has no feet or a fixed base, or the legs cannot reach the ground this way.
+    """
+    if not robot.floating or not robot.feet:
+        raise ModelError(f"{robot.name} cannot be placed: it needs a floating base and feet")
+    ground = FlatTerrain() if terrain is None else terrain
+    for share in LEANS:
+        found = _place(robot, ground, robot.configuration(q), share, tol)
+        if found is not None:
+            return found
+    raise ModelError(f"{robot.name} cannot stand on {ground!r}: its legs do not reach the ground there")
+
+
+def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: float) -> FloatArray | None:
+    """Return the pose whose weight is moved by a share of the way to the feet's middle, or None."""
+    import pinocchio
+
+    level = any(foot.flat for foot in robot.feet)
+    rotation = np.eye(3) if level else ground.frame([0.0, 0.0])
+    middle = robot.foot_positions(start).mean(axis=0)
+    lowest = min(robot._sphere_bottoms(start))
+    start[:3] = rotation @ (start[:3] - [middle[0], middle[1], lowest])
+    start[2] += float(ground.height([0.0, 0.0]))
+    start[3:7] = quaternion_from_rotation(rotation)
+    anchors = robot.foot_positions(start)[:, :2]
+    offset = (1.0 - share) * (robot.com(start)[:2] - _support_middle(robot, ground, anchors))
+    now = start.copy()
+    worst = np.inf
+    for _ in range(ITERATIONS):
+        residual, jacobian, worst = _miss(robot, ground, now, rotation, anchors, offset)
+        stay = pinocchio.difference(robot.model, start, now)[6:]
+        lower = np.hstack([np.zeros((robot.joints, 6)), np.eye(robot.joints)])
+        stacked = np.vstack([POSE_WEIGHT * jacobian, lower])
+        wanted = np.concatenate([POSE_WEIGHT * residual, stay])
+        step = np.linalg.lstsq(stacked, -wanted, rcond=None)[0]
+        now = np.asarray(pinocchio.integrate(robot.model, now, step / max(1.0, 4.0 * np.abs(step).max())))
+        if worst < tol and np.abs(step).max() < 1e-9:
+            break
+    low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    reached = worst < max(tol, 1e-6) and np.all(now[7:] > low - 1e-6) and np.all(now[7:] < high + 1e-6)
+    return now if reached else None
+
+
+def _support_middle(robot: Robot, ground: Terrain, anchors: FloatArray) -> FloatArray:
+    """Return the mean of the contact points under sphere centres at (n, 2) places: (2,)."""
+    radii = np.array([[foot.radius] for foot in robot.feet])
+    return np.asarray((anchors - radii * ground.normal(anchors)[:, :2]).mean(axis=0))
+
+
+def _miss(
+    robot: Robot,
+    ground: Terrain,
+    q: FloatArray,
+    rotation: FloatArray,
+    anchors: FloatArray,
+    offset: FloatArray,
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return what a pose still misses, its Jacobian, and the worst gap [m]."""
+    import pinocchio
+
+    model, data = robot.model, robot.data
+    pinocchio.computeJointJacobians(model, data, q)
+    pinocchio.framesForwardKinematics(model, data, q)
+    pinocchio.jacobianCenterOfMass(model, data, q, False)
+    aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    rows, values, worst = [], [], 0.0
+    for foot, anchor in zip(robot.feet, anchors, strict=True):
+        pose = data.oMf[foot.frame]
+        J = pinocchio.getFrameJacobian(model, data, foot.frame, aligned)
+        for centre in foot.centres:
+            arm = pose.rotation @ centre
+            point = pose.translation + arm
+            normal = ground.normal(point[:2])
+            gap = float(ground.gap(point)) - foot.radius
+            worst = max(worst, abs(gap))
+            rows.append(normal @ (J[:3] - pinocchio.skew(arm) @ J[3:]))
+            values.append(gap)
+        arm = pose.rotation @ foot.centre
+        rows.extend((J[:3] - pinocchio.skew(arm) @ J[3:])[:2])
+        values.extend((pose.translation + arm)[:2] - anchor)
+        if foot.flat:  # toes along the base's heading
+            rows.append(rotation[:, 2] @ J[3:])
+            values.append(float(rotation[:, 1] @ pose.rotation[:, 0]))
+    base = data.oMi[1].rotation
+    turn = np.zeros((3, model.nv))
+    turn[:, 3:6] = base
+    values.extend(rotation_log(base @ rotation.T))
+    rows.extend(turn)
+    values.extend(data.com[0][:2] - _support_middle(robot, ground, anchors) - offset)
+    rows.extend(data.Jcom[:2])
+    return np.array(values, dtype=np.float64), np.array(rows), worst

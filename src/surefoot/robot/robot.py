@@ -1,0 +1,294 @@
+"""A robot on Pinocchio: model, feet, limits, and the stance it takes on a terrain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.errors import MissingExtra, ModelError, ProblemError, unknown_name
+from surefoot.robot import catalog
+from surefoot.robot.foot import Foot, read_foot
+from surefoot.robot.nominal import bend_legs
+from surefoot.stance import Contact, FlatTerrain, PatchContact, PointContact, Stance, Terrain
+
+NOMINAL_POSES = ("standing", "half_sitting")
+
+
+class Robot:
+    """A robot model with feet; built by `load_robot`.
+
+    Configurations follow Pinocchio: q = [base position (3); base quaternion (x, y, z, w); joints],
+    v = [base linear; base angular velocity, both in base axes; joints] for a floating base, and the
+    joints alone for a fixed one.
+
+    Attributes
+    ----------
+    name
+        What it was loaded as.
+    model, data
+        Pinocchio's Model and a Data of our own; write to neither.
+    collision, visual
+        Pinocchio's geometry models.
+    feet
+        Where it can touch the ground, see `Foot`.
+    nominal
+        (nq,) the pose to stand in, at the height where the feet touch z = 0.
+    floating
+        Whether the base is free.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        model: Any,
+        collision: Any,
+        visual: Any,
+        feet: Sequence[str],
+        nominal: FloatArray,
+        floating: bool,
+    ) -> None:
+        self.name, self.model, self.collision, self.visual = name, model, collision, visual
+        self.data = model.createData()
+        self.floating = floating
+        self.nominal = nominal
+        self._forward(nominal)
+        self.feet = tuple(
+            read_foot(model, collision, f, self.data.oMf[model.getFrameId(f)].rotation) for f in feet
+        )
+        if floating and self.feet:
+            self.nominal = nominal.copy()
+            self.nominal[2] -= min(self._sphere_bottoms(nominal))
+
+    def __repr__(self) -> str:
+        return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
+
+    @cached_property
+    def mass(self) -> float:
+        """Total mass [kg]."""
+        import pinocchio
+
+        return float(pinocchio.computeTotalMass(self.model))
+
+    @property
+    def base_dof(self) -> int:
+        """Velocity components of the base: 6 floating, 0 fixed."""
+        return 6 if self.floating else 0
+
+    @property
+    def joints(self) -> int:
+        """Number of actuated velocity components."""
+        return int(self.model.nv) - self.base_dof
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the actuated joints, in the model's order."""
+        names = list(self.model.names)[1:]
+        return tuple(names[1:] if self.floating else names)
+
+    @property
+    def foot_names(self) -> tuple[str, ...]:
+        """Names of the feet, in order."""
+        return tuple(f.name for f in self.feet)
+
+    @cached_property
+    def effort_limits(self) -> FloatArray:
+        """(joints,) torque limits of the URDF [N m]; infinite where it gives none."""
+        limits = np.array(self.model.upperEffortLimit, dtype=np.float64)[self.base_dof :]
+        return np.where((limits <= 0.0) | (limits > 1e100), np.inf, limits)
+
+    def foot(self, name: str) -> Foot:
+        """Return a foot by name.
+
+        Raises
+        ------
+        ModelError
+            If there is no such foot; the message lists them.
+        """
+        for foot in self.feet:
+            if foot.name == name or foot.name.lower().removesuffix("_foot") == name.lower():
+                return foot
+        raise ModelError(unknown_name(f"foot of {self.name}", name, self.foot_names))
+
+    def configuration(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return q checked (nominal for None), its quaternion normalised: (nq,)."""
+        if q is None:
+            return self.nominal.copy()
+        out = finite_array("q", q, (self.model.nq,))
+        if self.floating:
+            length = float(np.linalg.norm(out[3:7]))
+            if abs(length - 1.0) > 1e-3:
+                raise ProblemError(f"q[3:7] must be a unit quaternion (x, y, z, w), its length is {length:g}")
+            out[3:7] /= length
+        return out
+
+    def com(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return the centre of mass in world axes [m]: (3,)."""
+        import pinocchio
+
+        return np.array(pinocchio.centerOfMass(self.model, self.data, self.configuration(q)))
+
+    def foot_positions(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return the feet's sphere centres (sole centres if flat) in world axes [m]: (n, 3)."""
+        self._forward(self.configuration(q))
+        places = [self.data.oMf[f.frame].act(f.centre) for f in self.feet]
+        return np.array(places).reshape(-1, 3)
+
+    def stance(
+        self,
+        q: ArrayLike | None = None,
+        mu: float | Sequence[float] = 0.6,
+        terrain: Terrain | None = None,
+        feet: Sequence[str] | None = None,
+        normal_min: float = 0.0,
+        normal_max: float = math.inf,
+    ) -> Stance:
+        """Return the stance of the feet at a configuration, on the terrain below them.
+
+        The contact of a foot is where its sphere (or sole) meets the terrain's tangent plane; its
+        frame follows the terrain, never the foot.
+
+        Parameters
+        ----------
+        q
+            (nq,); None for the nominal pose.
+        mu
+            Friction coefficient, one or one per foot.
+        terrain
+            None for flat ground.
+        feet
+            Names of the feet that touch; None for all.
+        normal_min, normal_max
+            Bounds on each normal force [N].
+        """
+        ground = FlatTerrain() if terrain is None else terrain
+        chosen = self.feet if feet is None else tuple(self.foot(f) for f in feet)
+        frictions = np.broadcast_to(np.asarray(mu, dtype=np.float64), (len(chosen),))
+        self._forward(self.configuration(q))
+        contacts: list[Contact] = []
+        for foot, friction in zip(chosen, frictions, strict=True):
+            pose = self.data.oMf[foot.frame]
+            place = pose.act(foot.centre)
+            normal = ground.normal(place[:2])
+            point = place - foot.radius * normal
+            if foot.flat:
+                toes = pose.rotation[:, 0]
+                contacts.append(
+                    PatchContact(
+                        point, *foot.size, normal, float(friction), foot.name, normal_min, normal_max, toes
+                    )
+                )
+            else:
+                contacts.append(
+                    PointContact(point, normal, float(friction), foot.name, normal_min, normal_max)
+                )
+        return Stance(contacts)
+
+    def _forward(self, q: FloatArray) -> None:
+        import pinocchio
+
+        pinocchio.framesForwardKinematics(self.model, self.data, q)
+
+    def _sphere_bottoms(self, q: FloatArray) -> list[float]:
+        """Return the lowest height of every contact sphere [m]."""
+        self._forward(q)
+        return [float(self.data.oMf[f.frame].act(c)[2]) - f.radius for f in self.feet for c in f.centres]
+
+
+def load_robot(
+    robot: str | Path, feet: Sequence[str] | None = None, *, fixed_base: bool | None = None
+) -> Robot:
+    """Load a robot by name or from a URDF file.
+
+    Parameters
+    ----------
+    robot
+        A name from `robot_names` or the path of a URDF file.
+    feet
+        Frames that can touch the ground; None for the catalogue's choice (none for a URDF file).
+    fixed_base
+        Whether the base is bolted to the world; None for the catalogue's choice (free for a file).
+
+    Raises
+    ------
+    ModelError
+        For an unknown name, a missing or broken URDF, or feet that are not frames of the robot.
+    MissingExtra
+        If Pinocchio is not installed.
+
+    Examples
+    --------
+    >>> robot = load_robot("go2")
+    >>> round(robot.mass, 3), robot.foot_names
+    (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
+    """
+    text = str(robot)
+    if text.lower().endswith((".urdf", ".xml")) or "/" in text:
+        path, srdf = Path(text).expanduser(), None
+        chosen, fixed = tuple(feet or ()), bool(fixed_base)
+        folders = [path.parent, *path.resolve().parents]
+        if not path.is_file():
+            raise ModelError(f"no URDF file at {text}")
+    else:
+        entry, root = catalog.find(text), catalog.robots_folder()
+        path, srdf = root / entry.urdf, root / entry.srdf if entry.srdf else None
+        chosen = entry.feet if feet is None else tuple(feet)
+        fixed = entry.fixed_base if fixed_base is None else fixed_base
+        folders = [root, root.parent.parent]
+    model, collision, visual = _build(path, folders, fixed)
+    frames = [f.name for f in model.frames]
+    for name in chosen:
+        if name not in frames:
+            bodies = [f.name for f in model.frames if f.type.name == "BODY"]
+            raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
+    if len(set(chosen)) != len(chosen):
+        raise ModelError(f"feet must differ, got {', '.join(chosen)}")
+    name = path.stem if path.suffix and "/" in text else text
+    nominal = _nominal(model, collision, srdf, chosen, fixed)
+    return Robot(name, model, collision, visual, chosen, nominal, not fixed)
+
+
+def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Any]:
+    """Return Pinocchio's model, collision and visual geometry of a URDF file."""
+    try:
+        import pinocchio
+    except ImportError as error:
+        raise MissingExtra("pin", "robot") from error
+    root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
+    try:
+        model = pinocchio.buildModelFromUrdf(str(path), *root)
+    except (ValueError, RuntimeError) as error:
+        raise ModelError(f"{path} is not a URDF that Pinocchio can read: {error}") from error
+    packages = [str(f) for f in folders]
+    geometry = []
+    for kind in (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL):
+        try:
+            geometry.append(pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages))
+        except (ValueError, RuntimeError):  # meshes that cannot be found: the dynamics do without
+            geometry.append(pinocchio.GeometryModel())
+    return model, geometry[0], geometry[1]
+
+
+def _nominal(model: Any, collision: Any, srdf: Path | None, feet: Sequence[str], fixed: bool) -> FloatArray:
+    """Return the SRDF's standing pose or, without one, a pose with feet under bent legs."""
+    import pinocchio
+
+    if srdf is not None:
+        pinocchio.loadReferenceConfigurations(model, str(srdf), False)
+        poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
+        for name in NOMINAL_POSES:
+            if name in poses:
+                return poses[name]
+    q = np.array(pinocchio.neutral(model))
+    if fixed:
+        low, high = model.lowerPositionLimit, model.upperPositionLimit
+        usable = np.isfinite(low) & np.isfinite(high) & ((q < low) | (q > high))
+        return np.where(usable, 0.5 * (low + high), q)
+    flat = [read_foot(model, collision, name, np.eye(3)).flat for name in feet]
+    return bend_legs(model, q, feet, flat)
