@@ -1,0 +1,302 @@
+"""A MuJoCo world made from the Pinocchio model itself, so that both engines hold the same robot.
+
+MuJoCo's own conventions stop in this file: quaternions (w, x, y, z), base velocity [linear in world
+axes; angular in base axes], contact frames with the normal first. Joints are ideal torque sources
+without friction or rotor inertia; only the feet's spheres touch the ground.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import MissingExtra, ModelError, ProblemError
+from surefoot.robot import Robot
+from surefoot.simulation.world import ContactReading
+from surefoot.spatial import (
+    quaternion_from_rotation,
+    quaternion_wxyz,
+    quaternion_xyzw,
+    rotation_from_quaternion,
+)
+from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
+
+CONTACT_TIME = 0.004
+"""Time constant of MuJoCo's soft contact [s]: as stiff as a 1 ms step takes with a factor of two."""
+IMPEDANCE = (0.97, 0.99, 0.001, 0.5, 2.0)
+"""MuJoCo's contact impedance (d_min, d_max, width, midpoint, power): close to rigid."""
+FRICTION_RATIO = 100.0
+"""MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
+FLOOR_HALF_SIZE = 50.0
+
+_AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+
+
+def import_mujoco() -> Any:
+    """Return the mujoco module.
+
+    Raises
+    ------
+    MissingExtra
+        If it is not installed.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingExtra("mujoco", "sim") from error
+    return mujoco
+
+
+class MujocoWorld:
+    """A robot on a terrain in MuJoCo; see `surefoot.simulation.world.World` for the methods.
+
+    Parameters
+    ----------
+    robot
+        Who stands.
+    terrain
+        None for flat ground.
+    mu
+        Friction of the ground.
+    dt
+        Length of a step [s].
+    payload
+        Point mass fixed to the base's origin [kg], unknown to any controller.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        terrain: Terrain | None = None,
+        mu: float = 0.6,
+        dt: float = 1e-3,
+        payload: float = 0.0,
+    ) -> None:
+        mujoco = import_mujoco()
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
+        self.terrain = FlatTerrain() if terrain is None else terrain
+        spec = robot_spec(robot, real_number("payload", payload, low=0.0))
+        add_ground(spec, self.terrain, real_number("mu", mu, low=0.0))
+        spec.option.timestep = self.dt
+        self._mujoco = mujoco
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+        self.contact_foot = np.array(
+            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
+        )
+        self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
+        geoms = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("foot:")]
+        self._geoms = np.array(geoms, dtype=np.int64)
+        self._point_of_geom = {int(g): k for k, g in enumerate(geoms)}
+        self._ground = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("ground")]
+        self._base = int(self.model.body("base:0").id) if robot.floating else 0
+        self._twist = np.zeros(6)
+        self._flat_frame = self.terrain.frame([0.0, 0.0]) if isinstance(self.terrain, SlopeTerrain) else None
+        self.reset(robot.nominal)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self.data.time)
+
+    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
+        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        self._mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = q
+        self.data.qvel[:] = 0.0 if v is None else v
+        if self.robot.floating:
+            self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
+            if v is not None:
+                self.data.qvel[:3] = rotation_from_quaternion(q[3:7]) @ v[:3]
+        self._mujoco.mj_forward(self.model, self.data)
+
+    def state(self) -> tuple[FloatArray, FloatArray]:
+        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        q, v = np.array(self.data.qpos), np.array(self.data.qvel)
+        if self.robot.floating:
+            w, x, y, z = q[3:7].tolist()
+            q[3:7] = (x, y, z, w)
+            a, b, c = v[:3].tolist()
+            # world to base axes: rotate by the conjugate quaternion, t = -2 (r x u), u + w t - r x t
+            s, t, r = -2.0 * (y * c - z * b), -2.0 * (z * a - x * c), -2.0 * (x * b - y * a)
+            v[0] = a + w * s - (y * r - z * t)
+            v[1] = b + w * t - (z * s - x * r)
+            v[2] = c + w * r - (x * t - y * s)
+        return q, v
+
+    def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes."""
+        self.data.qfrc_applied[self.robot.base_dof :] = torques
+        if self._base:
+            self.data.xfrc_applied[self._base, :3] = 0.0 if push is None else push
+        self._mujoco.mj_step(self.model, self.data)
+
+    def set_friction(self, mu: float) -> None:
+        """Change the friction of the ground, from the next step on."""
+        self.model.geom_friction[self._ground, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+
+    def contacts(self) -> ContactReading:
+        """Return forces, gaps and velocities at the feet's spheres during the last step."""
+        data, count = self.data, len(self._geoms)
+        centres = np.array(data.geom_xpos[self._geoms])
+        frames = self._frames(centres)
+        normals = frames[:, :, 2]
+        positions = centres - self._radii[:, None] * normals
+        world = np.zeros((count, 3))
+        contact = data.contact
+        pairs = contact.geom.tolist()
+        addresses = contact.efc_address.tolist()
+        for k, (one, two) in enumerate(pairs):
+            point = self._point_of_geom.get(two, -1)
+            sign = 1.0
+            if point < 0:
+                point, sign = self._point_of_geom.get(one, -1), -1.0
+            if point < 0 or addresses[k] < 0:
+                continue
+            at = addresses[k]
+            world[point] += sign * (data.efc_force[at : at + 3] @ contact.frame[k].reshape(3, 3))
+        velocities = np.empty((count, 3))
+        for k, geom in enumerate(self._geoms.tolist()):
+            self._mujoco.mj_objectVelocity(
+                self.model, data, self._mujoco.mjtObj.mjOBJ_GEOM, geom, self._twist, 0
+            )
+            p, q, r, x, y, z = self._twist.tolist()
+            a, b, c = (-self._radii[k] * normals[k]).tolist()
+            velocities[k] = (x + q * c - r * b, y + r * a - p * c, z + p * b - q * a)
+        forces = np.matmul(world[:, None, :], frames)[:, 0]
+        gaps = self.terrain.gap(centres) - self._radii
+        return ContactReading(forces, gaps, np.matmul(velocities[:, None, :], frames)[:, 0], positions)
+
+    def _frames(self, centres: FloatArray) -> FloatArray:
+        """Return rotation_world_contact below every sphere centre: (p, 3, 3)."""
+        if self._flat_frame is not None:
+            return np.broadcast_to(self._flat_frame, (len(centres), 3, 3))
+        return np.array([self.terrain.frame(c[:2]) for c in centres])
+
+
+def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
+    """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
+
+    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``.
+
+    Raises
+    ------
+    ModelError
+        If the robot has a joint that is neither revolute nor prismatic.
+    """
+    mujoco = import_mujoco()
+    spec, model = mujoco.MjSpec(), robot.model
+    spec.modelname = robot.name
+    option = spec.option
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.iterations, option.tolerance, option.impratio = 50, 1e-10, FRICTION_RATIO
+    option.gravity = np.array(model.gravity.linear)
+    bodies = {0: spec.worldbody}
+    for index in range(1, model.njoints):
+        name = str(model.names[index])
+        pose = model.jointPlacements[index]
+        body = bodies[int(model.parents[index])].add_body(
+            name="base:0" if robot.floating and index == 1 else f"joint:{name}",
+            pos=pose.translation,
+            quat=quaternion_wxyz(quaternion_from_rotation(pose.rotation)),
+        )
+        bodies[index] = body
+        _set_inertia(body, model.inertias[index])
+        _add_joint(mujoco, body, model, index, name)
+    if payload > 0.0:
+        load = bodies[1].add_body(name="payload")
+        load.explicitinertial, load.mass = True, payload
+        load.inertia = np.full(3, 1e-3 * payload)
+    for foot in robot.feet:
+        frame = model.frames[foot.frame]
+        for k, centre in enumerate(foot.centres):
+            bodies[int(frame.parentJoint)].add_geom(
+                name=f"foot:{foot.name}:{k}",
+                type=mujoco.mjtGeom.mjGEOM_SPHERE,
+                size=[foot.radius, 0.0, 0.0],
+                pos=frame.placement.act(centre),
+                contype=0,
+                conaffinity=1,
+                condim=3,
+                density=0.0,
+            )
+    return spec
+
+
+def add_ground(spec: Any, terrain: Terrain, mu: float) -> None:
+    """Add the terrain to an MjSpec as geoms named ``ground...``.
+
+    Raises
+    ------
+    ProblemError
+        If this world has no shape for the terrain.
+    """
+    mujoco = import_mujoco()
+    common = {
+        "contype": 1,
+        "conaffinity": 0,
+        "condim": 3,
+        "priority": 1,
+        "friction": [max(mu, 1e-5), 0.0, 0.0],
+        "solref": [CONTACT_TIME, 1.0],
+        "solimp": list(IMPEDANCE),
+        "rgba": [0.91, 0.89, 0.85, 1.0],
+    }
+    if not isinstance(terrain, SlopeTerrain):
+        raise ProblemError(f"the MuJoCo world has no shape for {terrain!r}")
+    spec.worldbody.add_geom(
+        name="ground",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[FLOOR_HALF_SIZE, FLOOR_HALF_SIZE, 1.0],
+        quat=quaternion_wxyz(quaternion_from_rotation(terrain.frame([0.0, 0.0]))),
+        **common,
+    )
+
+
+def _set_inertia(body: Any, inertia: Any) -> None:
+    """Give an MjSpec body a Pinocchio inertia, through its principal axes."""
+    if inertia.mass <= 0.0:
+        return
+    moments, axes = np.linalg.eigh(inertia.inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    body.explicitinertial, body.mass = True, inertia.mass
+    body.ipos = inertia.lever
+    body.iquat = quaternion_wxyz(quaternion_from_rotation(axes))
+    body.inertia = np.maximum(moments, 1e-12)
+
+
+def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> None:
+    """Add the joint of a Pinocchio model to its MjSpec body."""
+    joint = model.joints[index]
+    kind = joint.shortname().removeprefix("JointModel")
+    if kind == "FreeFlyer":
+        body.add_freejoint(name=name)
+        return
+    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
+        revolute, axis = kind.startswith("R"), np.array(joint.extract().axis)
+    elif len(kind) == 2 and kind[0] in "RP" and kind[1] in _AXES:
+        revolute, axis = kind[0] == "R", np.array(_AXES[kind[1]])
+    else:
+        raise ModelError(f"joint {name} is a {kind}; the MuJoCo world takes revolute and prismatic joints")
+    low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+    limited = np.isfinite([low, high]).all() and low < high
+    body.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_HINGE if revolute else mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=axis,
+        limited=mujoco.mjtLimited.mjLIMITED_TRUE if limited else mujoco.mjtLimited.mjLIMITED_FALSE,
+        range=[low, high] if limited else [0.0, 0.0],
+    )
+
+
+def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a floating-base MuJoCo state in Pinocchio's order: q (nq,), v (nv,)."""
+    q, v = qpos.copy(), qvel.copy()
+    q[3:7] = quaternion_xyzw(qpos[3:7])
+    v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]
+    return q, v

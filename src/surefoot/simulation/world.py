@@ -1,0 +1,76 @@
+"""What a controller and a log need of a world: state in, torques out, contact forces as measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.robot import Robot
+from surefoot.stance import Terrain
+
+
+@dataclass(frozen=True)
+class ContactReading:
+    """What the ground did to the robot's contact points during the last step.
+
+    One row per contact sphere of the feet, in the order of `World.contact_foot`; all of the same
+    instant, the start of the step. Frames are the terrain's contact frames (tangent, tangent,
+    normal) at each point.
+
+    Attributes
+    ----------
+    forces
+        (p, 3) force on the robot [N]; zero where there is no contact.
+    gaps
+        (p,) distance to the ground [m], negative in penetration.
+    velocities
+        (p, 3) velocity of the foot's material at the contact [m/s].
+    positions
+        (p, 3) contact points in world axes [m].
+    """
+
+    forces: FloatArray
+    gaps: FloatArray
+    velocities: FloatArray
+    positions: FloatArray
+
+
+class World(Protocol):
+    """A robot on a terrain that obeys some physics.
+
+    Attributes
+    ----------
+    robot, terrain
+        Who stands where.
+    dt
+        Length of a step [s].
+    time
+        Simulated time [s].
+    contact_foot
+        (p,) index into `robot.feet` of every contact point.
+    """
+
+    robot: Robot
+    terrain: Terrain
+    dt: float
+    contact_foot: IntArray
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+
+    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
+        """Put the robot at a configuration and velocity (Pinocchio's order; zero for None), at time 0."""
+
+    def state(self) -> tuple[FloatArray, FloatArray]:
+        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+
+    def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base, world axes [N]."""
+
+    def contacts(self) -> ContactReading:
+        """Return what the ground did during the last step."""
+
+    def set_friction(self, mu: float) -> None:
+        """Change the friction of the ground everywhere, from the next step on."""
