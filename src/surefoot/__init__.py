@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from surefoot.contact import Residuals as Residuals
     from surefoot.contact import Status as Status
     from surefoot.contact import residuals as residuals
+    from surefoot.control.force_distribution import ForceDistributor as ForceDistributor
+    from surefoot.control.force_distribution import distribute as distribute
     from surefoot.errors import MissingExtra as MissingExtra
     from surefoot.errors import ModelError as ModelError
     from surefoot.errors import NoSolution as NoSolution
@@ -44,6 +46,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone", "WrenchCone"),
     "contact": ("ContactProblem", "ContactSolution", "Residuals", "Status", "residuals"),
+    "control.force_distribution": ("ForceDistributor", "distribute"),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
     "robot": ("Robot", "load_robot", "place", "robot_names"),
     "solvers": ("solve", "solver_names"),

@@ -1,0 +1,296 @@
+"""Contact forces for a wanted wrench, with exact friction cones, in a few microseconds."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, per_contact, real_array, real_number
+from surefoot.contact.solution import Status
+from surefoot.errors import ProblemError
+from surefoot.solvers import distribution_wrench as newton
+from surefoot.stance import Stance
+
+_STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID)
+_FLOAT = np.float64
+_WRENCH = (6,)
+
+
+class ForceDistributor:
+    """Find the contact forces that give a wanted wrench best, again and again.
+
+    Minimises ``||A f - w||²_W + r ||f - f_ref||² + s ||f - f_last||²`` over the truncated friction
+    cones ``||f_t|| <= mu f_z``, ``normal_min <= f_z <= normal_max``, exactly: no facets. The method is
+    Newton's in the six dimensions of the wrench, see `surefoot.solvers.distribution_wrench`.
+
+    `solve` starts from the last solution, allocates nothing but the array that it returns, and always
+    returns forces inside every cone and bound; `status` tells whether they are also optimal.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient, a number or (n,), finite and >= 0.
+    normal_min, normal_max
+        Bounds on the normal forces [N], numbers or (n,).
+    wrench_weights
+        W: a number or (6,), >= 0, for [force; moment].
+    force_weight
+        r: a number or (n,), > 0; or (n, 2) with a tangential and a normal weight per contact.
+    smoothness
+        s: a number >= 0, weight on the change of the forces since the last call. Before the first
+        call, and after `reset`, the last forces are zero.
+    tol
+        `status` is SOLVED when no force is further than this from the optimum [N] (or when double
+        precision can tell no better).
+    max_iterations
+        Bound on the Newton iterations.
+
+    Raises
+    ------
+    ProblemError
+        If a parameter has the wrong shape or is out of range.
+
+    Examples
+    --------
+    >>> from surefoot.stance import PointContact
+    >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+    >>> stance = Stance([PointContact(p, mu=0.6) for p in feet])
+    >>> distributor = ForceDistributor(mu=0.6, normal_min=5.0, normal_max=250.0, force_weight=1e-4)
+    >>> forces = distributor.solve(stance.grasp_map([0, 0, 0.3]), [20.0, 0, 160.0, 0, 0, 0])
+    >>> forces.shape, distributor.status.value
+    ((4, 3), 'solved')
+    """
+
+    def __init__(
+        self,
+        mu: ArrayLike,
+        normal_min: ArrayLike = 0.0,
+        normal_max: ArrayLike = math.inf,
+        wrench_weights: ArrayLike = 1.0,
+        force_weight: ArrayLike = 1e-4,
+        *,
+        smoothness: float = 0.0,
+        tol: float = 1e-7,
+        max_iterations: int = 100,
+    ) -> None:
+        self._given = (mu, normal_min, normal_max, force_weight)
+        weights = finite_array("wrench_weights", wrench_weights)
+        if weights.shape not in ((), (6,)):
+            raise ProblemError(f"wrench_weights must be a number or have shape (6,), got {weights.shape}")
+        if (weights < 0.0).any():
+            raise ProblemError(f"wrench_weights must be >= 0, got {weights.min():g}")
+        self._roots = np.sqrt(np.broadcast_to(weights, (6,)))
+        self._smoothness = real_number("smoothness", smoothness, low=0.0)
+        self._tol = real_number("tol", tol, low=0.0)
+        self._limit = int(real_number("max_iterations", max_iterations, low=1))
+        sizes = {len(a) for a in map(np.asarray, self._given) if a.ndim > 0}
+        if len(sizes) > 1:
+            raise ProblemError(
+                "mu, normal_min, normal_max and force_weight must agree on the number of contacts, "
+                f"got {sorted(sizes)}"
+            )
+        self._fixed = bool(sizes)
+        self._build(sizes.pop() if sizes else 0)
+
+    def _build(self, count: int) -> None:
+        """Check the per-contact parameters for a number of contacts and make the work space."""
+        mu, low, high, weight = self._given
+        self._mu = per_contact("mu", mu, count)
+        if np.isinf(self._mu).any():
+            raise ProblemError("mu must be finite, got inf")
+        self._low = per_contact("normal_min", low, count)
+        self._high = per_contact("normal_max", high, count)
+        crossed = self._low > self._high
+        if crossed.any():
+            k = int(np.argmax(crossed))
+            raise ProblemError(
+                f"normal_min must be <= normal_max, got {self._low[k]:g} > {self._high[k]:g} at contact {k}"
+            )
+        self._weights = _force_weights(weight, count)
+        self._shape = (6, 3 * count)
+        self._forces_shape = (count, 3)
+        self._code = 3
+        self._work = work = np.zeros((count + 2, newton.WIDTH))
+        self._memory, self._results, rows = work[count], work[count + 1], work[:count]
+        self._memory[newton.ROOT : newton.ROOT + 6] = self._roots
+        total = self._weights + self._smoothness
+        units = 1.0 / np.sqrt(total)
+        rows[:, newton.TANGENT], rows[:, newton.NORMAL] = units.T
+        rows[:, newton.MU] = self._mu * units[:, 1] / units[:, 0]
+        # the shares of the two wishes in c differ between tangent and normal only if the weights do
+        rows[:, newton.PULL] = self._weights[:, 0] / total[:, 0]
+        rows[:, newton.DRAG] = self._smoothness / total[:, 0]
+        self._results[newton.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
+        self._results[newton.LIMIT] = self._limit
+        self.set_active(np.ones(count, dtype=bool))
+
+    def solve(
+        self,
+        grasp_map: ArrayLike,
+        wrench: ArrayLike,
+        reference: ArrayLike | None = None,
+        active: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Return the optimal contact forces.
+
+        Parameters
+        ----------
+        grasp_map
+            (6, 3n) map from stacked contact forces (contact frames) to [force; moment] [-, m].
+        wrench
+            (6,) wanted [force; moment] on the robot [N, N·m].
+        reference
+            (n, 3) wanted forces [N]; kept until the next reference. Zero at first.
+        active
+            (n,) mask of the contacts that may carry force; kept until the next mask, see `set_active`.
+
+        Returns
+        -------
+        FloatArray
+            (n, 3) [N] in contact frames, inside every cone and bound. For NaN or infinite input the
+            last command, brought into the cones; `status` is then INVALID.
+
+        Raises
+        ------
+        ProblemError
+            For a wrong shape, and for nothing else.
+        """
+        A = np.ascontiguousarray(grasp_map, _FLOAT)
+        w = np.ascontiguousarray(wrench, _FLOAT)
+        if A.shape != self._shape or w.shape != _WRENCH:
+            self._fit(A, w)
+        if active is not None:
+            self.set_active(active)
+        if reference is not None:
+            self.set_reference(reference)
+        forces = np.empty(self._forces_shape)
+        self._code = newton.distribute_wrench(A, w, self._work, forces)
+        return forces
+
+    def _fit(self, grasp_map: FloatArray, wrench: FloatArray) -> None:
+        """Take the number of contacts from the first grasp map, or say which shape is wrong."""
+        if wrench.shape != _WRENCH:
+            raise ProblemError(f"wrench must have shape (6,), got {wrench.shape}")
+        columns = grasp_map.shape[-1] if grasp_map.ndim == 2 else -1
+        if grasp_map.shape != (6, columns) or columns % 3 or self._fixed:
+            wanted = f"(6, {self._shape[1]})" if self._fixed else "(6, 3n)"
+            raise ProblemError(f"grasp_map must have shape {wanted}, got {grasp_map.shape}")
+        self._build(columns // 3)
+
+    def set_active(self, active: ArrayLike) -> None:
+        """Switch contacts on and off: (n,) mask. A contact that is off carries exactly zero."""
+        on = np.asarray(active, dtype=bool)
+        if on.shape != self._mu.shape:
+            raise ProblemError(f"active must have shape {self._mu.shape}, got {on.shape}")
+        rows = self._work[: on.size]
+        rows[:, newton.FLOOR] = np.where(on, self._low, 0.0)
+        rows[:, newton.CEILING] = np.where(on, self._high, 0.0)
+        rows[:, newton.LOW] = rows[:, newton.FLOOR] / rows[:, newton.NORMAL]
+        rows[:, newton.HIGH] = rows[:, newton.CEILING] / rows[:, newton.NORMAL]
+
+    def set_reference(self, forces: ArrayLike) -> None:
+        """Set the wanted forces: (n, 3) [N]."""
+        wanted = np.asarray(forces, dtype=np.float64)
+        if wanted.shape != self._forces_shape:
+            raise ProblemError(f"reference must have shape {self._forces_shape}, got {wanted.shape}")
+        self._work[: len(wanted), newton.REFERENCE : newton.REFERENCE + 3] = wanted
+
+    def reset(self, forces: ArrayLike | None = None) -> None:
+        """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
+        self._results[newton.WARM] = 0.0
+        self._results[newton.HAS_LAST] = 0.0 if forces is None else 1.0
+        last = np.zeros(self._forces_shape) if forces is None else finite_array("forces", forces)
+        if last.shape != self._forces_shape:
+            raise ProblemError(f"forces must have shape {self._forces_shape}, got {last.shape}")
+        self._work[: len(last), newton.LAST : newton.LAST + 3] = last
+
+    @property
+    def status(self) -> Status:
+        """How the last `solve` ended; the forces are feasible whatever it says."""
+        return _STATUS[self._code]
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations of the last `solve`."""
+        return int(self._results[newton.ITERATIONS])
+
+    @property
+    def force_error(self) -> float:
+        """Upper bound on the distance from the last forces to the optimum, over all contacts [N]."""
+        return float(self._results[newton.FORCE_ERROR])
+
+    @property
+    def wrench_error(self) -> float:
+        """``||A f - w||_W`` of the last forces; in newtons for unit weights."""
+        return float(self._results[newton.WRENCH_ERROR])
+
+
+def _force_weights(weight: ArrayLike, count: int) -> FloatArray:
+    """Return the (n, 2) tangential and normal force weights."""
+    weights = real_array("force_weight", weight)
+    if weights.ndim < 2:
+        weights = np.repeat(per_contact("force_weight", weights, count)[:, None], 2, axis=1)
+    if weights.shape != (count, 2):
+        raise ProblemError(
+            f"force_weight must be a number or have shape ({count},) or ({count}, 2), got {weights.shape}"
+        )
+    if not ((weights > 0.0) & np.isfinite(weights)).all():
+        raise ProblemError(f"force_weight must be positive and finite, got {weights.min():g}")
+    return weights
+
+
+def distribute(
+    stance: Stance,
+    wrench: ArrayLike,
+    about: ArrayLike = (0.0, 0.0, 0.0),
+    wrench_weights: ArrayLike = 1.0,
+    force_weight: float = 1e-4,
+) -> FloatArray:
+    """Return contact forces of a stance for a wanted wrench, with exact cones.
+
+    Parameters
+    ----------
+    stance
+        Point and patch contacts; a patch is allocated through its four corners.
+    wrench
+        (6,) wanted [force; moment about the point], world axes [N, N·m].
+    about
+        (3,) point that moments refer to, usually the centre of mass [m].
+    wrench_weights, force_weight
+        As for `ForceDistributor`.
+
+    Returns
+    -------
+    FloatArray
+        (n, 3) forces in contact frames [N]. If the stance has patches, the stacked (dim,) vector of
+        `Stance.slices` instead: three components for a point, a wrench of six about the patch's
+        centre for a patch.
+
+    Raises
+    ------
+    ProblemError
+        If the wrench or the point is not finite or has the wrong shape.
+    """
+    w = finite_array("wrench", wrench, (6,))
+    points = stance.points()
+    distributor = ForceDistributor(
+        points.mu, points.normal_min, points.normal_max, wrench_weights, force_weight
+    )
+    forces = distributor.solve(points.grasp_map(about), w)
+    if len(points) == len(stance):
+        return forces
+    out = np.zeros(stance.dim)
+    taken = 0
+    for contact, part in zip(stance.contacts, stance.slices, strict=True):
+        if contact.dim == 3:
+            out[part] = forces[taken]
+            taken += 1
+            continue
+        corners = points.contacts[taken : taken + 4]
+        arms = [contact.rotation_world_contact.T @ (c.position - contact.position) for c in corners]
+        own = forces[taken : taken + 4]
+        out[part] = np.concatenate([own.sum(axis=0), np.cross(arms, own).sum(axis=0)])
+        taken += 4
+    return out
