@@ -189,6 +189,7 @@ def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
     mujoco = import_mujoco()
     spec, model = mujoco.MjSpec(), robot.model
     spec.modelname = robot.name
+    spec.compiler.degree = False
     option = spec.option
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON

@@ -1,0 +1,308 @@
+"""The standing controller: a wrench from a PD law, shared by the feet on their exact cones.
+
+Each step: the wrench that holds the base where the plan wants it, the ground forces that give it, and
+the joint torques that make the feet push so (the contact Jacobian's transpose and the legs' own
+dynamics). Gains follow from the robot's mass, inertia and height; nothing is tuned per robot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.contact import Status
+from surefoot.control.allocation import Allocation, ExactAllocation
+from surefoot.control.standing_kernels import contact_torques, foot_impedance, grasp_map_of_points
+from surefoot.control.standing_plan import StandingPlan, Target
+from surefoot.robot import Robot
+from surefoot.robot.nominal import chain
+from surefoot.spatial import GRAVITY, rotation_log
+from surefoot.stance import Terrain
+
+NORMAL_MIN = 10.0
+"""Least normal force of a standing foot [N], unless that is too much for a light robot."""
+LIGHT_SHARE = 0.3
+"""A foot's least normal force never exceeds this share of m g / n."""
+NORMAL_MAX_SHARE = 1.5
+"""Largest normal force of a foot, as a share of m g: one foot can carry the robot and a push."""
+POSITION_STIFFNESS, ORIENTATION_STIFFNESS, JOINT_STIFFNESS, SWING_STIFFNESS = 2.5, 3.0, 3.0, 8.0
+"""Natural frequencies, in units of the pendulum frequency sqrt(g / height)."""
+INTEGRAL_TIME = 1.5
+"""Time constant of the integral term that takes up unknown loads [s]."""
+INTEGRAL_LIMIT = 0.6
+"""Largest integral force, as a share of m g (and moment, times the base's height)."""
+FORCE_WEIGHT = 1e-3
+"""Weight of the forces' square against the wrench error's."""
+WRENCH_TOLERANCE = 0.02
+"""A wrench is attained when its error is below this share of m g (moments over the base's height)."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """What the controller asks for at one step.
+
+    Attributes
+    ----------
+    torques
+        (joints,) within the effort limits [N m].
+    forces
+        (p, 3) wanted ground forces at the contact points, contact frames [N].
+    wrench_desired, wrench_error
+        (6,) wanted wrench about the centre of mass, and what the forces miss of it [N, N m].
+    grasp_map
+        (6, 3p) from forces to wrench; the controller's own array, overwritten by the next step.
+    active
+        (p,) whether each point may push.
+    attained
+        Whether the wanted wrench is possible within the cones (to `WRENCH_TOLERANCE`).
+    saturated
+        Whether a torque met its limit.
+    status
+        How the force distribution ended.
+    """
+
+    torques: FloatArray
+    forces: FloatArray
+    wrench_desired: FloatArray
+    wrench_error: FloatArray
+    grasp_map: FloatArray
+    active: BoolArray
+    attained: bool
+    saturated: bool
+    status: Status
+
+
+class StandingController:
+    """Holds a robot up on its feet; call `step` at a fixed rate.
+
+    Parameters
+    ----------
+    robot
+        Who stands; point feet push at their one sphere, flat ones at their corners.
+    plan
+        Where the base should be and which feet are lifted.
+    terrain
+        The ground that the feet are believed to touch.
+    q
+        (nq,) configuration to hold: base orientation and the joints outside the legs.
+    mu
+        Friction that the controller believes in.
+    dt
+        Time between steps [s].
+    normal_min, normal_max
+        Bounds on each foot's normal force [N]; None for the defaults that suit the robot.
+    allocation
+        How forces are shared; None for exact cones.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        plan: StandingPlan,
+        terrain: Terrain,
+        q: FloatArray,
+        mu: float = 0.6,
+        dt: float = 1e-3,
+        normal_min: float | None = None,
+        normal_max: float | None = None,
+        allocation: Allocation | None = None,
+    ) -> None:
+        import pinocchio
+
+        self.robot, self.plan, self.terrain, self.dt = robot, plan, terrain, dt
+        self._pin, self._model, self._data = pinocchio, robot.model, robot.model.createData()
+        self._q = q.copy()
+        pinocchio.ccrba(self._model, self._data, q, np.zeros(self._model.nv))
+        base = np.array(self._data.oMi[1].rotation)
+        self._rotation = base.copy()
+        self._inertia_base = base.T @ np.array(self._data.Ig.inertia) @ base
+        self._set_points(q)
+        weight = robot.mass * GRAVITY
+        self.normal_min, self.normal_max = default_normal_bounds(robot, normal_min, normal_max)
+        self._share = np.array([1.0 / len(robot.feet[f].centres) for f in self.point_foot])
+        self._set_gains(weight)
+        self.wrench_weights = np.array([1.0, 1.0, 1.0, *([self._height**-2] * 3)])
+        self.mu = float(mu)
+        frictions = np.full(len(self.point_foot), self.mu)
+        self.allocation = allocation or ExactAllocation(frictions, self.wrench_weights, FORCE_WEIGHT)
+        self._integral = np.zeros(6)
+        self._bounds_of: tuple[Target | None, tuple[FloatArray, FloatArray]] = (
+            None,
+            (np.zeros(0), np.zeros(0)),
+        )
+        self._grasp = np.zeros((6, 3 * len(self.point_foot)))
+
+    def _set_points(self, q: FloatArray) -> None:
+        """Collect the contact points, the joints that carry each, and the feet's places on the ground."""
+        robot, model = self.robot, self._model
+        self.point_foot: IntArray = np.array(
+            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
+        )
+        self._centres = np.vstack([foot.centres for foot in robot.feet])
+        self._radii = np.array([robot.feet[k].radius for k in self.point_foot])
+        self._support = np.zeros((len(robot.feet), model.nv), dtype=np.bool_)
+        self._support[:, :6] = True
+        for k, foot in enumerate(robot.feet):
+            for joint in chain(model, foot.frame):
+                start = model.joints[joint].idx_v
+                self._support[k, start : start + model.joints[joint].nv] = True
+        self._frame_ids = [foot.frame for foot in robot.feet]
+        self._anchors = robot.foot_positions(q)
+        normals = self.terrain.normal(self._anchors[:, :2])
+        self._normals = normals
+        frames = np.array([self.terrain.frame(a[:2]) for a in self._anchors])
+        self._frames = np.ascontiguousarray(frames[self.point_foot])
+
+    def _set_gains(self, weight: float) -> None:
+        height = max(float(np.mean(self._q[2] - self._anchors[:, 2])), 0.05)
+        pendulum = math.sqrt(GRAVITY / height)
+        self._height, self._weight = height, weight
+        self._omega = POSITION_STIFFNESS * pendulum
+        self._omega_turn = ORIENTATION_STIFFNESS * pendulum
+        self._omega_joint = JOINT_STIFFNESS * pendulum
+        self._omega_swing = SWING_STIFFNESS * pendulum
+        limit = INTEGRAL_LIMIT * weight
+        self._integral_limit = np.array([limit] * 3 + [limit * height] * 3)
+        self._tolerance = WRENCH_TOLERANCE * weight
+
+    def step(self, q: FloatArray, v: FloatArray, time: float) -> Command:
+        """Return the command for the state (Pinocchio's order) at a time [s].
+
+        Never raises on a hard instance: the forces stay inside every cone and bound, and `attained`
+        and `status` tell the rest.
+        """
+        target = self.plan.at(time)
+        self._kinematics(q, v)
+        wrench = self._wrench(target, q, v)
+        low, high = self._bounds(target)
+        forces = self.allocation.share(self._grasp, wrench, low, high)
+        error = self._grasp @ forces.ravel() - wrench
+        attained = self._attained(error)
+        self._integrate(wrench, error, attained)
+        torques = self._torques(target, forces, q, v)
+        limits = self.robot.effort_limits
+        within = np.minimum(np.maximum(torques, -limits), limits)
+        saturated = bool((within != torques).any())
+        return Command(
+            within,
+            forces,
+            wrench,
+            error,
+            self._grasp,
+            high > 0.0,
+            attained,
+            saturated,
+            self.allocation.status,
+        )
+
+    def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
+        """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""
+        pin, model, data = self._pin, self._model, self._data
+        pin.computeJointJacobians(model, data, q)
+        pin.nonLinearEffects(model, data, q, v)
+        self._com = np.array(pin.centerOfMass(model, data, q, False))
+        rotations = np.empty((len(self._frame_ids), 3, 3))
+        places = np.empty((len(self._frame_ids), 3))
+        for k, frame in enumerate(self._frame_ids):
+            pose = pin.updateFramePlacement(model, data, frame)
+            rotations[k], places[k] = pose.rotation, pose.translation
+        self._base_rotation = np.array(data.oMi[1].rotation)
+        self._jacobian = np.asarray(data.J)
+        self._points = grasp_map_of_points(
+            rotations,
+            places,
+            self.point_foot,
+            self._centres,
+            self._radii,
+            self._frames,
+            self._com,
+            self._grasp,
+        )
+
+    def _wrench(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the wrench about the centre of mass that the PD law wants: (6,) [N, N m]."""
+        R = self._base_rotation
+        linear, angular = R @ v[:3], R @ v[3:6]
+        self._miss = np.empty(6)
+        self._miss[:3] = target.position - q[:3]
+        self._miss[3:] = rotation_log(self._rotation @ R.T)
+        push = self._omega**2 * self._miss[:3] + 2.0 * self._omega * (target.velocity - linear)
+        turn = self._omega_turn**2 * self._miss[3:] - 2.0 * self._omega_turn * angular
+        wrench = self._integral.copy()
+        wrench[:3] += self.robot.mass * (push + target.acceleration)
+        wrench[2] += self._weight
+        wrench[3:] += R @ (self._inertia_base @ (R.T @ turn))
+        return wrench
+
+    def _bounds(self, target: Target) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds on the normal force of every contact point; zero for feet in the air.
+
+        While nothing changes the same arrays come back, so that an allocation can see that.
+        """
+        if target is self._bounds_of[0]:
+            return self._bounds_of[1]
+        foot = self.point_foot
+        on = target.stance[foot]
+        high = np.where(on, self.normal_max * np.maximum(target.load[foot], 1e-3), 0.0)
+        low = np.where(on, self.normal_min * self._share, 0.0)
+        bounds = (np.minimum(low, high), high)
+        self._bounds_of = (target, bounds)
+        return bounds
+
+    def _attained(self, error: FloatArray) -> bool:
+        force, moment = math.hypot(*error[:3]), math.hypot(*error[3:]) / self._height
+        return max(force, moment) <= self._tolerance
+
+    def _integrate(self, wrench: FloatArray, error: FloatArray, attained: bool) -> None:
+        """Let the integral term take up what the PD law leaves, unless the ground cannot give it."""
+        if not attained:
+            return
+        rate = np.empty(6)
+        rate[:3] = self.robot.mass * self._omega**2 * self._miss[:3]
+        R = self._base_rotation
+        rate[3:] = R @ (self._inertia_base @ (R.T @ (self._omega_turn**2 * self._miss[3:])))
+        self._integral += (self.dt / INTEGRAL_TIME) * rate
+        np.clip(self._integral, -self._integral_limit, self._integral_limit, out=self._integral)
+
+    def _torques(self, target: Target, forces: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the joint torques that make the feet push, before the limits: (joints,) [N m]."""
+        support = self._support[self.point_foot]
+        torques = self._data.nle[6:] - contact_torques(
+            self._jacobian, support, self._points, self._frames, forces
+        )
+        held = self._support[target.stance].any(axis=0)[6:]
+        if held.all():
+            return np.asarray(torques)
+        M = np.array(self._pin.crba(self._model, self._data, q))
+        free = ~held
+        for foot in np.flatnonzero(~target.stance):
+            legs = self._support[foot][6:]
+            free &= ~legs
+            torques += self._swing(int(foot), target, M, v)
+        diagonal = np.diag(M)[6:]
+        hold = self._omega_joint**2 * (self._q[7:] - q[7:]) - 2.0 * self._omega_joint * v[6:]
+        return np.asarray(np.where(free, torques + diagonal * hold, torques))
+
+    def _swing(self, foot: int, target: Target, M: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the torques that hold a lifted foot over its place: (joints,) [N m]."""
+        pose = self._data.oMf[self._frame_ids[foot]]
+        place = pose.act(self.robot.feet[foot].centre)
+        normal = self._normals[foot]
+        wanted = self._anchors[foot] + target.height[foot] * normal
+        return foot_impedance(
+            self._jacobian, self._support[foot], M, v, np.asarray(place), wanted - place,
+            target.climb[foot] * normal, self._omega_swing,
+        )  # fmt: skip
+
+
+def default_normal_bounds(
+    robot: Robot, normal_min: float | None = None, normal_max: float | None = None
+) -> tuple[float, float]:
+    """Return the bounds on a foot's normal force that suit a robot [N]; given ones are kept."""
+    weight = robot.mass * GRAVITY
+    low = min(NORMAL_MIN, LIGHT_SHARE * weight / len(robot.feet)) if normal_min is None else normal_min
+    high = NORMAL_MAX_SHARE * weight if normal_max is None else normal_max
+    return low, high

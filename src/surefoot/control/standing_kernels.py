@@ -1,0 +1,128 @@
+"""Compiled pieces of the standing controller: grasp map, contact torques, swing-foot impedance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.kernels import kernel
+
+
+@kernel
+def grasp_map_of_points(
+    rotations: FloatArray,
+    places: FloatArray,
+    point_foot: IntArray,
+    centres: FloatArray,
+    radii: FloatArray,
+    frames: FloatArray,
+    com: FloatArray,
+    out: FloatArray,
+) -> FloatArray:
+    """Fill the (6, 3p) grasp map about `com` and return the (p, 3) contact points in world axes.
+
+    A point lies below its sphere's centre along the ground's normal, the third column of its frame.
+    """
+    count = point_foot.shape[0]
+    points = np.empty((count, 3))
+    for k in range(count):
+        foot = point_foot[k]
+        for i in range(3):
+            points[k, i] = places[foot, i] - radii[k] * frames[k, i, 2]
+            for j in range(3):
+                points[k, i] += rotations[foot, i, j] * centres[k, j]
+        x, y, z = points[k, 0] - com[0], points[k, 1] - com[1], points[k, 2] - com[2]
+        for j in range(3):
+            a, b, c = frames[k, 0, j], frames[k, 1, j], frames[k, 2, j]
+            column = 3 * k + j
+            out[0, column], out[1, column], out[2, column] = a, b, c
+            out[3, column] = y * c - z * b
+            out[4, column] = z * a - x * c
+            out[5, column] = x * b - y * a
+    return points
+
+
+@kernel
+def contact_torques(
+    jacobian: FloatArray, support: BoolArray, points: FloatArray, frames: FloatArray, forces: FloatArray
+) -> FloatArray:
+    """Return the joint part of Jᵀ f: (joints,) [N m], for a floating base.
+
+    Parameters
+    ----------
+    jacobian
+        (6, nv) Pinocchio's data.J: each column the joint's twist at the world's origin.
+    support
+        (p, nv) which velocity components move each point.
+    points, frames, forces
+        (p, 3) contact points, (p, 3, 3) contact frames, (p, 3) forces in them.
+    """
+    nv = jacobian.shape[1]
+    out = np.zeros(nv - 6)
+    for k in range(points.shape[0]):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        f = np.zeros(3)
+        for i in range(3):
+            for j in range(3):
+                f[i] += frames[k, i, j] * forces[k, j]
+        m0, m1, m2 = y * f[2] - z * f[1], z * f[0] - x * f[2], x * f[1] - y * f[0]
+        for c in range(6, nv):
+            if support[k, c]:
+                out[c - 6] += jacobian[0, c] * f[0] + jacobian[1, c] * f[1] + jacobian[2, c] * f[2]
+                out[c - 6] += jacobian[3, c] * m0 + jacobian[4, c] * m1 + jacobian[5, c] * m2
+    return out
+
+
+@kernel
+def foot_impedance(
+    jacobian: FloatArray,
+    support: BoolArray,
+    mass_matrix: FloatArray,
+    v: FloatArray,
+    place: FloatArray,
+    miss: FloatArray,
+    velocity: FloatArray,
+    omega: float,
+) -> FloatArray:
+    """Return torques of a critically damped impedance at a foot, as heavy as the leg feels there.
+
+    Parameters
+    ----------
+    jacobian, support
+        As for `contact_torques`; support is (nv,).
+    mass_matrix
+        (nv, nv).
+    v
+        (nv,) velocity.
+    place, miss, velocity
+        (3,) the foot, how far it is from its target, and the target's velocity, world axes.
+    omega
+        Natural frequency [rad/s].
+    """
+    nv = jacobian.shape[1]
+    legs = np.flatnonzero(support[6:]) + 6
+    J = np.empty((3, nv))
+    for c in range(nv):
+        a, b, d = jacobian[3, c], jacobian[4, c], jacobian[5, c]
+        J[0, c] = jacobian[0, c] + b * place[2] - d * place[1]
+        J[1, c] = jacobian[1, c] + d * place[0] - a * place[2]
+        J[2, c] = jacobian[2, c] + a * place[1] - b * place[0]
+    now = np.zeros(3)
+    for c in range(nv):
+        if c < 6 or support[c]:
+            now += J[:, c] * v[c]
+    count = legs.shape[0]
+    leg_mass, leg_jacobian = np.empty((count, count)), np.empty((3, count))
+    for i in range(count):
+        leg_jacobian[:, i] = J[:, legs[i]]
+        for j in range(count):
+            a, b = min(legs[i], legs[j]), max(legs[i], legs[j])
+            leg_mass[i, j] = mass_matrix[a, b]  # Pinocchio fills the upper triangle
+    mobility = leg_jacobian @ np.linalg.solve(leg_mass, np.ascontiguousarray(leg_jacobian.T))
+    mobility += 1e-3 * np.trace(mobility) * np.eye(3)  # a stretched leg has no mobility along itself
+    force = np.linalg.solve(mobility, omega * omega * miss + 2.0 * omega * (velocity - now))
+    out = np.zeros(nv - 6)
+    for i in range(count):
+        for k in range(3):
+            out[legs[i] - 6] += leg_jacobian[k, i] * force[k]
+    return out
