@@ -138,6 +138,11 @@ class PatchContact(Contact):
 
         return WrenchCone(self.length, self.width, self.mu)
 
+    def corner_offsets(self) -> FloatArray:
+        """(4, 2) places of the corners in the contact frame [m], clockwise from front left."""
+        half = np.array([0.5 * self.length, 0.5 * self.width])
+        return half * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+
     def corners(self) -> list[PointContact]:
         """Return the four corners as point contacts with the same frame and friction.
 
@@ -145,9 +150,8 @@ class PatchContact(Contact):
         sum, so corners carry only the upper one.
         """
         out = []
-        for k, (sx, sy) in enumerate(((1, 1), (1, -1), (-1, -1), (-1, 1))):
-            offset = np.array([0.5 * sx * self.length, 0.5 * sy * self.width, 0.0])
-            place = self.position + self.rotation_world_contact @ offset
+        for k, (x, y) in enumerate(self.corner_offsets()):
+            place = self.position + self.rotation_world_contact @ np.array([x, y, 0.0])
             out.append(
                 PointContact(
                     place, self.normal, self.mu, f"{self.name}.{k}", 0.0, self.normal_max,

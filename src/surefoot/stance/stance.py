@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.cones import ProductCone
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import skew
@@ -114,11 +115,49 @@ class Stance:
         """Return the product of the contacts' cones, for the stacked forces."""
         return ProductCone([c.cone for c in self.contacts])
 
+    @cached_property
+    def bounded(self) -> bool:
+        """Whether any contact bounds its normal force (beyond >= 0)."""
+        return bool(np.any(self.normal_min > 0.0) or np.any(np.isfinite(self.normal_max)))
+
     def points(self) -> Stance:
-        """Return the same stance with every patch replaced by its four corner points."""
+        """Return the same stance with every patch replaced by its four corner points.
+
+        Worked out once; a stance without patches is returned as it is.
+        """
+        return self._points
+
+    @cached_property
+    def _points(self) -> Stance:
         out: list[Contact] = []
         for contact in self.contacts:
             out.extend(contact.corners() if isinstance(contact, PatchContact) else [contact])
+        return self if len(out) == len(self.contacts) else Stance(out)
+
+    @cached_property
+    def corner_map(self) -> FloatArray:
+        """(dim, 3 k) map from the forces of `points()` to the stacked forces and patch wrenches."""
+        corners = self.points()
+        out = np.zeros((self.dim, corners.dim))
+        at = 0
+        for contact, part in zip(self.contacts, self.slices, strict=True):
+            if not isinstance(contact, PatchContact):
+                out[part, at : at + 3] = np.eye(3)
+                at += 3
+                continue
+            for x, y in contact.corner_offsets():
+                out[part.start : part.start + 3, at : at + 3] = np.eye(3)
+                out[part.start + 3 : part.stop, at : at + 3] = skew([x, y, 0.0])
+                at += 3
+        return out
+
+    def with_friction(self, mu: float) -> Stance:
+        """Return the same stance with one friction coefficient at every contact."""
+        out = []
+        for contact in self.contacts:
+            twin = copy(contact)
+            twin.mu = real_number("mu", mu, low=0.0)
+            out.append(twin)
         return Stance(out)
 
     def without(self, *names: str) -> Stance:

@@ -1,0 +1,323 @@
+"""A small cone program, solved by a compiled primal-dual interior-point method.
+
+    minimise c.x  subject to  B x = b,  x in a product of 3-D Lorentz cones and half-lines,
+
+with few rows (a wrench has six), orthonormal among themselves, and a strictly feasible start. It is
+what every question to a stance comes down to: how much margin, how far the centre of mass may move,
+how much push a stance withstands.
+
+Method: Nesterov-Todd scaling with Mehrotra's predictor and corrector, as in L. Vandenberghe, "The
+CVXOPT linear and quadratic cone program solvers" (2010), sections 4-7. The primal equations hold at
+every iterate, since the start satisfies them and no step leaves them; the dual equations hold after the
+first full dual step.
+
+Limits: dense normal equations of the number of rows; an unbounded program is recognised by its
+growing value, not by a proof.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import inline_kernel, kernel
+
+OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
+"""How `minimise` ended."""
+
+_MOST_ITERATIONS = 60
+
+
+@inline_kernel
+def _step_to_boundary(x: FloatArray, d: FloatArray, lorentz: int) -> float:
+    """Return the largest step a with x + a d in the cone; infinity when no step leaves it."""
+    longest = math.inf
+    for k in range(lorentz):
+        i = 3 * k
+        c = (x[i] - math.hypot(x[i + 1], x[i + 2])) * (x[i] + math.hypot(x[i + 1], x[i + 2]))
+        b = x[i] * d[i] - x[i + 1] * d[i + 1] - x[i + 2] * d[i + 2]
+        a = d[i] * d[i] - d[i + 1] * d[i + 1] - d[i + 2] * d[i + 2]
+        disc = max(0.0, b * b - a * c)  # never negative but for rounding: x is inside
+        bottom = math.sqrt(disc) - b
+        if bottom > 0.0:
+            longest = min(longest, c / bottom)
+    for i in range(3 * lorentz, x.size):
+        if d[i] < 0.0:
+            longest = min(longest, -x[i] / d[i])
+    return longest
+
+
+@inline_kernel
+def _scale(x: FloatArray, z: FloatArray, lorentz: int, v: FloatArray, eta: FloatArray) -> bool:
+    """Fill the Nesterov-Todd scaling W = eta (2 v v' - J), W z = W^-1 x; False if x or z is outside."""
+    for k in range(lorentz):
+        i = 3 * k
+        hx = math.sqrt(x[i + 1] * x[i + 1] + x[i + 2] * x[i + 2])
+        hz = math.sqrt(z[i + 1] * z[i + 1] + z[i + 2] * z[i + 2])
+        det_x = (x[i] - hx) * (x[i] + hx)
+        det_z = (z[i] - hz) * (z[i] + hz)
+        if not (det_x > 0.0 and det_z > 0.0):
+            return False
+        sx, sz = 1.0 / math.sqrt(det_x), 1.0 / math.sqrt(det_z)
+        dot = (x[i] * z[i] + x[i + 1] * z[i + 1] + x[i + 2] * z[i + 2]) * sx * sz
+        half = 0.5 / math.sqrt(0.5 * (1.0 + dot))
+        w0 = half * (x[i] * sx + z[i] * sz)
+        w1 = half * (x[i + 1] * sx - z[i + 1] * sz)
+        w2 = half * (x[i + 2] * sx - z[i + 2] * sz)
+        root = 1.0 / math.sqrt(2.0 * (w0 + 1.0))
+        v[i], v[i + 1], v[i + 2] = (w0 + 1.0) * root, w1 * root, w2 * root
+        eta[k] = math.sqrt(sz / sx)
+    for i in range(3 * lorentz, x.size):
+        if not (x[i] > 0.0 and z[i] > 0.0):
+            return False
+        v[i] = math.sqrt(x[i] / z[i])
+    return True
+
+
+@inline_kernel
+def _apply(
+    v: FloatArray, eta: FloatArray, lorentz: int, inverse: bool, d: FloatArray, out: FloatArray
+) -> None:
+    """Set out = W d, or W^-1 d; W^-1 = (2 J v v' J - J) / eta."""
+    sign = -1.0 if inverse else 1.0
+    for k in range(lorentz):
+        i = 3 * k
+        e = 1.0 / eta[k] if inverse else eta[k]
+        a, b, c = v[i], sign * v[i + 1], sign * v[i + 2]
+        dot = 2.0 * (a * d[i] + b * d[i + 1] + c * d[i + 2])
+        out[i] = e * (dot * a - d[i])
+        out[i + 1] = e * (dot * b + d[i + 1])
+        out[i + 2] = e * (dot * c + d[i + 2])
+    for i in range(3 * lorentz, d.size):
+        out[i] = d[i] / v[i] if inverse else d[i] * v[i]
+
+
+@inline_kernel
+def _factor(M: FloatArray) -> bool:
+    """Replace the lower triangle of M by its Cholesky factor; pivots that vanish are made huge."""
+    r = M.shape[0]
+    for j in range(r):
+        top = M[j, j]
+        s = top
+        for k in range(j):
+            s -= M[j, k] * M[j, k]
+        if not math.isfinite(s):
+            return False
+        M[j, j] = math.sqrt(s) if s > 1e-15 * top else 1e100
+        for i in range(j + 1, r):
+            s = M[i, j]
+            for k in range(j):
+                s -= M[i, k] * M[j, k]
+            M[i, j] = s / M[j, j]
+    return True
+
+
+@inline_kernel
+def _solve_factored(M: FloatArray, v: FloatArray) -> None:
+    """Replace v by the solution of (L L') u = v."""
+    r = M.shape[0]
+    for i in range(r):
+        s = v[i]
+        for k in range(i):
+            s -= M[i, k] * v[k]
+        v[i] = s / M[i, i]
+    for i in range(r - 1, -1, -1):
+        s = v[i]
+        for k in range(i + 1, r):
+            s -= M[k, i] * v[k]
+        v[i] = s / M[i, i]
+
+
+@inline_kernel
+def _normal_matrix(
+    B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray
+) -> None:
+    """Set BW = B W and the lower triangle of M = B W W B'."""
+    r, m = B.shape
+    for j in range(r):
+        for k in range(lorentz):
+            i = 3 * k
+            dot = 2.0 * (B[j, i] * v[i] + B[j, i + 1] * v[i + 1] + B[j, i + 2] * v[i + 2])
+            BW[j, i] = eta[k] * (dot * v[i] - B[j, i])
+            BW[j, i + 1] = eta[k] * (dot * v[i + 1] + B[j, i + 1])
+            BW[j, i + 2] = eta[k] * (dot * v[i + 2] + B[j, i + 2])
+        for i in range(3 * lorentz, m):
+            BW[j, i] = B[j, i] * v[i]
+        for q in range(j + 1):
+            s = 0.0
+            for i in range(m):
+                s += BW[j, i] * BW[q, i]
+            M[j, q] = s
+
+
+@inline_kernel
+def _corrector_target(
+    lam: FloatArray, dx: FloatArray, dz: FloatArray, sigma_mu: float, lorentz: int, out: FloatArray
+) -> None:
+    """Set out = lam \\ (sigma_mu e - lam o lam - dx o dz), all in scaled coordinates."""
+    for k in range(lorentz):
+        i = 3 * k
+        a, b, c = lam[i], lam[i + 1], lam[i + 2]
+        r0 = sigma_mu - (a * a + b * b + c * c)
+        r0 -= dx[i] * dz[i] + dx[i + 1] * dz[i + 1] + dx[i + 2] * dz[i + 2]
+        r1 = -2.0 * a * b - (dx[i] * dz[i + 1] + dz[i] * dx[i + 1])
+        r2 = -2.0 * a * c - (dx[i] * dz[i + 2] + dz[i] * dx[i + 2])
+        h = math.sqrt(b * b + c * c)
+        out[i] = (a * r0 - b * r1 - c * r2) / ((a - h) * (a + h))
+        out[i + 1] = (r1 - b * out[i]) / a
+        out[i + 2] = (r2 - c * out[i]) / a
+    for i in range(3 * lorentz, lam.size):
+        out[i] = (sigma_mu - dx[i] * dz[i]) / lam[i] - lam[i]
+
+
+@inline_kernel
+def _direction(
+    B: FloatArray, BW: FloatArray, M: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int,
+    target: FloatArray, Wrd: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
+) -> None:  # fmt: skip
+    """Solve B dx = 0, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
+    r, m = B.shape
+    for j in range(r):
+        s = 0.0
+        for i in range(m):
+            s += BW[j, i] * (Wrd[i] - target[i])
+        dy[j] = s
+    _solve_factored(M, dy)
+    for i in range(m):
+        s = Wrd[i]
+        for j in range(r):
+            s -= BW[j, i] * dy[j]
+        dz[i] = s
+        dx[i] = target[i] - s
+
+
+@kernel
+def minimise(
+    B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
+    tol: float, floor: float,
+) -> tuple[int, int]:  # fmt: skip
+    """Solve the cone program in place, from a strictly feasible x.
+
+    Parameters
+    ----------
+    B, b, c
+        (r, m), (r,), (m,): orthonormal rows, right-hand side, objective.
+    lorentz
+        How many 3-D Lorentz cones come first in x, each (height, two sides); the rest are half-lines.
+    x, y, z
+        (m,), (r,), (m,): in, a strictly feasible x with B x = b (y, z are overwritten); out, the
+        solution, the multipliers and z = c - B' y in the cone, z.x = c.x - b.y the gap.
+    tol
+        The gap to reach, in the objective's units.
+    floor
+        Below this objective the program counts as unbounded.
+
+    Returns
+    -------
+    tuple[int, int]
+        OPTIMAL, STALLED (x is feasible, the gap may be larger than tol) or UNBOUNDED; and the
+        iterations used.
+    """
+    r, m = B.shape
+    degree = lorentz + (m - 3 * lorentz)
+    work = np.empty((9, m))
+    v, lam, target, Wrd, dx, dz, ux, uz, rd = (
+        work[0], work[1], work[2], work[3], work[4], work[5], work[6], work[7], work[8],
+    )  # fmt: skip
+    BW, M, dy, eta = np.empty((r, m)), np.empty((r, r)), np.empty(r), np.empty(lorentz)
+    _dual_start(B, c, lorentz, y, z)
+    for iteration in range(_MOST_ITERATIONS):
+        gap, value, residual = 0.0, 0.0, 0.0
+        for i in range(m):
+            s = c[i] - z[i]
+            for j in range(r):
+                s -= B[j, i] * y[j]
+            rd[i] = s
+            residual = max(residual, abs(s))
+            gap += x[i] * z[i]
+            value += c[i] * x[i]
+        if gap <= tol and residual <= 1e-12:
+            return OPTIMAL, iteration
+        if value < floor:
+            return UNBOUNDED, iteration
+        if not _scale(x, z, lorentz, v, eta):
+            return STALLED, iteration
+        mu = gap / degree
+        _apply(v, eta, lorentz, False, z, lam)
+        _apply(v, eta, lorentz, False, rd, Wrd)
+        _normal_matrix(B, v, eta, lorentz, BW, M)
+        if not _factor(M):
+            return STALLED, iteration
+        for i in range(m):
+            target[i] = -lam[i]
+        _direction(B, BW, M, v, eta, lorentz, target, Wrd, dx, dz, dy)
+        step = min(1.0, _step_to_boundary(lam, dx, lorentz), _step_to_boundary(lam, dz, lorentz))
+        sigma = (1.0 - step) ** 3
+        _corrector_target(lam, dx, dz, sigma * mu, lorentz, target)
+        _direction(B, BW, M, v, eta, lorentz, target, Wrd, dx, dz, dy)
+        primal = min(1.0, 0.99 * _step_to_boundary(lam, dx, lorentz))
+        dual = min(1.0, 0.99 * _step_to_boundary(lam, dz, lorentz))
+        _apply(v, eta, lorentz, False, dx, ux)
+        _apply(v, eta, lorentz, True, dz, uz)
+        for i in range(m):
+            x[i] += primal * ux[i]
+            z[i] += dual * uz[i]
+        for j in range(r):
+            y[j] += dual * dy[j]
+        if residual * (1.0 - dual) < 1e-9:
+            _set_slack(B, c, lorentz, y, z, rd)
+        if max(primal, dual) < 1e-8 or not gap < 1e30:
+            return STALLED, iteration
+    return STALLED, _MOST_ITERATIONS
+
+
+@inline_kernel
+def _set_slack(
+    B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, trial: FloatArray
+) -> None:
+    """Set z = c - B' y, so that the dual equations hold to rounding, if that is inside the cone."""
+    r, m = B.shape
+    for i in range(m):
+        s = c[i]
+        for j in range(r):
+            s -= B[j, i] * y[j]
+        trial[i] = s
+    for k in range(lorentz):
+        i = 3 * k
+        if trial[i] <= math.sqrt(trial[i + 1] * trial[i + 1] + trial[i + 2] * trial[i + 2]):
+            return
+    for i in range(3 * lorentz, m):
+        if trial[i] <= 0.0:
+            return
+    z[:] = trial
+
+
+@inline_kernel
+def _dual_start(B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray) -> None:
+    """Set y = B c and z = c - B' y, moved into the cone along its axis."""
+    r, m = B.shape
+    for j in range(r):
+        s = 0.0
+        for i in range(m):
+            s += B[j, i] * c[i]
+        y[j] = s
+    size, depth = 0.0, math.inf
+    for i in range(m):
+        s = c[i]
+        for j in range(r):
+            s -= B[j, i] * y[j]
+        z[i] = s
+        size += s * s
+    for k in range(lorentz):
+        depth = min(depth, z[3 * k] - math.hypot(z[3 * k + 1], z[3 * k + 2]))
+    for i in range(3 * lorentz, m):
+        depth = min(depth, z[i])
+    size = math.sqrt(size / max(1, m))
+    if depth < 0.1 * size or size == 0.0:
+        shift = max(size, 1e-8) - depth
+        for k in range(lorentz):
+            z[3 * k] += shift
+        for i in range(3 * lorentz, m):
+            z[i] += shift

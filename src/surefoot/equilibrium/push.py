@@ -1,0 +1,67 @@
+"""The largest disturbance in one direction that a stance withstands."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
+from surefoot.equilibrium.limits import equations
+from surefoot.equilibrium.margin import BAND, GAP, INFEASIBLE, UNREACHABLE, most_margin
+from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, turn_first_row
+from surefoot.errors import ProblemError
+from surefoot.kernels import kernel
+
+if TYPE_CHECKING:
+    from surefoot.equilibrium.verdict import Verdict
+
+
+@kernel
+def farthest(A: FloatArray, w: FloatArray, d: FloatArray, lorentz: int, x: FloatArray) -> tuple[int, float]:
+    """Maximise s with A x = w + s d, x in the cone, from a strictly feasible x at s = 0 (overwritten).
+
+    Returns the solver's status and s; s is 0 where d lies outside the rows' range.
+    """
+    p, m = A.shape
+    Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
+    b, a, h = np.zeros(p), np.zeros(p), np.zeros(p)
+    rank = orthonormal_rows(A, Q, T, pivots)
+    if coordinates(T, pivots, rank, d, a) > BAND:
+        return 0, 0.0
+    coordinates(T, pivots, rank, w, b)
+    alpha = turn_first_row(Q, rank, a, h, b)
+    c = -Q[0]
+    y, z = np.empty(rank - 1), np.empty(m)
+    status, _ = minimise(Q[1:rank], b[1:rank], c, lorentz, x, y, z, GAP, -1e6)
+    s = -b[0]
+    for i in range(m):
+        s += Q[0, i] * x[i]
+    return status, s / alpha
+
+
+def largest_disturbance(verdict: Verdict, direction: ArrayLike) -> float:
+    """Return how far a wrench in `direction` on the robot may grow: see `Verdict.largest_disturbance`.
+
+    Raises
+    ------
+    ProblemError
+        If the direction is not (6,), finite and nonzero.
+    """
+    push = finite_array("direction", direction, (6,))
+    if not np.any(push):
+        raise ProblemError("direction must not be zero")
+    if not verdict.feasible or not len(verdict.stance):
+        return 0.0
+    eq = equations(verdict.stance, verdict.com, verdict.load, verdict.limits, verdict.facets, verdict.fit)
+    outcome, margin, x, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    if outcome in (INFEASIBLE, UNREACHABLE) or margin <= BAND:
+        return 0.0
+    d = np.zeros(len(eq.w))
+    d[:3], d[3:6] = -push[:3], -push[3:] / eq.length
+    size = float(np.linalg.norm(d))
+    status, reach = farthest(eq.A, eq.w, d / size, eq.lorentz, x)
+    return math.inf if status == UNBOUNDED else max(0.0, reach) * eq.scale / size

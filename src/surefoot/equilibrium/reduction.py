@@ -1,0 +1,162 @@
+"""Bring the rows of a stance's equations to orthonormal form, and know their rank.
+
+Shared by every question of this room: two feet have rank five (no moment about the line through
+them), one point has rank three, and a load outside the rows' range can never be carried.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.kernels import kernel
+
+RANK_TOLERANCE = 1e-10
+"""Share of a row that must be independent of the others for the row to count."""
+
+
+@kernel
+def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArray) -> int:
+    """Factor A = T Q with orthonormal rows Q, by Gram-Schmidt with row pivoting, twice.
+
+    Parameters
+    ----------
+    A
+        (p, m), rows of comparable size.
+    Q, T, pivots
+        (p, m), (p, p), (p,): outputs; the first `rank` rows of Q, columns of T and entries of pivots
+        count. T[pivots] is lower triangular.
+
+    Returns
+    -------
+    int
+        The rank.
+    """
+    p, m = A.shape
+    rest = A.copy()
+    first = np.empty(p)
+    taken = np.zeros(p, dtype=np.bool_)
+    T[:, :] = 0.0
+    for j in range(p):
+        s = 0.0
+        for i in range(m):
+            s += A[j, i] * A[j, i]
+        first[j] = math.sqrt(s)
+    for k in range(p):
+        best, at = -1.0, -1
+        for j in range(p):
+            if taken[j]:
+                continue
+            s = 0.0
+            for i in range(m):
+                s += rest[j, i] * rest[j, i]
+            if s > best:
+                best, at = s, j
+        length = math.sqrt(best)
+        if length <= RANK_TOLERANCE * first[at] or length <= RANK_TOLERANCE * 1e-3:
+            return k
+        for i in range(m):
+            Q[k, i] = rest[at, i] / length
+        for q in range(k):  # once more, against rounding
+            s = 0.0
+            for i in range(m):
+                s += Q[q, i] * Q[k, i]
+            for i in range(m):
+                Q[k, i] -= s * Q[q, i]
+        s = 0.0
+        for i in range(m):
+            s += Q[k, i] * Q[k, i]
+        s = 1.0 / math.sqrt(s)
+        for i in range(m):
+            Q[k, i] *= s
+        pivots[k] = at
+        taken[at] = True
+        for j in range(p):
+            s = 0.0
+            for i in range(m):
+                s += rest[j, i] * Q[k, i]
+            T[j, k] = s if not taken[j] or j == at else 0.0
+            if not taken[j]:
+                for i in range(m):
+                    rest[j, i] -= s * Q[k, i]
+    return p
+
+
+@kernel
+def coordinates(T: FloatArray, pivots: IntArray, rank: int, w: FloatArray, out: FloatArray) -> float:
+    """Solve T out = w on the pivot rows and return the largest violation on the other rows.
+
+    The violation is how far w is outside the range of A, in the units of w.
+    """
+    p = T.shape[0]
+    for k in range(rank):
+        s = w[pivots[k]]
+        for q in range(k):
+            s -= T[pivots[k], q] * out[q]
+        out[k] = s / T[pivots[k], k]
+    worst = 0.0
+    for j in range(p):
+        s = w[j]
+        for q in range(rank):
+            s -= T[j, q] * out[q]
+        worst = max(worst, abs(s))
+    return worst
+
+
+@kernel
+def pull_back(T: FloatArray, pivots: IntArray, rank: int, y: FloatArray, out: FloatArray) -> None:
+    """Find u with A' u = Q' y: zero off the pivot rows, back substitution on them."""
+    out[:] = 0.0
+    for k in range(rank - 1, -1, -1):
+        s = y[k]
+        for q in range(k + 1, rank):
+            s -= T[pivots[q], k] * out[pivots[q]]
+        out[pivots[k]] = s / T[pivots[k], k]
+
+
+@kernel
+def turn_first_row(Q: FloatArray, rank: int, a: FloatArray, h: FloatArray, b: FloatArray) -> float:
+    """Reflect the rows of Q (and b) so that the row-space vector a points along the first row.
+
+    h (rank,) receives the reflector (I - 2 h h'), zero for none; returns the length of a with the sign
+    that the first coordinate gets: it is always >= 0.
+    """
+    length = 0.0
+    for j in range(rank):
+        length += a[j] * a[j]
+    length = math.sqrt(length)
+    h[:rank] = 0.0
+    if length == 0.0:
+        return 0.0
+    size = 0.0
+    for j in range(rank):
+        h[j] = a[j] / length
+    h[0] -= 1.0
+    for j in range(rank):
+        size += h[j] * h[j]
+    if size < 1e-30:
+        h[:rank] = 0.0
+        return length
+    size = 1.0 / math.sqrt(size)
+    for j in range(rank):
+        h[j] *= size
+    for i in range(Q.shape[1]):
+        s = 0.0
+        for j in range(rank):
+            s += h[j] * Q[j, i]
+        for j in range(rank):
+            Q[j, i] -= 2.0 * s * h[j]
+    reflect(h, rank, b)
+    return length
+
+
+@kernel
+def reflect(h: FloatArray, rank: int, v: FloatArray) -> None:
+    """Apply I - 2 h h' to the first `rank` entries of v, in place (its own inverse)."""
+    s = 0.0
+    for j in range(rank):
+        s += h[j] * v[j]
+    for j in range(rank):
+        v[j] -= 2.0 * s * h[j]

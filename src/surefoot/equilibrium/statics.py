@@ -1,0 +1,227 @@
+"""Can it stand here, and how much friction does it need?
+
+Every answer carries its proof: forces when it can, a separating wrench when it cannot.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.equilibrium.limits import ForceLimits, equations, normal_limits
+from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, most_margin, stand
+from surefoot.equilibrium.verdict import Verdict
+from surefoot.errors import ProblemError
+from surefoot.spatial import GRAVITY
+from surefoot.stance import Stance
+
+_MOST_MU = 1e4
+"""A stance that needs more friction than this counts as one that no friction saves."""
+
+
+def can_stand(
+    stance: Stance,
+    com: ArrayLike,
+    mass: float,
+    external_wrench: ArrayLike | float = 0.0,
+    facets: int | None = None,
+    fit: Literal["inner", "outer"] = "inner",
+    limits: ForceLimits | None = None,
+) -> Verdict:
+    """Tell whether contact forces can hold a robot at rest, and prove it.
+
+    Parameters
+    ----------
+    stance
+        Contacts; none at all cannot stand.
+    com
+        (3,) centre of mass, world axes [m].
+    mass
+        > 0 [kg].
+    external_wrench
+        (6,) [force; moment about the centre of mass] on the robot besides gravity, world axes
+        [N, N m]; 0 for none. Minus the mass times an acceleration stands for a motion.
+    facets, fit
+        None for the exact friction cones; a number for pyramids with so many sides, inside
+        (never promises force that the ground cannot give) or around the cones.
+    limits
+        Further bounds on the contact forces; those on the contacts' normal forces always count.
+
+    Returns
+    -------
+    Verdict
+        `.feasible`, `.forces`, `.margin` [N], `.certificate`; truthy when it can stand.
+
+    Raises
+    ------
+    ProblemError
+        For a mass that is not positive, values that are not finite or shapes that do not fit.
+
+    Notes
+    -----
+    The verdict is exact outside a band of 1e-9 of the load around the boundary, and so is the margin.
+    Joint torques are another question: see `surefoot.equilibrium.actuation`.
+
+    Examples
+    --------
+    >>> from surefoot import PointContact, Stance
+    >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+    >>> stance = Stance([PointContact(p, mu=0.6) for p in feet])
+    >>> can_stand(stance, com=[0.0, 0.0, 0.3], mass=15.0)
+    Verdict(possible, margin=18.9 N, 4 contacts)
+    >>> verdict = can_stand(stance, com=[0.25, 0.0, 0.3], mass=15.0)
+    >>> bool(verdict), float(verdict.certificate @ verdict.load) < 0.0
+    (False, True)
+    """
+    about = _point("com", com)
+    load = needed_wrench(mass, external_wrench)
+    if limits is None and facets is None and not stance.bounded and stance.contacts:
+        points = stance.points()
+        outcome, margin, x, y = stand(points.positions, points.rotations, points.mu, about, load)
+        if outcome == FEASIBLE or outcome == ENDLESS:
+            forces = x if points is stance else stance.corner_map @ x
+            return Verdict(stance, about, load, True, margin, forces, None, x)
+        return Verdict(stance, about, load, False, margin, None, y, None)
+    return _general(stance, about, load, facets, fit, limits)
+
+
+def _general(
+    stance: Stance,
+    about: FloatArray,
+    load: FloatArray,
+    facets: int | None,
+    fit: Literal["inner", "outer"],
+    limits: ForceLimits | None,
+) -> Verdict:
+    """Answer with bounds or pyramids, or without contacts."""
+    if not stance.contacts:
+        size = float(np.linalg.norm(load))
+        if size == 0.0:
+            return Verdict(stance, about, load, True, math.inf, np.zeros(0), None, np.zeros(0))
+        return Verdict(stance, about, load, False, -math.inf, None, -load / size, None)
+    bounds = normal_limits(stance)
+    bounds = limits if bounds is None else bounds.and_also(limits)
+    eq = equations(stance, about, load, bounds, facets, fit)
+    outcome, margin, x, y = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    if outcome == FEASIBLE or outcome == ENDLESS:
+        corners = eq.force @ x
+        forces = stance.corner_map @ corners
+        return Verdict(
+            stance, about, load, True, margin * eq.scale, forces, None, corners, bounds, None, facets, fit
+        )
+    multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
+    return Verdict(
+        stance, about, load, False, margin * eq.scale, None, eq.wrench_multiplier(y), None, bounds, multipliers,
+        facets, fit,
+    )  # fmt: skip
+
+
+def friction_needed(
+    stance: Stance, com: ArrayLike, mass: float, external_wrench: ArrayLike | float = 0.0
+) -> float:
+    """Return the least friction coefficient, the same at every contact, that holds the robot.
+
+    Parameters
+    ----------
+    stance
+        Contacts; their own coefficients are not looked at.
+    com, mass, external_wrench
+        As for `can_stand`.
+
+    Returns
+    -------
+    float
+        0 where the contacts hold without friction, infinite where no friction (up to 10000) helps.
+
+    Examples
+    --------
+    >>> from surefoot import PointContact, SlopeTerrain, Stance
+    >>> ground = SlopeTerrain(30.0)
+    >>> feet = [[x, y] for x in (0.2, -0.2) for y in (0.15, -0.15)]
+    >>> stance = Stance([PointContact([*p, ground.height(p)], ground.normal(p)) for p in feet])
+    >>> round(friction_needed(stance, com=[0, 0, 0.3], mass=15.0), 6)  # tan 30 deg
+    0.57735
+    """
+    about = _point("com", com)
+    load = needed_wrench(mass, external_wrench)
+    if not stance.contacts:
+        return math.inf if float(np.linalg.norm(load)) > 0.0 else 0.0
+
+    def depth(mu: float) -> float:
+        """Return how far the cones' apices may rise: its sign says whether mu is enough."""
+        trial = stance.with_friction(mu) if stance.bounded else stance
+        if stance.bounded:
+            return _general(trial, about, load, None, "inner", None).margin
+        points = stance.points()
+        same = np.full(len(points), mu)
+        margin = stand(points.positions, points.rotations, same, about, load)[1]
+        return margin * (math.sqrt(1.0 + mu * mu) / mu if mu > 0.0 else 1.0)
+
+    return _least_root(depth, 1e-9 * float(np.linalg.norm(load)))
+
+
+def _least_root(depth: Callable[[float], float], band: float) -> float:
+    """Return the least mu with depth(mu) >= -band, depth rising with mu; infinite if there is none."""
+    low, at_low = 0.0, depth(0.0)
+    if at_low >= -band:
+        return 0.0
+    high = 1.0
+    at_high = depth(high)
+    while at_high < -band:
+        if high >= _MOST_MU:
+            return math.inf
+        low, at_low = high, at_high
+        high *= 10.0
+        at_high = depth(high)
+    side = 0
+    for k in range(200):
+        if high - low <= 1e-10 * high:
+            break
+        safe = math.isfinite(at_low) and math.isfinite(at_high) and k % 4 != 3
+        mu = (low * at_high - high * at_low) / (at_high - at_low) if safe else 0.5 * (low + high)
+        if not low < mu < high:
+            mu = 0.5 * (low + high)
+        value = depth(mu)
+        if value >= 0.0:
+            if side == 1:
+                at_low *= 0.5
+            high, at_high, side = mu, value, 1
+            if value <= band:
+                break
+        else:
+            if side == -1:
+                at_high *= 0.5
+            low, at_low, side = mu, value, -1
+    return high
+
+
+def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> FloatArray:
+    """Return the (6,) wrench about the centre of mass that the contacts have to give [N, N m].
+
+    Raises
+    ------
+    ProblemError
+        If the mass is not positive and finite or the wrench is not (6,) and finite.
+    """
+    if not (isinstance(mass, (int, float)) and 0.0 < mass < math.inf):
+        number = real_number("mass", mass)
+        if not 0.0 < number < math.inf:
+            raise ProblemError(f"mass must be positive and finite [kg], got {number:g}")
+    load = np.zeros(6)
+    load[2] = mass * GRAVITY
+    if not (isinstance(external_wrench, (int, float)) and external_wrench == 0.0):
+        load -= finite_array("external_wrench", external_wrench, (6,))
+    return load
+
+
+def _point(name: str, value: ArrayLike) -> FloatArray:
+    """Return a finite (3,) point, at little cost when it is one already."""
+    point = np.array(value, dtype=np.float64) if isinstance(value, (list, tuple, np.ndarray)) else None
+    if point is not None and point.shape == (3,) and math.isfinite(point[0] + point[1] + point[2]):
+        return point
+    return finite_array(name, value, (3,))
