@@ -64,27 +64,34 @@ SOLVED, ALMOST, MAX_ITERATIONS, INVALID = 0, 1, 2, 3
 FAR = 0.3  # share of ||b||² at which the first residual sends an instance down the path
 PATIENCE = 3  # line searches on the direct way before the path is taken
 PATH_START = 0.002  # kappa at the start of the path, over the squared Frobenius norm of B
-PATH_STEP = 0.1  # shrinkage of kappa from stage to stage
-PATH_TOLERANCE = 1e-3  # squared, over ||b||²
+PATH_STEP = 0.05  # shrinkage of kappa from stage to stage; then, if that failed, ...
+SMALL_STEP = 0.2
+PATH_TOLERANCE = 1e-5  # of a stage: ||F||² over ||b||²; then, if that failed, ...
+TIGHT_TOLERANCE = 1e-10
+PATH_LIMIT = 40  # iterations of the last stage before the path is taken again, carefully
+RELATIVE = 1e-12  # duality gap over the objective that counts as solved where rounding stops the rest
 ROUNDING = 1e-31  # square of the relative error of a residual in doubles
 
 
 @inline_kernel
-def column(row: FloatArray, at: int) -> Six:
+def column(work: FloatArray, k: int, at: int) -> Six:
     """Return six numbers of a row."""
-    return row[at], row[at + 1], row[at + 2], row[at + 3], row[at + 4], row[at + 5]
+    return (
+        work[k, at], work[k, at + 1], work[k, at + 2],
+        work[k, at + 3], work[k, at + 4], work[k, at + 5],
+    )  # fmt: skip
 
 
 @inline_kernel
-def combine(row: FloatArray, x: float, y: float, z: float) -> Six:
+def combine(work: FloatArray, k: int, x: float, y: float, z: float) -> Six:
     """Return the wrench B_i (x, y, z) of the contact in a row."""
     return (
-        row[8] * x + row[14] * y + row[20] * z,
-        row[9] * x + row[15] * y + row[21] * z,
-        row[10] * x + row[16] * y + row[22] * z,
-        row[11] * x + row[17] * y + row[23] * z,
-        row[12] * x + row[18] * y + row[24] * z,
-        row[13] * x + row[19] * y + row[25] * z,
+        work[k, 8] * x + work[k, 14] * y + work[k, 20] * z,
+        work[k, 9] * x + work[k, 15] * y + work[k, 21] * z,
+        work[k, 10] * x + work[k, 16] * y + work[k, 22] * z,
+        work[k, 11] * x + work[k, 17] * y + work[k, 23] * z,
+        work[k, 12] * x + work[k, 18] * y + work[k, 24] * z,
+        work[k, 13] * x + work[k, 19] * y + work[k, 25] * z,
     )
 
 
@@ -92,23 +99,25 @@ def combine(row: FloatArray, x: float, y: float, z: float) -> Six:
 def place(work: FloatArray, contacts: int, y: Six, rho: float) -> None:
     """Set the points to c + rho Bᵀ y."""
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            row[POINT] = row[CENTRE] + rho * dot(column(row, BLOCK), y)
-            row[POINT + 1] = row[CENTRE + 1] + rho * dot(column(row, BLOCK + 6), y)
-            row[POINT + 2] = row[CENTRE + 2] + rho * dot(column(row, BLOCK + 12), y)
+        if work[k, HIGH] > 0.0:
+            work[k, POINT] = work[k, CENTRE] + rho * dot(column(work, k, BLOCK), y)
+            work[k, POINT + 1] = work[k, CENTRE + 1] + rho * dot(column(work, k, BLOCK + 6), y)
+            work[k, POINT + 2] = work[k, CENTRE + 2] + rho * dot(column(work, k, BLOCK + 12), y)
 
 
 @inline_kernel
 def aim(work: FloatArray, contacts: int, d: Six, rho: float) -> None:
     """Remember the points and set STEP to rho Bᵀ d."""
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            row[OLD], row[OLD + 1], row[OLD + 2] = row[POINT], row[POINT + 1], row[POINT + 2]
-            row[STEP] = rho * dot(column(row, BLOCK), d)
-            row[STEP + 1] = rho * dot(column(row, BLOCK + 6), d)
-            row[STEP + 2] = rho * dot(column(row, BLOCK + 12), d)
+        if work[k, HIGH] > 0.0:
+            work[k, OLD], work[k, OLD + 1], work[k, OLD + 2] = (
+                work[k, POINT],
+                work[k, POINT + 1],
+                work[k, POINT + 2],
+            )
+            work[k, STEP] = rho * dot(column(work, k, BLOCK), d)
+            work[k, STEP + 1] = rho * dot(column(work, k, BLOCK + 6), d)
+            work[k, STEP + 2] = rho * dot(column(work, k, BLOCK + 12), d)
 
 
 @inline_kernel
@@ -119,11 +128,10 @@ def move(work: FloatArray, contacts: int, t: float) -> None:
     weight is tiny; a rounding error in a point is harmless, it acts like one in c.
     """
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            row[POINT] = row[OLD] + t * row[STEP]
-            row[POINT + 1] = row[OLD + 1] + t * row[STEP + 1]
-            row[POINT + 2] = row[OLD + 2] + t * row[STEP + 2]
+        if work[k, HIGH] > 0.0:
+            work[k, POINT] = work[k, OLD] + t * work[k, STEP]
+            work[k, POINT + 1] = work[k, OLD + 1] + t * work[k, STEP + 1]
+            work[k, POINT + 2] = work[k, OLD + 2] + t * work[k, STEP + 2]
 
 
 @inline_kernel
@@ -131,13 +139,17 @@ def evaluate(work: FloatArray, contacts: int, y: Six, b: Six) -> Six:
     """Set the forces from the points and return the gradient F = y + B f - b."""
     F = mix(y, -1.0, b)
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
+        if work[k, HIGH] > 0.0:
             p, q, r = project_truncated(
-                row[POINT], row[POINT + 1], row[POINT + 2], row[MU], row[LOW], row[HIGH]
+                work[k, POINT],
+                work[k, POINT + 1],
+                work[k, POINT + 2],
+                work[k, MU],
+                work[k, LOW],
+                work[k, HIGH],
             )
-            row[FORCE], row[FORCE + 1], row[FORCE + 2] = p, q, r
-            F = mix(F, 1.0, combine(row, p, q, r))
+            work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2] = p, q, r
+            F = mix(F, 1.0, combine(work, k, p, q, r))
     return F
 
 
@@ -149,26 +161,25 @@ def assemble(work: FloatArray, contacts: int, kappa: float) -> Lower:
     """
     H = scaled_identity(kappa)
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] <= 0.0:
+        if work[k, HIGH] <= 0.0:
             continue
-        u, v, mu, z = row[POINT], row[POINT + 1], row[MU], row[FORCE + 2]
+        u, v, mu, z = work[k, POINT], work[k, POINT + 1], work[k, MU], work[k, FORCE + 2]
         limit = mu * z
-        free = row[LOW] < z < row[HIGH]
+        free = work[k, LOW] < z < work[k, HIGH]
         t = math.sqrt(u * u + v * v)
         if t <= limit and limit > 0.0:
-            H = add_outer(H, column(row, BLOCK))
-            H = add_outer(H, column(row, BLOCK + 6))
+            H = add_outer(H, column(work, k, BLOCK))
+            H = add_outer(H, column(work, k, BLOCK + 6))
             if free:
-                H = add_outer(H, column(row, BLOCK + 12))
+                H = add_outer(H, column(work, k, BLOCK + 12))
         elif z > 0.0:
             p, q = (u / t, v / t) if t > 0.0 else (0.0, 0.0)
             if limit > 0.0:
                 s = math.sqrt(limit / t)
-                H = add_outer(H, combine(row, -q * s, p * s, 0.0))
+                H = add_outer(H, combine(work, k, -q * s, p * s, 0.0))
             if free:
                 s = 1.0 / math.sqrt(1.0 + mu * mu)
-                H = add_outer(H, combine(row, p * mu * s, q * mu * s, s))
+                H = add_outer(H, combine(work, k, p * mu * s, q * mu * s, s))
     return H
 
 
@@ -177,12 +188,11 @@ def slope(work: FloatArray, contacts: int, t: float) -> float:
     """Return the contacts' part of the dual's derivative, t of the way along STEP."""
     total = 0.0
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            e0, e1, e2 = row[STEP], row[STEP + 1], row[STEP + 2]
+        if work[k, HIGH] > 0.0:
+            e0, e1, e2 = work[k, STEP], work[k, STEP + 1], work[k, STEP + 2]
             p, q, r = project_truncated(
-                row[OLD] + t * e0, row[OLD + 1] + t * e1, row[OLD + 2] + t * e2,
-                row[MU], row[LOW], row[HIGH],
+                work[k, OLD] + t * e0, work[k, OLD + 1] + t * e1, work[k, OLD + 2] + t * e2,
+                work[k, MU], work[k, LOW], work[k, HIGH],
             )  # fmt: skip
             total += p * e0 + q * e1 + r * e2
     return total
@@ -222,9 +232,8 @@ def spread(work: FloatArray, contacts: int) -> float:
     """Return Σ ||point||², on which the rounding error of F depends."""
     total = 0.0
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            total += row[POINT] ** 2 + row[POINT + 1] ** 2 + row[POINT + 2] ** 2
+        if work[k, HIGH] > 0.0:
+            total += work[k, POINT] ** 2 + work[k, POINT + 1] ** 2 + work[k, POINT + 2] ** 2
     return total
 
 
@@ -272,31 +281,31 @@ def free_dual(work: FloatArray, contacts: int, b: Six, kappa: float) -> Six:
     H = scaled_identity(kappa)
     F = scale(-kappa, b)
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            F = mix(F, kappa, combine(row, row[CENTRE], row[CENTRE + 1], row[CENTRE + 2]))
-            H = add_outer(H, column(row, BLOCK))
-            H = add_outer(H, column(row, BLOCK + 6))
-            H = add_outer(H, column(row, BLOCK + 12))
+        if work[k, HIGH] > 0.0:
+            F = mix(F, kappa, combine(work, k, work[k, CENTRE], work[k, CENTRE + 1], work[k, CENTRE + 2]))
+            H = add_outer(H, column(work, k, BLOCK))
+            H = add_outer(H, column(work, k, BLOCK + 6))
+            H = add_outer(H, column(work, k, BLOCK + 12))
     return solve_six(H, F)
 
 
 @kernel
 def follow_path(
-    work: FloatArray, contacts: int, b: Six, kappa: float, tol: float, noise: float, limit: int
-) -> tuple[Six, float, int]:
+    work: FloatArray, contacts: int, b: Six, kappa: float, tol: float, noise: float, limit: int,
+    shrink: float, accuracy: float,
+) -> tuple[Six, float, int]:  # fmt: skip
     """Solve for a large force weight first and bring it back in steps; returns what `newton` does."""
     y = free_dual(work, contacts, b, kappa)
     count = 0
     while kappa > 1.0:
-        y, _, used = newton(work, contacts, b, y, kappa, PATH_TOLERANCE * dot(b, b), noise, 10, -1)
+        y, _, used = newton(work, contacts, b, y, kappa, accuracy * dot(b, b), noise, 10, -1)
         count += used
-        smaller = max(1.0, kappa * PATH_STEP)
+        smaller = max(1.0, kappa * shrink)
         # the solution for the smaller weight if no contact changes its face
         y = times(assemble(work, contacts, kappa), y)
         y = scale(-smaller / kappa, solve_six(assemble(work, contacts, smaller), y))
         kappa = smaller
-    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, max(limit - count, 1), -1)
+    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, limit, -1)
     return y, error, count + used
 
 
@@ -304,23 +313,22 @@ def follow_path(
 def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float, float]:
     """Fill B and c; return the squared Frobenius norm of B, and 0 or, for bad input, NaN."""
     total, check = 0.0, 0.0
-    roots = work[contacts]
+    roots = contacts
     for k in range(contacts):
-        row = work[k]
-        st, sn = row[TANGENT], row[NORMAL]
+        st, sn = work[k, TANGENT], work[k, NORMAL]
         for i in range(3):
-            wanted = row[PULL] * row[REFERENCE + i] + row[DRAG] * row[LAST + i]
-            row[CENTRE + i] = wanted / (sn if i == 2 else st)
-            row[FORCE + i] = 0.0
+            wanted = work[k, PULL] * work[k, REFERENCE + i] + work[k, DRAG] * work[k, LAST + i]
+            work[k, CENTRE + i] = wanted / (sn if i == 2 else st)
+            work[k, FORCE + i] = 0.0
             check += wanted * 0.0
-        if row[HIGH] <= 0.0:
+        if work[k, HIGH] <= 0.0:
             continue
         for i in range(6):
-            root = roots[ROOT + i]
+            root = work[roots, ROOT + i]
             x = grasp_map[i, 3 * k] * (root * st)
             y = grasp_map[i, 3 * k + 1] * (root * st)
             z = grasp_map[i, 3 * k + 2] * (root * sn)
-            row[BLOCK + i], row[BLOCK + 6 + i], row[BLOCK + 12 + i] = x, y, z
+            work[k, BLOCK + i], work[k, BLOCK + 6 + i], work[k, BLOCK + 12 + i] = x, y, z
             total += x * x + y * y + z * z
     return total, check + total * 0.0
 
@@ -329,14 +337,13 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
 def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     """Write the forces in newtons and remember them as the last command."""
     for k in range(contacts):
-        row = work[k]
-        if row[HIGH] > 0.0:
-            forces[k, 0] = row[FORCE] * row[TANGENT]
-            forces[k, 1] = row[FORCE + 1] * row[TANGENT]
-            forces[k, 2] = min(max(row[FORCE + 2] * row[NORMAL], row[FLOOR]), row[CEILING])
+        if work[k, HIGH] > 0.0:
+            forces[k, 0] = work[k, FORCE] * work[k, TANGENT]
+            forces[k, 1] = work[k, FORCE + 1] * work[k, TANGENT]
+            forces[k, 2] = min(max(work[k, FORCE + 2] * work[k, NORMAL], work[k, FLOOR]), work[k, CEILING])
         else:
             forces[k, 0] = forces[k, 1] = forces[k, 2] = 0.0
-        row[LAST], row[LAST + 1], row[LAST + 2] = forces[k, 0], forces[k, 1], forces[k, 2]
+        work[k, LAST], work[k, LAST + 1], work[k, LAST + 2] = forces[k, 0], forces[k, 1], forces[k, 2]
 
 
 @kernel
@@ -344,10 +351,14 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     """Write the last command, brought into today's cones; without one, the least normal forces."""
     keep = work[contacts + 1, HAS_LAST] > 0.0
     for k in range(contacts):
-        row = work[k]
-        x, y, z = (row[LAST], row[LAST + 1], row[LAST + 2]) if keep else (0.0, 0.0, 0.0)
-        row[FORCE], row[FORCE + 1], row[FORCE + 2] = project_truncated(
-            x / row[TANGENT], y / row[TANGENT], z / row[NORMAL], row[MU], row[LOW], row[HIGH]
+        x, y, z = (work[k, LAST], work[k, LAST + 1], work[k, LAST + 2]) if keep else (0.0, 0.0, 0.0)
+        work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2] = project_truncated(
+            x / work[k, TANGENT],
+            y / work[k, TANGENT],
+            z / work[k, NORMAL],
+            work[k, MU],
+            work[k, LOW],
+            work[k, HIGH],
         )
     unload(work, contacts, forces)
 
@@ -356,28 +367,32 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
 def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArray, forces: FloatArray) -> int:
     """Write the (n, 3) optimal forces [N] for a (6, 3n) grasp map and a (6,) wrench; return a code."""
     contacts = forces.shape[0]
-    memory, results = work[contacts], work[contacts + 1]
+    memory, results = contacts, contacts + 1
     b = mix((0.0,) * 6, 1.0, (
-        wrench[0] * memory[ROOT], wrench[1] * memory[ROOT + 1], wrench[2] * memory[ROOT + 2],
-        wrench[3] * memory[ROOT + 3], wrench[4] * memory[ROOT + 4], wrench[5] * memory[ROOT + 5],
+        wrench[0] * work[memory, ROOT], wrench[1] * work[memory, ROOT + 1], wrench[2] * work[memory, ROOT + 2],
+        wrench[3] * work[memory, ROOT + 3], wrench[4] * work[memory, ROOT + 4], wrench[5] * work[memory, ROOT + 5],
     ))  # fmt: skip
     norm, check = load(grasp_map, work, contacts)
     size = dot(b, b)
     if check + size * 0.0 != 0.0:
         hold(work, contacts, forces)
-        results[ITERATIONS] = 0.0
+        work[results, ITERATIONS] = 0.0
         return INVALID
-    tol, noise, limit = results[TOLERANCE] ** 2, ROUNDING * norm, int(results[LIMIT])
-    y = column(memory, DUAL) if results[WARM] > 0.0 else free_dual(work, contacts, b, 1.0)
+    tol, noise, limit = work[results, TOLERANCE] ** 2, ROUNDING * norm, int(work[results, LIMIT])
+    y = column(work, memory, DUAL) if work[results, WARM] > 0.0 else free_dual(work, contacts, b, 1.0)
     place(work, contacts, y, 1.0)
     F = evaluate(work, contacts, y, b)
     error, count = dot(F, F), 0
     if error < FAR * size:
         y, error, count = newton(work, contacts, b, y, 1.0, tol, noise, limit, PATIENCE)
-    if error > max(tol, noise * spread(work, contacts)) or not error < math.inf:
+    start = max(1.0, PATH_START * norm)
+    if not error <= max(tol, noise * spread(work, contacts)):
         y, error, used = follow_path(
-            work, contacts, b, max(1.0, PATH_START * norm), tol, noise, limit - count
+            work, contacts, b, start, tol, noise, PATH_LIMIT, PATH_STEP, PATH_TOLERANCE
         )
+        count += used
+    if not error <= max(tol, noise * spread(work, contacts)) and count < limit:
+        y, error, used = follow_path(work, contacts, b, start, tol, noise, limit, SMALL_STEP, TIGHT_TOLERANCE)
         count += used
     return finish(work, contacts, b, y, error, max(tol, noise * spread(work, contacts)), count, forces)
 
@@ -387,24 +402,23 @@ def finish(
     work: FloatArray, contacts: int, b: Six, y: Six, error: float, tol: float, count: int, forces: FloatArray
 ) -> int:
     """Write forces, memory and results, and return the code."""
-    memory, results = work[contacts], work[contacts + 1]
-    results[ITERATIONS] = count
+    memory, results = contacts, contacts + 1
+    work[results, ITERATIONS] = count
     if not error < math.inf:
-        results[WARM] = 0.0
+        work[results, WARM] = 0.0
         hold(work, contacts, forces)
         return INVALID
-    memory[0], memory[1], memory[2], memory[3], memory[4], memory[5] = y
-    results[WARM], results[HAS_LAST] = 1.0, 1.0
+    work[memory, 0], work[memory, 1], work[memory, 2], work[memory, 3], work[memory, 4], work[memory, 5] = y
+    work[results, WARM], work[results, HAS_LAST] = 1.0, 1.0
     unload(work, contacts, forces)
     widest = 0.0
     missing = scale(-1.0, b)
     for k in range(contacts):
-        row = work[k]
-        widest = max(widest, row[TANGENT], row[NORMAL])
-        missing = mix(missing, 1.0, combine(row, row[FORCE], row[FORCE + 1], row[FORCE + 2]))
-    results[GAP] = 0.5 * error
-    results[FORCE_ERROR] = widest * math.sqrt(error)
-    results[WRENCH_ERROR] = math.sqrt(dot(missing, missing))
-    if error <= tol:
+        widest = max(widest, work[k, TANGENT], work[k, NORMAL])
+        missing = mix(missing, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
+    work[results, GAP] = 0.5 * error
+    work[results, FORCE_ERROR] = widest * math.sqrt(error)
+    work[results, WRENCH_ERROR] = math.sqrt(dot(missing, missing))
+    if error <= work[results, TOLERANCE] ** 2 or (error <= tol and error <= RELATIVE * dot(missing, missing)):
         return SOLVED
     return ALMOST if error <= 1e6 * tol else MAX_ITERATIONS
