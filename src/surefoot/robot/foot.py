@@ -95,7 +95,7 @@ def read_foot(model: Any, geometry: Any, name: str, rotation_world_foot: FloatAr
         if type(shape).__name__ == "Sphere":
             spheres.append((foot_from_item.translation.copy(), float(shape.radius)))
         elif type(shape).__name__.startswith("BVHModel"):
-            points = np.array([shape.vertices(k) for k in range(shape.num_vertices)])
+            points = np.array([shape.vertex(k) for k in range(shape.num_vertices)])
             points = points @ foot_from_item.rotation.T + foot_from_item.translation
             lowest = float((points @ rotation_world_foot.T)[:, 2].min())
     if len(spheres) >= 3:

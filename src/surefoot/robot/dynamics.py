@@ -1,0 +1,245 @@
+"""Dynamics of a robot in contact, and the Delassus operator G = J M⁻¹ Jᵀ three ways.
+
+With M v̇ + h = τ + Jᵀ f and the contacts' acceleration prescribed, J v̇ = γ, the motion and the forces
+are the solution of one linear system::
+
+    [ M   Jᵀ ] [  v̇ ]   [ τ - h ]
+    [ J  -εI ] [ -f ] = [   γ   ]
+
+ε > 0 (damping) makes it regular when rows of J depend on each other (two flat feet, four legs of a
+stiff body); ε = 0 then gives the forces of least norm, and the motion is the exact one either way as
+long as γ can be met.
+
+References
+----------
+.. [1] R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapter 8.
+.. [2] J. Carpentier, R. Budhiraja, N. Mansard, "Proximal and sparse resolution of constrained dynamic
+   equations", Robotics: Science and Systems 2021.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import ArrayLike
+from scipy.sparse.linalg import LinearOperator
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.errors import ProblemError
+from surefoot.robot.jacobians import Attachment, Contacts, attach, contact_drift, contact_jacobian
+from surefoot.robot.robot import Robot
+from surefoot.stance import Stance
+
+RANK_TOLERANCE = 1e-10
+"""Eigenvalues of G below this share of the largest count as zero."""
+
+
+@dataclass(frozen=True)
+class ConstrainedMotion:
+    """What `constrained_dynamics` returns.
+
+    Attributes
+    ----------
+    acceleration
+        (nv,) v̇ in Pinocchio's coordinates [m/s^2, rad/s^2].
+    forces
+        (sum of dims,) contact forces on the robot, in contact axes [N, N m].
+    rank
+        Rank of the contact Jacobian.
+    """
+
+    acceleration: FloatArray
+    forces: FloatArray
+    rank: int
+
+
+def mass_matrix(robot: Robot, q: ArrayLike) -> FloatArray:
+    """Return the joint-space inertia M: (nv, nv), symmetric [kg, kg m, kg m^2]."""
+    import pinocchio
+
+    M = np.triu(pinocchio.crba(robot.model, robot.data, robot.configuration(q)))
+    return np.asarray(M + np.triu(M, 1).T)
+
+
+def bias_forces(robot: Robot, q: ArrayLike, v: ArrayLike) -> FloatArray:
+    """Return h: Coriolis, centrifugal and gravity terms of M v̇ + h = τ: (nv,) [N, N m]."""
+    import pinocchio
+
+    velocity = finite_array("v", v, (robot.model.nv,))
+    return np.array(pinocchio.nonLinearEffects(robot.model, robot.data, robot.configuration(q), velocity))
+
+
+def generalised_torque(robot: Robot, torque: ArrayLike) -> FloatArray:
+    """Return (nv,) generalised forces from (joints,) torques (the base has no motor) or from (nv,) ones."""
+    tau = finite_array("torque", torque)
+    if tau.shape == (robot.joints,):
+        return np.concatenate([np.zeros(robot.base_dof), tau])
+    if tau.shape != (robot.model.nv,):
+        raise ProblemError(
+            f"torque must have shape ({robot.joints},) or ({robot.model.nv},), got {tau.shape}"
+        )
+    return tau
+
+
+def constrained_dynamics(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    torque: ArrayLike,
+    contacts: Contacts,
+    *,
+    contact_acceleration: ArrayLike | None = None,
+    damping: float = 0.0,
+) -> ConstrainedMotion:
+    """Return the motion of a robot whose contacts hold, and the forces that hold them.
+
+    Parameters
+    ----------
+    robot, q, v
+        Robot, (nq,) configuration and (nv,) velocity.
+    torque
+        (joints,) motor torques, or (nv,) generalised forces [N m].
+    contacts
+        A stance, or what `jacobians.attach` returned. Contacts hold both ways: they pull as well as push.
+    contact_acceleration
+        (sum of dims,) classical acceleration of the contacts in contact axes; None for zero. Stabilise
+        with `Baumgarte.acceleration`.
+    damping
+        ε >= 0 of the system above [1/kg].
+
+    Raises
+    ------
+    ProblemError
+        For wrong shapes or a negative damping.
+    """
+    configuration = robot.configuration(q)
+    points = attach(robot, configuration, contacts) if isinstance(contacts, Stance) else contacts
+    epsilon = real_number("damping", damping, low=0.0)
+    J = contact_jacobian(robot, configuration, points)
+    wanted = -contact_drift(robot, configuration, v, points)
+    if contact_acceleration is not None:
+        wanted = wanted + finite_array("contact_acceleration", contact_acceleration, (J.shape[0],))
+    effort = generalised_torque(robot, torque) - bias_forces(robot, configuration, v)
+    factor = scipy.linalg.cho_factor(mass_matrix(robot, configuration))
+    free = scipy.linalg.cho_solve(factor, effort)
+    if not J.shape[0]:
+        return ConstrainedMotion(free, np.zeros(0), 0)
+    weighted = scipy.linalg.cho_solve(factor, J.T)
+    values, vectors = np.linalg.eigh(J @ weighted)
+    keep = values > RANK_TOLERANCE * values[-1]
+    use = keep if epsilon == 0.0 else np.ones_like(keep)
+    V = vectors[:, use]
+    forces = V @ ((V.T @ (wanted - J @ free)) / (values[use] + epsilon))
+    return ConstrainedMotion(free + weighted @ forces, forces, int(keep.sum()))
+
+
+def delassus_dense(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray:
+    """Return G = J M⁻¹ Jᵀ from the dense mass matrix: (dims, dims) in contact axes [1/kg].
+
+    The Cholesky factor L of M gives G = Yᵀ Y with L Y = Jᵀ, symmetric by construction.
+    """
+    J = contact_jacobian(robot, q, contacts)
+    L = np.linalg.cholesky(mass_matrix(robot, q))
+    Y = scipy.linalg.solve_triangular(L, J.T, lower=True)
+    return np.asarray(Y.T @ Y)
+
+
+def delassus_factorised(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray:
+    """Return the same G from Pinocchio's sparse Cholesky factors of the constrained system.
+
+    The factorisation follows the branches of the tree and skips the zeros between them [2]_; the Jacobian
+    in it is Pinocchio's own.
+    """
+    import pinocchio
+
+    configuration = robot.configuration(q)
+    points = attach(robot, configuration, contacts) if isinstance(contacts, Stance) else contacts
+    if not points:
+        return np.zeros((0, 0))
+    models = pinocchio.StdVec_RigidConstraintModel()
+    data = robot.model.createData()
+    pinocchio.computeJointJacobians(robot.model, data, configuration)
+    pinocchio.updateFramePlacements(robot.model, data)
+    for point in points:
+        models.append(rigid_constraint(robot, data, point))
+    datas = pinocchio.StdVec_RigidConstraintData()
+    pinocchio.crba(robot.model, data, configuration, pinocchio.Convention.WORLD)
+    for model in models:
+        datas.append(model.createData())
+        model.calc(robot.model, data, datas[-1])  # the factorisation reads the placements, unasked for
+    factors = pinocchio.ContactCholeskyDecomposition(robot.model, data, models, datas)
+    factors.compute(robot.model, data, models, datas, 0.0)
+    return np.array(factors.getInverseOperationalSpaceInertiaMatrix())
+
+
+def rigid_constraint(robot: Robot, data: Any, point: Attachment) -> Any:
+    """Return Pinocchio's RigidConstraintModel of an attached contact, along the contact's axes now.
+
+    `data` must hold the frames' placements.
+    """
+    import pinocchio
+
+    pose = data.oMf[point.frame]
+    frame = robot.model.frames[point.frame]
+    axes = pose.rotation.T @ point.rotation_world_contact
+    kind = pinocchio.ContactType.CONTACT_3D if point.dim == 3 else pinocchio.ContactType.CONTACT_6D
+    return pinocchio.RigidConstraintModel(
+        kind,
+        robot.model,
+        frame.parentJoint,
+        frame.placement * pinocchio.SE3(axes, point.offset),
+        pinocchio.ReferenceFrame.LOCAL,
+    )
+
+
+class DelassusOperator(LinearOperator):
+    """The same G as a product only: x -> J M⁻¹ Jᵀ x in O(n) joints, neither M nor J nor G is formed.
+
+    Forces go onto the bodies, the articulated-body algorithm gives the acceleration from rest without
+    gravity, and forward kinematics the velocity that it brings the contacts.
+
+    Parameters
+    ----------
+    robot, q, contacts
+        As for `delassus_dense`.
+    """
+
+    def __init__(self, robot: Robot, q: ArrayLike, contacts: Contacts) -> None:
+        import pinocchio
+
+        self.configuration = robot.configuration(q)
+        chosen = attach(robot, self.configuration, contacts) if isinstance(contacts, Stance) else contacts
+        self.model = robot.model.copy()
+        self.model.gravity = pinocchio.Motion.Zero()
+        self.data = self.model.createData()
+        pinocchio.framesForwardKinematics(self.model, self.data, self.configuration)
+        self.points = []
+        for point in chosen:
+            frame = self.model.frames[point.frame]
+            axes = self.data.oMf[point.frame].rotation.T @ point.rotation_world_contact
+            placement = frame.placement * pinocchio.SE3(axes, point.offset)
+            self.points.append((int(frame.parentJoint), placement, point.dim))
+        size = sum(point.dim for point in chosen)
+        super().__init__(np.dtype(np.float64), (size, size))  # type: ignore[call-arg]
+
+    def _matvec(self, x: FloatArray) -> FloatArray:
+        import pinocchio
+
+        zero = np.zeros(self.model.nv)
+        on_bodies = [pinocchio.Force.Zero() for _ in range(self.model.njoints)]
+        values, start = np.ravel(x), 0
+        for joint, placement, dim in self.points:
+            wrench = np.zeros(6)
+            wrench[:dim] = values[start : start + dim]
+            on_bodies[joint] += placement.act(pinocchio.Force(wrench))
+            start += dim
+        change = pinocchio.aba(self.model, self.data, self.configuration, zero, zero, on_bodies)
+        pinocchio.forwardKinematics(self.model, self.data, self.configuration, change)
+        out = [placement.actInv(self.data.v[joint]).vector[:dim] for joint, placement, dim in self.points]
+        return np.concatenate(out)
+
+    def _rmatvec(self, x: FloatArray) -> FloatArray:
+        return self._matvec(x)

@@ -1,0 +1,177 @@
+from __future__ import annotations
+
+import numpy as np
+import pinocchio
+import pytest
+
+import surefoot as sf
+from surefoot.robot.jacobians import (
+    REFERENCES,
+    Baumgarte,
+    attach,
+    contact_drift,
+    contact_error,
+    contact_jacobian,
+    contact_powers,
+)
+
+ROBOTS = ("go2", "anymal", "g1", "panda")
+STEP = 1e-6
+"""Finite differences are central with this step: error about STEP**2 + 1e-16 / STEP, relative 1e-9."""
+FD = 2e-8
+
+
+def relative(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
+
+
+@pytest.fixture(params=[(name, seed) for name in ROBOTS for seed in range(5)], ids=lambda p: f"{p[0]}-{p[1]}")
+def case(request, make):
+    name, seed = request.param
+    robot, rng = make.robot(name), np.random.default_rng(100 + seed)
+    q, v = make.state(robot, rng)
+    return robot, q, v, make.stance(robot, q, rng), rng
+
+
+def moved(robot, q, v, dt):
+    return pinocchio.integrate(robot.model, q, dt * v)
+
+
+def point_velocity(robot, q, v, points):
+    """The points' velocities in contact axes by finite differences of their positions."""
+    return (
+        contact_error(robot, moved(robot, q, v, STEP), points)
+        - contact_error(robot, moved(robot, q, v, -STEP), points)
+    ) / (2 * STEP)
+
+
+def test_jacobian_is_the_derivative_of_the_contacts_place(case):
+    robot, q, v, stance, _ = case
+    points = attach(robot, q, stance)
+    assert np.abs(contact_error(robot, q, points)).max() < 1e-12
+    assert relative(contact_jacobian(robot, q, stance) @ v, point_velocity(robot, q, v, points)) < FD
+
+
+def test_world_aligned_is_local_turned(case):
+    robot, q, _, stance, _ = case
+    local = contact_jacobian(robot, q, stance, "local")
+    aligned = contact_jacobian(robot, q, stance, "local_world_aligned")
+    for point, rows in zip(attach(robot, q, stance), stance.slices, strict=True):
+        R = robot.data.oMf[point.frame].rotation
+        turned = np.kron(np.eye(point.dim // 3), R) @ local[rows]
+        assert relative(turned, aligned[rows]) < 1e-12
+
+
+def test_contact_frame_is_world_aligned_turned(case):
+    robot, q, _, stance, _ = case
+    contact = contact_jacobian(robot, q, stance, "contact")
+    aligned = contact_jacobian(robot, q, stance, "local_world_aligned")
+    for k, rows in enumerate(stance.slices):
+        R = np.kron(np.eye(stance.contacts[k].dim // 3), stance.rotations[k])
+        assert relative(R @ contact[rows], aligned[rows]) < 1e-12
+
+
+@pytest.mark.parametrize("reference", ["local", "world", "local_world_aligned"])
+def test_jacobian_of_a_frame_is_pinocchios(case, reference):
+    robot, q, _, _, _ = case
+    kind = getattr(pinocchio.ReferenceFrame, reference.upper())
+    for frame in list(robot.model.frames)[2::7]:
+        place = robot.model.createData()
+        pinocchio.framesForwardKinematics(robot.model, place, q)
+        index = robot.model.getFrameId(frame.name)
+        contact = sf.PatchContact(place.oMf[index].translation, 0.1, 0.1, name=frame.name)
+        ours = contact_jacobian(robot, q, sf.Stance([contact]), reference)
+        theirs = pinocchio.computeFrameJacobian(robot.model, place, q, index, kind)
+        if reference == "world":
+            theirs = pinocchio.getFrameJacobian(robot.model, robot.data, index, kind)
+        assert np.abs(ours - theirs).max() < 1e-12
+
+
+@pytest.mark.parametrize("reference", REFERENCES)
+def test_drift_against_finite_differences_of_the_contact_velocity(case, reference):
+    robot, q, v, stance, _ = case
+    points = attach(robot, q, stance)
+    ahead = contact_jacobian(robot, moved(robot, q, v, STEP), points, reference) @ v
+    behind = contact_jacobian(robot, moved(robot, q, v, -STEP), points, reference) @ v
+    assert relative(contact_drift(robot, q, v, points, reference), (ahead - behind) / (2 * STEP)) < FD
+
+
+def test_drift_in_contact_axes_is_the_classical_acceleration_of_the_point(case):
+    robot, q, v, stance, _ = case
+    points = [p for p in attach(robot, q, stance) if p.dim == 3]
+    h = 1e-4  # second difference of the place: error about h**2 + 1e-15 / h**2
+    places = [contact_error(robot, moved(robot, q, v, t), points) for t in (-h, 0.0, h)]
+    numeric = (places[0] - 2 * places[1] + places[2]) / h**2
+    if robot.floating:  # the base's velocity is constant in its own axes: pin.integrate follows that curve
+        assert np.abs(numeric - contact_drift(robot, q, v, points)).max() < 1e-5
+    local, lwa = (contact_drift(robot, q, v, points, r) for r in ("local", "local_world_aligned"))
+    speed = contact_jacobian(robot, q, points, "local_world_aligned") @ v
+    pinocchio.forwardKinematics(robot.model, robot.data, q, v)
+    pinocchio.updateFramePlacements(robot.model, robot.data)
+    for k, p in enumerate(points):
+        rows = slice(3 * k, 3 * k + 3)
+        R = robot.data.oMf[p.frame].rotation
+        w = pinocchio.getFrameVelocity(
+            robot.model, robot.data, p.frame, pinocchio.ReferenceFrame.WORLD
+        ).angular
+        assert np.allclose(R @ local[rows], lwa[rows] - np.cross(w, speed[rows]), atol=1e-10)
+
+
+def test_rolling_drift_follows_the_lowest_point_of_the_sphere(make):
+    robot, rng = make.robot("go2"), np.random.default_rng(5)
+    q, v = make.state(robot, rng)
+    points = attach(robot, q, robot.stance(q))
+
+    def lowest_point_velocity(dt):
+        now = moved(robot, q, v, dt)
+        return contact_jacobian(robot, now, robot.stance(now)) @ v
+
+    numeric = (lowest_point_velocity(STEP) - lowest_point_velocity(-STEP)) / (2 * STEP)
+    rolling = contact_drift(robot, q, v, points, rolling=True)
+    assert relative(rolling, numeric) < FD
+    assert relative(contact_drift(robot, q, v, points), numeric) > 1e-3
+
+
+def test_rolling_is_refused_in_turning_axes(make):
+    robot = make.robot("go2")
+    with pytest.raises(sf.ProblemError, match="rolling needs reference"):
+        contact_drift(robot, robot.nominal, np.zeros(18), robot.stance(), "local", rolling=True)
+
+
+def test_power_is_the_same_at_contacts_and_joints(case):
+    robot, q, v, stance, rng = case
+    at_contacts, in_joints = contact_powers(robot, q, v, stance, rng.normal(size=stance.dim))
+    assert abs(at_contacts - in_joints) < 1e-9 * max(1.0, abs(in_joints))
+    assert abs(in_joints) > 1e-3
+
+
+def test_error_grows_with_the_contact_velocity_and_baumgarte_pulls_it_back(make):
+    robot, rng = make.robot("g1"), np.random.default_rng(3)
+    q, v = make.state(robot, rng)
+    stance = make.stance(robot, q, rng)
+    points = attach(robot, q, stance)
+    error = contact_error(robot, moved(robot, q, v, 1e-3), points)
+    assert relative(error, 1e-3 * contact_jacobian(robot, q, stance) @ v) < 1e-2
+    wanted = Baumgarte(20.0, 0.5).acceleration(np.full(3, 2.0), np.full(3, 0.1))
+    assert np.allclose(wanted, -20.0 * 2.0 - 400.0 * 0.1)
+    with pytest.raises(sf.ProblemError, match="frequency"):
+        Baumgarte(-1.0)
+
+
+def test_corners_of_a_patch_belong_to_its_frame(make):
+    robot = make.robot("g1")
+    stance = robot.stance()
+    J = contact_jacobian(robot, robot.nominal, stance.points())
+    patch = contact_jacobian(robot, robot.nominal, stance)
+    corner, centre = stance.points().contacts[0], stance.contacts[0]
+    R = centre.rotation_world_contact
+    arm = R.T @ (corner.position - centre.position)
+    assert np.abs(J[:3] - (patch[:3] - np.cross(arm[:, None], patch[3:6], axis=0))).max() < 1e-12
+
+
+def test_unknown_names_are_told(make):
+    robot = make.robot("go2")
+    with pytest.raises(sf.ProblemError, match="unknown reference 'body'; valid names: contact, local"):
+        contact_jacobian(robot, robot.nominal, robot.stance(), "body")
+    with pytest.raises(sf.ModelError, match="unknown frame of go2 'wheel'"):
+        contact_jacobian(robot, robot.nominal, sf.Stance([sf.PointContact([0, 0, 0], name="wheel")]))
