@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import finite_array, per_contact
+from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact
 from surefoot.cones import FrictionPyramid
+from surefoot.contact.blocks import Blocks, checked_mirror, dense_blocks, spectral_norm, spectral_norm_blocks
 from surefoot.errors import ProblemError, unknown_name
 
 Law = Literal["coulomb", "convex"]
 Fit = Literal["inner", "outer"]
 LAWS: tuple[Law, ...] = ("coulomb", "convex")
 
+ASYMMETRY = 1e-8
+"""Largest |G - Gᵀ| over largest |G| that is taken for rounding (G is then replaced by its symmetric part)."""
+
 
 class ContactProblem:
-    """Find contact forces λ and velocities u = G λ + g that obey the contact laws.
+    """Find contact forces λ and velocities u = (G + R) λ + g that obey the contact laws.
 
     With K the product of the friction cones cut to the normal bounds, and Γ(u) = (0, 0, mu ||u_t||)
     the De Saxcé shift::
@@ -26,15 +31,16 @@ class ContactProblem:
         law="coulomb":   -(u + Γ(u)) is in the normal cone of K at λ   (for K without bounds:
                          K ∋ λ ⟂ u + Γ(u) ∈ K*)
         law="convex":    -u is in the normal cone of K at λ, the optimality condition of
-                         min 1/2 λᵀGλ + gᵀλ over K
+                         min 1/2 λᵀ(G + R)λ + gᵀλ over K
 
     Each contact is (tangent, tangent, normal). Impulses and velocities, or forces and accelerations:
-    the statement is the same.
+    the statement is the same. mu = 0 makes a contact frictionless.
 
     Parameters
     ----------
     G
-        (3n, 3n) Delassus operator, symmetric positive semidefinite.
+        (3n, 3n) Delassus operator, symmetric positive semidefinite; an array or a SciPy sparse matrix
+        (then solvers that know how use its 3x3 blocks, and `G` is made dense only when it is read).
     g
         (3n,) free velocity.
     mu
@@ -44,6 +50,13 @@ class ContactProblem:
     law
         "coulomb" (exact) or "convex" (cone complementarity: adds a separation velocity mu ||u_t||
         to sliding contacts).
+    facets, fit
+        Replace the cones by pyramids of so many sides, "inner" or "outer"; None keeps the exact cones.
+    compliance
+        R, what is added to the diagonal of G: a number, (n,) or (3n,), >= 0. The attribute `G` includes it.
+    bilateral
+        (n,) mask of contacts that hold in all three directions (u = 0, any force); their mu is not used,
+        and their normal bounds must be the defaults (the attributes then say -inf and inf).
 
     Raises
     ------
@@ -58,7 +71,7 @@ class ContactProblem:
 
     def __init__(
         self,
-        G: ArrayLike,
+        G: ArrayLike | Any,
         g: ArrayLike,
         mu: ArrayLike,
         normal_min: ArrayLike = 0.0,
@@ -66,6 +79,9 @@ class ContactProblem:
         law: Law = "coulomb",
         facets: int | None = None,
         fit: Fit = "inner",
+        *,
+        compliance: ArrayLike = 0.0,
+        bilateral: ArrayLike | None = None,
     ) -> None:
         if law not in LAWS:
             raise ProblemError(unknown_name("law", law, LAWS))
@@ -74,39 +90,94 @@ class ContactProblem:
         size = self.g.shape[0]
         if size % 3:
             raise ProblemError(f"g must have three entries per contact, got {size}")
-        self.G = finite_array("G", G, (size, size))
-        self.contacts = size // 3
-        self.mu = per_contact("mu", mu, self.contacts)
+        self.contacts = n = size // 3
+        self.mu = per_contact("mu", mu, n)
         if np.isinf(self.mu).any():
             raise ProblemError("mu must be finite, got inf")
-        self.normal_min = per_contact("normal_min", normal_min, self.contacts)
-        self.normal_max = per_contact("normal_max", normal_max, self.contacts)
+        self.normal_min = per_contact("normal_min", normal_min, n)
+        self.normal_max = per_contact("normal_max", normal_max, n)
+        self.bilateral: BoolArray | None = None
+        if bilateral is not None:
+            self._hold(bilateral)
         if facets is not None or fit != "inner":
             FrictionPyramid(0.5, facets if facets is not None else 8, fit)  # its checks are ours
         self.facets, self.fit = facets, fit
-        self._check()
-
-    def polyhedral(self, facets: int = 8, fit: Fit = "inner") -> ContactProblem:
-        """Return the same problem with pyramids of `facets` sides in place of the exact cones."""
-        return ContactProblem(
-            self.G, self.g, self.mu, self.normal_min, self.normal_max, self.law, facets, fit
-        )
-
-    def _check(self) -> None:
-        crossed = self.normal_min > self.normal_max
-        if crossed.any():
-            k = int(np.argmax(crossed))
+        if (self.normal_min > self.normal_max).any():
+            k = int(np.argmax(self.normal_min > self.normal_max))
             raise ProblemError(
                 f"normal_min must be <= normal_max, got {self.normal_min[k]:g} > "
                 f"{self.normal_max[k]:g} at contact {k}"
             )
-        scale = float(np.abs(self.G).max(initial=0.0))
-        gap = np.abs(self.G - self.G.T)
-        if gap.max(initial=0.0) > 1e-8 * scale:
-            i, j = np.unravel_index(int(np.argmax(gap)), gap.shape)
+        self.notes: tuple[str, ...] = ()
+        self.compliance = _compliance(compliance, n)
+        self._sparse: Any = None
+        if sp.issparse(G):
+            self._sparse = _checked_sparse(G, size, self.compliance)
+        else:
+            self.__dict__["G"] = _checked_dense(G, size, self.compliance)
+
+    def _hold(self, bilateral: ArrayLike) -> None:
+        """Read the mask of bilateral contacts."""
+        mask = np.asarray(bilateral)
+        if mask.shape != (self.contacts,) or mask.dtype != np.bool_:
             raise ProblemError(
-                f"G must be symmetric, but G[{i}, {j}] = {self.G[i, j]:g} and G[{j}, {i}] = {self.G[j, i]:g}"
+                f"bilateral must be a mask of shape ({self.contacts},), got {mask.dtype} {mask.shape}"
             )
+        bounded = mask & ((self.normal_min != 0.0) | (self.normal_max != np.inf))
+        if bounded.any():
+            raise ProblemError(
+                f"a bilateral contact takes no normal bounds, got some at contact {int(np.argmax(bounded))}"
+            )
+        if mask.any():
+            self.bilateral = mask
+            self.normal_min[mask] = -np.inf
+
+    @cached_property
+    def bounded(self) -> bool:
+        """Whether some contact has a normal bound other than 0 below and infinity or 0 above."""
+        low, high = self.normal_min > 0.0, (self.normal_max > 0.0) & (self.normal_max < np.inf)
+        return bool((low | high).any())
+
+    @cached_property
+    def G(self) -> FloatArray:
+        """The (3n, 3n) Delassus operator with compliance, dense."""
+        return np.ascontiguousarray(self._sparse.toarray())
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """The 3x3 blocks of G that are not zero, in compressed rows."""
+        if self._sparse is None:
+            return Blocks(*dense_blocks(self.G))
+        b = sp.bsr_matrix(self._sparse, blocksize=(3, 3))
+        b.sort_indices()
+        return Blocks(b.indptr.astype(np.int64), b.indices.astype(np.int64), np.ascontiguousarray(b.data))
+
+    def velocity(self, forces: FloatArray) -> FloatArray:
+        """Return u = (G + R) λ + g for (n, 3) forces: (n, 3)."""
+        operator = self.G if self._sparse is None else self._sparse
+        return np.asarray((operator @ forces.ravel() + self.g).reshape(-1, 3))
+
+    def polyhedral(self, facets: int = 8, fit: Fit = "inner") -> ContactProblem:
+        """Return the same problem with pyramids of `facets` sides in place of the exact cones."""
+        return self.replace(facets=facets, fit=fit)
+
+    def replace(self, **changes: Any) -> ContactProblem:
+        """Return the same problem with some arguments changed; `G` then includes the compliance already."""
+        low = self.normal_min if self.bilateral is None else np.where(self.bilateral, 0.0, self.normal_min)
+        arguments: dict[str, Any] = {
+            "G": self.G if self._sparse is None else self._sparse,
+            "g": self.g,
+            "mu": self.mu,
+            "normal_min": low,
+            "normal_max": self.normal_max,
+            "law": self.law,
+            "facets": self.facets,
+            "fit": self.fit,
+            "bilateral": self.bilateral,
+        }
+        problem = ContactProblem(**(arguments | changes))
+        problem.notes = self.notes
+        return problem
 
     def __repr__(self) -> str:
         sides = "" if self.facets is None else f", facets={self.facets}, fit={self.fit!r}"
@@ -114,7 +185,68 @@ class ContactProblem:
 
     @cached_property
     def norm(self) -> float:
-        """The spectral norm ||G||₂, largest eigenvalue of the symmetric part."""
+        """The spectral norm ||G||₂ (Lanczos, to about 1e-9 relative)."""
         if self.contacts == 0:
             return 0.0
-        return float(np.abs(np.linalg.eigvalsh(self.G)).max())
+        if self._sparse is not None or self.contacts > 60:
+            b = self.blocks
+            return float(spectral_norm_blocks(b.starts, b.columns, b.values))
+        return float(spectral_norm(self.G))
+
+
+def _compliance(value: ArrayLike, contacts: int) -> FloatArray | None:
+    """Return R as (3n,), None where it is zero."""
+    if isinstance(value, (int, float)) and value == 0.0:
+        return None
+    R = finite_array("compliance", value)
+    if R.shape == (contacts,):
+        R = np.repeat(R, 3)
+    elif R.ndim == 0:
+        R = np.full(3 * contacts, float(R))
+    if R.shape != (3 * contacts,):
+        raise ProblemError(
+            f"compliance must be a number or have shape ({contacts},) or ({3 * contacts},), got {R.shape}"
+        )
+    if (R < 0.0).any():
+        raise ProblemError(f"compliance[{int(np.argmax(R < 0.0))}] must be >= 0, got {R.min():g}")
+    return R
+
+
+def _checked_dense(G: ArrayLike, size: int, compliance: FloatArray | None) -> FloatArray:
+    """Return a symmetric copy of G with the compliance on its diagonal."""
+    try:
+        matrix = np.array(G, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    if matrix.shape != (size, size):
+        matrix = finite_array("G", G, (size, size))
+    scale, gap, i, j = checked_mirror(matrix)
+    if not scale < np.inf:
+        finite_array("G", G, (size, size))  # names the entry
+    if gap > ASYMMETRY * scale:
+        original = np.asarray(G, dtype=np.float64)
+        raise ProblemError(
+            f"G must be symmetric, but G[{i}, {j}] = {original[i, j]:g} and G[{j}, {i}] = {original[j, i]:g}"
+        )
+    if compliance is not None:
+        matrix[np.diag_indices(size)] += compliance
+    return matrix
+
+
+def _checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
+    """Return the symmetric part of a sparse G with the compliance on its diagonal, in CSR."""
+    if G.shape != (size, size):
+        raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
+    matrix = sp.csr_matrix(G, dtype=np.float64)
+    finite_array("the entries of G", matrix.data)
+    gap = abs(matrix - matrix.T).tocoo()
+    if gap.nnz and gap.data.max() > ASYMMETRY * abs(matrix.data).max():
+        k = int(np.argmax(gap.data))
+        i, j = int(gap.row[k]), int(gap.col[k])
+        raise ProblemError(
+            f"G must be symmetric, but G[{i}, {j}] = {matrix[i, j]:g} and G[{j}, {i}] = {matrix[j, i]:g}"
+        )
+    matrix = 0.5 * (matrix + matrix.T)
+    if compliance is not None:
+        matrix = matrix + sp.diags(compliance)
+    return matrix.tocsr()

@@ -18,6 +18,10 @@ from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
 
 
+SMALL = 30
+"""Number of contacts up to which velocities and residuals are computed in one compiled call."""
+
+
 @dataclass(frozen=True)
 class Residuals:
     """How far forces and velocities are from the contact laws; every number is zero at a solution.
@@ -33,7 +37,8 @@ class Residuals:
     cone_violation
         Largest distance of a contact's force to its cone, normal bounds included [N].
     penetration_velocity
-        Largest approach speed of a contact that is not at its upper normal bound [m/s].
+        Largest approach speed of a contact that is not at its upper normal bound, and largest speed of
+        a bilateral one [m/s].
     complementarity
         Largest normal power that the unilateral law says must vanish,
         (λ_n - low) v_n for v_n > 0 and (high - λ_n) |v_n| for v_n < 0 and a finite bound [W].
@@ -60,8 +65,7 @@ def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
     f = np.ascontiguousarray(forces, dtype=np.float64)
     if f.shape != (problem.contacts, 3):
         raise ProblemError(f"forces must have shape ({problem.contacts}, 3), got {f.shape}")
-    velocities = problem.G @ f.ravel() + problem.g
-    return Residuals(*measure(problem, f, velocities.reshape(-1, 3)))
+    return Residuals(*certificate(problem, f)[1])
 
 
 def measure(
@@ -76,6 +80,21 @@ def measure(
         forces, velocities, problem.g, problem.mu, problem.normal_min, problem.normal_max,
         step, facets, problem.fit == "inner", problem.law == "coulomb",
     )  # fmt: skip
+
+
+def certificate(
+    problem: ContactProblem, forces: FloatArray
+) -> tuple[FloatArray, tuple[float, float, float, float, float]]:
+    """Return the velocities of (n, 3) forces, and the fields of `Residuals`."""
+    if problem.contacts == 0 or problem.contacts > SMALL:
+        velocities = problem.velocity(forces)
+        return velocities, measure(problem, forces, velocities)
+    norm = problem.norm
+    found = _certify(
+        problem.G, forces, problem.g, problem.mu, problem.normal_min, problem.normal_max,
+        1.0 / norm if norm > 0.0 else 1.0, problem.facets or 0, problem.fit == "inner", problem.law == "coulomb",
+    )  # fmt: skip
+    return found[0], found[1:]
 
 
 @inline_kernel
@@ -155,6 +174,12 @@ def _measure(
     for k in range(forces.shape[0]):
         x, y, z = forces[k, 0], forces[k, 1], forces[k, 2]
         ux, uy, uz = velocities[k, 0], velocities[k, 1], velocities[k, 2]
+        if low[k] == -np.inf:  # bilateral: any force, no velocity
+            gap += step * step * (ux * ux + uy * uy + uz * uz)
+            force_scale += x * x + y * y + z * z
+            speed = math.sqrt(ux * ux + uy * uy + uz * uz)
+            approach = speed if not speed <= approach else approach
+            continue
         limit = _dissipation_limit(ux, uy, mu[k], facets, inner)
         shifted = uz + limit if coulomb else uz
         a, b, c = _nearest(
@@ -177,3 +202,28 @@ def _measure(
     scale = max(math.sqrt(force_scale), step * math.sqrt(np.sum(free * free)))
     natural = math.sqrt(gap) / scale if scale > 0.0 else math.sqrt(gap)
     return natural, violation, approach, normal_power, slip_power
+
+
+@kernel
+def _certify(
+    G: FloatArray,
+    forces: FloatArray,
+    free: FloatArray,
+    mu: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    step: float,
+    facets: int,
+    inner: bool,
+    coulomb: bool,
+) -> tuple[FloatArray, float, float, float, float, float]:
+    velocities = np.empty((forces.shape[0], 3))
+    for k in range(forces.shape[0]):
+        for a in range(3):
+            total = free[3 * k + a]
+            for j in range(forces.shape[0]):
+                for b in range(3):
+                    total += G[3 * k + a, 3 * j + b] * forces[j, b]
+            velocities[k, a] = total
+    a, b, c, d, e = _measure(forces, velocities, free, mu, low, high, step, facets, inner, coulomb)
+    return velocities, a, b, c, d, e

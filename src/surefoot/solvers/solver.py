@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
-from surefoot.contact.residuals import Residuals, measure
+from surefoot.contact.residuals import Residuals, certificate
 from surefoot.contact.solution import ContactSolution, Status
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
@@ -66,14 +66,28 @@ class SolverEntry:
     laws: tuple[Law, ...]
     exact: bool
     polyhedral: bool
+    bilateral: bool
+    bounds: bool
 
 
 _REGISTRY: dict[str, SolverEntry] = {}
-_MODULES = ("external",)
+_MODULES = (
+    "auto",
+    "nsgs",
+    "newton",
+    "external",
+)
+_loaded = False
 
 
 def register(
-    name: str, *, laws: Iterable[Law] = LAWS, exact: bool = True, polyhedral: bool = False
+    name: str,
+    *,
+    laws: Iterable[Law] = LAWS,
+    exact: bool = True,
+    polyhedral: bool = False,
+    bilateral: bool = False,
+    bounds: bool = True,
 ) -> Callable[[Function], Function]:
     """Return the decorator that makes a function a solver.
 
@@ -85,10 +99,14 @@ def register(
         The laws it solves.
     exact, polyhedral
         Whether it takes problems with exact cones, and with pyramids.
+    bilateral
+        Whether it takes problems with bilateral contacts.
+    bounds
+        Whether it takes normal bounds other than 0 and infinity.
     """
 
     def decorate(function: Function) -> Function:
-        _REGISTRY[name] = SolverEntry(name, function, tuple(laws), exact, polyhedral)
+        _REGISTRY[name] = SolverEntry(name, function, tuple(laws), exact, polyhedral, bilateral, bounds)
         return function
 
     return decorate
@@ -96,13 +114,16 @@ def register(
 
 def registry() -> dict[str, SolverEntry]:
     """Return all solvers by name; imports their files on first use."""
-    for module in _MODULES:
-        importlib.import_module(f"surefoot.solvers.{module}")
+    global _loaded
+    if not _loaded:
+        for module in _MODULES:
+            importlib.import_module(f"surefoot.solvers.{module}")
+        _loaded = True
     return _REGISTRY
 
 
 def solver_names(problem: ContactProblem | None = None) -> tuple[str, ...]:
-    """Return the names of all solvers, or of those that take a problem's law and cones."""
+    """Return the names of all solvers, or of those that take a problem's law, cones and bounds."""
     entries = registry().values()
     return tuple(sorted(e.name for e in entries if problem is None or _mismatch(e, problem) is None))
 
@@ -129,7 +150,7 @@ def solve(
     max_iterations, max_time
         Bounds, see `Settings`.
     warm_start
-        (n, 3) forces to start from.
+        (n, 3) forces to start from; see `surefoot.contact.warm_start` for contacts that came and went.
 
     Returns
     -------
@@ -144,9 +165,12 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     entry = find_solver(solver, problem)
-    settings = Settings(
-        real_number("tol", tol, low=0.0), max_iterations, real_number("max_time", max_time, low=0.0)
-    )
+    if not (0.0 <= tol < math.inf and max_time >= 0.0):
+        real_number("tol", tol, low=0.0, high=1e300)
+        real_number("max_time", max_time, low=0.0)
+    if max_iterations is not None and max_iterations < 0:
+        raise ProblemError(f"max_iterations must be >= 0, got {max_iterations}")
+    settings = Settings(tol, max_iterations, max_time)
     if warm_start is not None:
         warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
     start = time.perf_counter()
@@ -154,16 +178,24 @@ def solve(
         answer = Answer(np.zeros((0, 3)), 0)
     else:
         answer = entry.function(problem, settings, warm_start)
-    return certify(problem, answer, entry.name, settings.tol, time.perf_counter() - start)
+    return certify(problem, answer, entry.name, tol, time.perf_counter() - start)
+
+
+def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
+    """Return the flat (3n,) forces to start from, a fresh array: zero without a warm start."""
+    return np.zeros(3 * problem.contacts) if warm_start is None else warm_start.flatten()
 
 
 def certify(
     problem: ContactProblem, answer: Answer, name: str, tol: float, solve_time: float
 ) -> ContactSolution:
     """Return the solution with a status that the residuals bear out, whatever the solver believes."""
-    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(-1, 3)
-    velocities = (problem.G @ forces.ravel() + problem.g).reshape(-1, 3)
-    found = Residuals(*measure(problem, forces, velocities))
+    forces = answer.forces
+    if forces.dtype != np.float64 or not forces.flags.c_contiguous:
+        forces = np.ascontiguousarray(forces, dtype=np.float64)
+    forces = forces.reshape(-1, 3)
+    velocities, numbers = certificate(problem, forces)
+    found = Residuals(*numbers)
     if not math.isfinite(found.natural_map):
         status = Status.INVALID
     elif found.natural_map <= tol:
@@ -182,8 +214,6 @@ def certify(
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
     """Return the entry of a solver that takes the problem; see `solve` for the errors."""
     entries = registry()
-    if name == "auto":
-        name = "clarabel" if problem.facets is None else "daqp"
     if name not in entries:
         raise SolverNotFound(unknown_name("solver", name, entries))
     entry = entries[name]
@@ -201,4 +231,8 @@ def _mismatch(entry: SolverEntry, problem: ContactProblem) -> str | None:
         return "takes pyramids only (use problem.polyhedral(facets))"
     if problem.facets is not None and not entry.polyhedral:
         return "takes exact cones only (facets=None)"
+    if problem.bilateral is not None and not entry.bilateral:
+        return "takes no bilateral contacts"
+    if not entry.bounds and problem.bounded:
+        return "takes no normal bounds"
     return None

@@ -1,0 +1,223 @@
+"""Delassus operators as matrices of 3x3 blocks: checks, block structure and the spectral norm."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.kernels import kernel
+
+LANCZOS_STEPS = 120
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """A symmetric block matrix in compressed rows.
+
+    Attributes
+    ----------
+    starts
+        (n + 1,); the blocks of row k are starts[k] to starts[k + 1].
+    columns
+        (m,) block columns, rising in each row; the diagonal block is always there.
+    values
+        (m, 3, 3).
+    """
+
+    starts: IntArray
+    columns: IntArray
+    values: FloatArray
+
+    @property
+    def density(self) -> float:
+        """Share of the blocks that are stored."""
+        n = self.starts.size - 1
+        return self.columns.size / (n * n) if n else 1.0
+
+
+@kernel
+def checked_mirror(G: FloatArray) -> tuple[float, float, int, int]:
+    """Replace G by its symmetric part; return max |G| (infinite for NaN or infinity), max |G - Gᵀ| and where."""
+    scale = gap = 0.0
+    row = column = 0
+    total = 0.0
+    for i in range(G.shape[0]):
+        for j in range(i + 1):
+            a, b = G[i, j], G[j, i]
+            total += a + b  # NaN and infinity survive a sum
+            scale = max(scale, abs(a), abs(b))
+            if abs(a - b) > gap:
+                gap, row, column = abs(a - b), i, j
+            G[i, j] = G[j, i] = 0.5 * (a + b)
+    if not abs(total) < np.inf:
+        scale = np.inf
+    return scale, gap, row, column
+
+
+@kernel
+def dense_blocks(G: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return the fields of `Blocks` for a dense symmetric matrix."""
+    n = G.shape[0] // 3
+    present = np.zeros((n, n), dtype=np.bool_)
+    for i in range(3 * n):
+        for j in range(3 * n):
+            if G[i, j] != 0.0:
+                present[i // 3, j // 3] = True
+    count = n
+    for i in range(n):
+        for j in range(n):
+            if present[i, j] and i != j:
+                count += 1
+    starts = np.zeros(n + 1, dtype=np.int64)
+    columns = np.empty(count, dtype=np.int64)
+    values = np.empty((count, 3, 3))
+    at = 0
+    for i in range(n):
+        for j in range(n):
+            if present[i, j] or i == j:
+                columns[at] = j
+                for a in range(3):
+                    for b in range(3):
+                        values[at, a, b] = G[3 * i + a, 3 * j + b]
+                at += 1
+        starts[i + 1] = at
+    return starts, columns, values
+
+
+@kernel
+def block_product(starts: IntArray, columns: IntArray, values: FloatArray, x: FloatArray) -> FloatArray:
+    """Return the product of a block matrix and a (3n,) vector."""
+    out = np.zeros(x.size)
+    for k in range(starts.size - 1):
+        a = b = c = 0.0
+        for at in range(starts[k], starts[k + 1]):
+            j = 3 * columns[at]
+            p, q, r = x[j], x[j + 1], x[j + 2]
+            a += values[at, 0, 0] * p + values[at, 0, 1] * q + values[at, 0, 2] * r
+            b += values[at, 1, 0] * p + values[at, 1, 1] * q + values[at, 1, 2] * r
+            c += values[at, 2, 0] * p + values[at, 2, 1] * q + values[at, 2, 2] * r
+        out[3 * k], out[3 * k + 1], out[3 * k + 2] = a, b, c
+    return out
+
+
+@kernel
+def _start_vector(size: int) -> FloatArray:
+    """Return a fixed unit vector without symmetry that a mechanism could share."""
+    v = np.empty(size)
+    state = 12345
+    total = 0.0
+    for i in range(size):
+        state = (1103515245 * state + 12345) % 2147483648
+        v[i] = 0.5 + state / 2147483648.0
+        total += v[i] * v[i]
+    return v / math.sqrt(total)
+
+
+@kernel
+def _largest_tridiagonal(diagonal: FloatArray, off: FloatArray, count: int) -> float:
+    """Return the largest |eigenvalue| of a symmetric tridiagonal matrix, by bisection on Sturm counts."""
+    bound = 0.0
+    for i in range(count):
+        reach = abs(diagonal[i])
+        if i > 0:
+            reach += abs(off[i - 1])
+        if i < count - 1:
+            reach += abs(off[i])
+        bound = max(bound, reach)
+    best = 0.0
+    for sign in (1.0, -1.0):
+        low, high = best, bound
+        for _ in range(60):
+            if high - low <= 1e-12 * high:
+                break
+            middle = 0.5 * (low + high)
+            below = True  # all eigenvalues of sign * T below the middle: T - middle I negative definite
+            pivot = -1.0
+            for i in range(count):
+                pivot = sign * diagonal[i] - middle - (off[i - 1] ** 2 / pivot if i > 0 else 0.0)
+                if pivot >= 0.0:
+                    below = False
+                    break
+            if below:
+                high = middle
+            else:
+                low = middle
+        if low > best:
+            best = high
+    return best
+
+
+@kernel
+def _orthogonalise(basis: FloatArray, count: int, w: FloatArray) -> float:
+    """Take the first `count` basis rows out of w; return what is left of its length."""
+    for _ in range(2):
+        for i in range(count):
+            dot = 0.0
+            for j in range(w.size):
+                dot += basis[i, j] * w[j]
+            for j in range(w.size):
+                w[j] -= dot * basis[i, j]
+    total = 0.0
+    for j in range(w.size):
+        total += w[j] * w[j]
+    return math.sqrt(total)
+
+
+@kernel
+def spectral_norm(G: FloatArray) -> float:
+    """Return ||G||₂ of a dense symmetric matrix by Lanczos with full orthogonalisation."""
+    size = G.shape[0]
+    most = min(size, LANCZOS_STEPS)
+    basis = np.empty((most, size))
+    basis[0] = _start_vector(size)
+    diagonal, off = np.zeros(most), np.zeros(most)
+    last = 0.0
+    w = np.empty(size)
+    for k in range(most):
+        w[:] = 0.0
+        for i in range(size):
+            x = basis[k, i]
+            for j in range(size):
+                w[j] += G[i, j] * x
+        dot = 0.0
+        for j in range(size):
+            dot += w[j] * basis[k, j]
+        diagonal[k] = dot
+        length = _orthogonalise(basis, k + 1, w)
+        done = k + 1 == most or length <= 1e-14 * abs(dot)
+        if done or (k >= 5 and k % 3 == 2):
+            value = _largest_tridiagonal(diagonal, off, k + 1)
+            if done or value - last <= 1e-10 * value:
+                return value
+            last = value
+        off[k] = length
+        for j in range(size):
+            basis[k + 1, j] = w[j] / length
+    return last
+
+
+@kernel
+def spectral_norm_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> float:
+    """Return ||G||₂ of a block matrix by Lanczos with full orthogonalisation."""
+    size = 3 * (starts.size - 1)
+    most = min(size, LANCZOS_STEPS)
+    basis = np.empty((most, size))
+    basis[0] = _start_vector(size)
+    diagonal, off = np.zeros(most), np.zeros(most)
+    last = 0.0
+    for k in range(most):
+        w = block_product(starts, columns, values, basis[k])
+        diagonal[k] = np.sum(w * basis[k])
+        length = _orthogonalise(basis, k + 1, w)
+        done = k + 1 == most or length <= 1e-14 * abs(diagonal[k])
+        if done or (k >= 5 and k % 6 == 5):
+            value = _largest_tridiagonal(diagonal, off, k + 1)
+            if done or value - last <= 1e-10 * value:
+                return value
+            last = value
+        off[k] = length
+        basis[k + 1] = w / length
+    return last

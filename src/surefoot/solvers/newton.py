@@ -1,0 +1,280 @@
+"""Semismooth Newton on the Alart-Curnier equations, globalised by the natural map.
+
+Each contact is classified from its augmented force λ - ρ u (ρ from its own block): take-off, stick, slide, or
+held by a normal bound. The linearised equations are then reduced to the forces that are still free (3 for a
+contact that sticks, 2 for one that slides, none for one that takes off), and a small proximal term on the
+diagonal keeps redundant contacts (a rank-deficient G) solvable without moving any solution. A step counts only
+if the natural map falls; halved steps and then Gauss-Seidel sweeps are tried where it does not.
+
+Source: P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution
+methods", CMAME 92, 1991; V. Acary, M. Bremond, O. Huber, "On solving contact problems with Coulomb friction:
+formulations and numerical comparisons", 2018. For the convex law the normal velocity is shifted by mu ||u_t||.
+
+Limits: fast near a solution and no promise far from one; the reduced matrix is dense in the step below.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.kernels import kernel
+from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
+
+PATIENCE, HALVINGS = 5, 2
+"""Newton steps that may pass without a better natural map, and lengths that are tried for each."""
+PROXIMAL = 1e-9
+"""The proximal term, relative to the trace of a contact's block."""
+
+
+@kernel
+def classify(
+    forces: FloatArray, velocities: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray,
+    high: FloatArray, convex: bool, rows: FloatArray, columns: FloatArray, weight: FloatArray,
+    jump: FloatArray, target: FloatArray, proximal: float,
+) -> IntArray:  # fmt: skip
+    """Linearise every contact: its free directions, its equations and the part of the step that is known.
+
+    For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c]; the
+    equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
+    """
+    n = mu.size
+    count = np.zeros(n, dtype=np.int64)
+    for k in range(n):
+        i = 3 * k
+        W = local[k]
+        trace = W[0] + W[3] + W[5]
+        small = proximal * trace
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
+        p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
+        rows[k], columns[k], target[k], jump[k] = 0.0, 0.0, 0.0, 0.0
+        weight[k] = small
+        if low[k] == -np.inf:
+            count[k] = 3
+            for c in range(3):
+                rows[k, c, c] = columns[k, c, c] = 1.0
+            continue
+        step_t, step_n = 1.0 / max(W[0], W[3]), 1.0 / W[5]
+        wx, wy = x - step_t * p, y - step_t * q
+        length = math.sqrt(wx * wx + wy * wy)
+        shift = 0.0
+        lifted = z - step_n * r
+        if convex and mu[k] > 0.0:
+            # where the contact slides, the convex law adds mu ||u_t|| to its normal velocity
+            shift = mu[k] * math.sqrt(p * p + q * q)
+            lifted = z - step_n * (r - shift)
+            if length <= mu[k] * min(max(z - step_n * r, low[k]), high[k]):
+                lifted, shift = z - step_n * r, 0.0
+        held = lifted <= low[k] or lifted >= high[k]
+        normal = min(max(lifted, low[k]), high[k])
+        radius = mu[k] * normal
+        c = 0
+        if radius == 0.0 and (held or mu[k] == 0.0):
+            jump[k, 0], jump[k, 1] = -x, -y
+            if held:
+                jump[k, 2] = normal - z
+            else:
+                rows[k, 0, 2] = columns[k, 0, 2] = 1.0
+                c = 1
+        elif length <= radius:  # stick
+            if held:
+                jump[k, 2] = normal - z
+            for a in range(2 if held else 3):
+                rows[k, a, a] = columns[k, a, a] = 1.0
+            c = 2 if held else 3
+        else:  # slide along e
+            ex, ey = wx / length, wy / length
+            along = x * ex + y * ey
+            ratio = radius / length
+            if held:
+                jump[k, 2] = normal - z
+                change = mu[k] * normal - along
+            else:
+                change = mu[k] * z - along
+                rows[k, 0, 2] = 1.0
+                columns[k, 0, 0], columns[k, 0, 1], columns[k, 0, 2] = mu[k] * ex, mu[k] * ey, 1.0
+                if convex:
+                    rows[k, 0, 0], rows[k, 0, 1] = mu[k] * ex, mu[k] * ey
+                c = 1
+            jump[k, 0], jump[k, 1] = change * ex, change * ey
+            columns[k, c, 0], columns[k, c, 1] = -ey, ex
+            rows[k, c, 0], rows[k, c, 1] = -ratio * ey, ratio * ex
+            across = -p * ey + q * ex
+            target[k, c] = (ratio - 1.0) * across
+            weight[k, c] = (1.0 - ratio) / step_t + small
+            c += 1
+        count[k] = c
+    return count
+
+
+@kernel
+def _assemble(
+    G: FloatArray, velocities: FloatArray, rows: FloatArray, columns: FloatArray, weight: FloatArray,
+    jump: FloatArray, target: FloatArray, count: IntArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return the reduced matrix and right-hand side of the linearised equations (dense G)."""
+    n = count.size
+    m = 0
+    for k in range(n):
+        m += count[k]
+    moved = velocities.copy()  # u after the known part of the step
+    for k in range(n):
+        for a in range(3):
+            d = jump[k, a]
+            if d != 0.0:
+                for j in range(moved.size):
+                    moved[j] += G[3 * k + a, j] * d
+    across = np.zeros((m, moved.size))  # columnsᵀ G, one row per unknown
+    at = 0
+    for k in range(n):
+        for c in range(count[k]):
+            for a in range(3):
+                d = columns[k, c, a]
+                if d != 0.0:
+                    for j in range(moved.size):
+                        across[at, j] += G[3 * k + a, j] * d
+            at += 1
+    A, b = np.empty((m, m)), np.empty(m)
+    i = 0
+    for k in range(n):
+        for c in range(count[k]):
+            r0, r1, r2 = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
+            for j in range(m):
+                A[i, j] = across[j, 3 * k] * r0 + across[j, 3 * k + 1] * r1 + across[j, 3 * k + 2] * r2
+            A[i, i] += weight[k, c]
+            b[i] = target[k, c] - (moved[3 * k] * r0 + moved[3 * k + 1] * r1 + moved[3 * k + 2] * r2)
+            i += 1
+    return A, b
+
+
+@kernel
+def lu_solve(A: FloatArray, b: FloatArray) -> bool:
+    """Solve A x = b in place (x in b) by Gaussian elimination with row pivoting; False for a zero pivot."""
+    m = b.size
+    for k in range(m):
+        pivot, best = k, abs(A[k, k])
+        for i in range(k + 1, m):
+            if abs(A[i, k]) > best:
+                pivot, best = i, abs(A[i, k])
+        if not best > 0.0:
+            return False
+        if pivot != k:
+            for j in range(k, m):
+                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+            b[k], b[pivot] = b[pivot], b[k]
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, m):
+            factor = A[i, k] * inverse
+            if factor != 0.0:
+                for j in range(k + 1, m):
+                    A[i, j] -= factor * A[k, j]
+                b[i] -= factor * b[k]
+    for k in range(m - 1, -1, -1):
+        total = b[k]
+        for j in range(k + 1, m):
+            total -= A[k, j] * b[j]
+        b[k] = total / A[k, k]
+    return True
+
+
+@kernel
+def spread(
+    columns: FloatArray, jump: FloatArray, count: IntArray, unknowns: FloatArray, step: FloatArray
+) -> None:
+    """Fill the flat (3n,) step of the forces from the reduced unknowns."""
+    at = 0
+    for k in range(count.size):
+        for a in range(3):
+            step[3 * k + a] = jump[k, a]
+        for c in range(count[k]):
+            for a in range(3):
+                step[3 * k + a] += unknowns[at] * columns[k, c, a]
+            at += 1
+
+
+@kernel
+def newton_dense(
+    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, scale: float,
+    tol: float, limit: int, patience: int, halvings: int, local: FloatArray, forces: FloatArray, velocities: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Take Newton steps while the natural map falls well; return the steps and the relative gap reached.
+
+    Forces and velocities (flat, consistent) are updated in place and never get worse.
+    """
+    n = mu.size
+    rows, columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+    weight, jump, target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
+    step, trial, moved = np.empty(3 * n), np.empty(3 * n), np.empty(3 * n)
+    free = scale * np.sqrt(np.sum(g * g))
+    gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
+    relative = gap / max(size, free)
+    best = relative
+    best_forces, best_velocities = forces.copy(), velocities.copy()
+    done = since = 0
+    while done < limit and best > tol and since < patience:
+        done += 1
+        kinds = classify(
+            forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target, PROXIMAL
+        )
+        A, b = _assemble(G, velocities, rows, columns, weight, jump, target, kinds)
+        if not lu_solve(A, b):
+            break
+        spread(columns, jump, kinds, b, step)
+        length = 1.0
+        for _ in range(halvings):
+            for j in range(step.size):
+                trial[j] = forces[j] + length * step[j]
+            refresh_dense(G, g, trial, moved)
+            gap, size = natural_gap(trial, moved, mu, low, high, scale, convex)
+            now = gap / max(size, free)
+            if now < (1.0 - 0.1 * length) * relative:
+                break
+            length *= 0.4
+        forces[:], velocities[:] = trial, moved
+        relative = now
+        since += 1
+        if relative < best:
+            if relative < 0.9 * best:
+                since = 0
+            best = relative
+            best_forces[:], best_velocities[:] = forces, velocities
+    forces[:], velocities[:] = best_forces, best_velocities
+    return done, best
+
+
+@kernel
+def run_dense(
+    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, scale: float,
+    tol: float, rounds: int, burst: int, forces: FloatArray,
+) -> tuple[int, int, float]:  # fmt: skip
+    """Alternate bursts of Gauss-Seidel sweeps with Newton steps; return sweeps, steps, and the relative gap."""
+    local = prepare_dense(G)
+    velocities = np.empty(g.size)
+    refresh_dense(G, g, forces, velocities)
+    free = scale * np.sqrt(np.sum(g * g))
+    sweeps = steps = 0
+    relative = last = np.inf
+    relax = 1.0
+    for _ in range(rounds):
+        for _ in range(burst):
+            sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
+            sweeps += 1
+        refresh_dense(G, g, forces, velocities)
+        gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
+        relative = gap / max(size, free)
+        if relative <= tol:
+            break
+        if relative > 0.5 * last and burst > 20:
+            relax = max(0.6 * relax, 0.1)
+        last = relative
+        used, relative = newton_dense(
+            G, g, mu, low, high, convex, scale, tol, 20, PATIENCE, HALVINGS, local, forces, velocities
+        )
+        steps += used
+        if relative <= tol:
+            break
+        burst = min(2 * burst, 200)
+    return sweeps, steps, relative

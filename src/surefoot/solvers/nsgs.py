@@ -1,0 +1,200 @@
+"""Nonsmooth Gauss-Seidel: contact after contact, each one solved exactly.
+
+Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; M. Jean,
+"The non-smooth contact dynamics method", CMAME 177, 1999. For the convex law it is block coordinate descent.
+
+Limits: converges linearly, slowly for stacks, large mass ratios and redundant contacts; no proof for
+Coulomb's law, and none is needed in practice for mu below about one. Velocities are kept up to date after
+each contact, which costs one block column; a sparse G is used through its 3x3 blocks.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact.blocks import block_product
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solution import Status
+from surefoot.kernels import inline_kernel, kernel
+from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.one_contact import prepare, solve_one
+from surefoot.solvers.solver import Answer, Settings, register, start_forces
+
+MAX_SWEEPS = 100_000
+CIRCLE = 40
+"""Sweeps without progress after which they are taken to go in circles, and are relaxed."""
+SPARSE_BELOW = 0.4
+"""Share of stored blocks under which the block form is used."""
+
+
+@kernel
+def prepare_dense(G: FloatArray) -> FloatArray:
+    """Return the local data of every contact of a dense G: (n, 13), see `one_contact.prepare`."""
+    n = G.shape[0] // 3
+    local = np.empty((n, 13))
+    for k in range(n):
+        i = 3 * k
+        prepare(G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local[k])
+    return local
+
+
+@kernel
+def sweep_dense(
+    G: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
+    relax: float, forces: FloatArray, velocities: FloatArray,
+) -> None:  # fmt: skip
+    """Run once over all contacts, updating flat forces and velocities."""
+    for k in range(mu.size):
+        i = 3 * k
+        if high[k] == 0.0:
+            continue
+        W = local[k]
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
+        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)
+        q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
+        q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
+        a, b, c = solve_one(W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y)
+        d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+        if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
+            forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
+            for j in range(velocities.size):
+                velocities[j] += G[i, j] * d0 + G[i + 1, j] * d1 + G[i + 2, j] * d2
+
+
+@kernel
+def refresh_dense(G: FloatArray, g: FloatArray, forces: FloatArray, velocities: FloatArray) -> None:
+    """Recompute u = G λ + g, row by row (G is symmetric)."""
+    for j in range(g.size):
+        velocities[j] = g[j]
+    for i in range(g.size):
+        x = forces[i]
+        if x != 0.0:
+            for j in range(g.size):
+                velocities[j] += G[i, j] * x
+
+
+@inline_kernel
+def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float, float, int]:
+    """Return the relaxation, the best gap and the sweeps since it: smaller steps when sweeps go in circles."""
+    if gap < 0.99 * best:
+        return relax, gap, 0
+    if since >= CIRCLE:
+        return max(0.5 * relax, 0.05), 10.0 * gap, 0
+    return relax, best, since + 1
+
+
+@kernel
+def run_dense(
+    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
+    step: float, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
+) -> tuple[int, bool]:  # fmt: skip
+    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success."""
+    velocities = np.empty(g.size)
+    refresh_dense(G, g, forces, velocities)
+    free = step * np.sqrt(np.sum(g * g))
+    relax, best, since = 1.0, np.inf, 0
+    for count in range(1, sweeps + 1):
+        sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
+        gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
+        relax, best, since = relaxation(gap, relax, best, since)
+        if gap <= tol * max(size, free):
+            refresh_dense(G, g, forces, velocities)
+            gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
+            if gap <= tol * max(size, free):
+                return count, True
+    return sweeps, False
+
+
+@kernel
+def prepare_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> FloatArray:
+    """Return the local data of every contact of a block matrix: (n, 13)."""
+    n = starts.size - 1
+    local = np.zeros((n, 13))
+    for k in range(n):
+        for at in range(starts[k], starts[k + 1]):
+            if columns[at] == k:
+                B = values[at]
+                prepare(B[0, 0], B[0, 1], B[0, 2], B[1, 1], B[1, 2], B[2, 2], local[k])
+    return local
+
+
+@kernel
+def sweep_blocks(
+    starts: IntArray, columns: IntArray, values: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray,
+    high: FloatArray, convex: bool, relax: float, forces: FloatArray, velocities: FloatArray,
+) -> None:  # fmt: skip
+    """Run once over all contacts of a block matrix, updating flat forces and velocities."""
+    for k in range(mu.size):
+        i = 3 * k
+        if high[k] == 0.0:
+            continue
+        W = local[k]
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
+        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)
+        q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
+        q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
+        a, b, c = solve_one(W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y)
+        d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+        if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
+            forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
+            for at in range(starts[k], starts[k + 1]):
+                B = values[at]
+                j = 3 * columns[at]
+                velocities[j] += B[0, 0] * d0 + B[1, 0] * d1 + B[2, 0] * d2
+                velocities[j + 1] += B[0, 1] * d0 + B[1, 1] * d1 + B[2, 1] * d2
+                velocities[j + 2] += B[0, 2] * d0 + B[1, 2] * d1 + B[2, 2] * d2
+
+
+@kernel
+def run_blocks(
+    starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
+    high: FloatArray, convex: bool, step: float, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
+) -> tuple[int, bool]:  # fmt: skip
+    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success."""
+    velocities = block_product(starts, columns, values, forces) + g
+    free = step * np.sqrt(np.sum(g * g))
+    relax, best, since = 1.0, np.inf, 0
+    for count in range(1, sweeps + 1):
+        sweep_blocks(starts, columns, values, local, mu, low, high, convex, relax, forces, velocities)
+        gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
+        relax, best, since = relaxation(gap, relax, best, since)
+        if gap <= tol * max(size, free):
+            velocities = block_product(starts, columns, values, forces) + g
+            gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
+            if gap <= tol * max(size, free):
+                return count, True
+    return sweeps, False
+
+
+def use_blocks(problem: ContactProblem) -> bool:
+    """Tell whether G is sparse enough for its block form to pay."""
+    return problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW
+
+
+@register("nsgs", bilateral=True)
+def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Solve either law by Gauss-Seidel with exact local solves; an iteration is one sweep."""
+    forces = start_forces(problem, warm_start)
+    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+    limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
+    end = time.perf_counter() + settings.max_time
+    sparse = use_blocks(problem)
+    b = problem.blocks if sparse else None
+    local = prepare_dense(problem.G) if b is None else prepare_blocks(b.starts, b.columns, b.values)
+    laws = problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.law == "convex"
+    chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
+    done, solved = 0, False
+    while not solved and done < limit:
+        now = min(chunk, limit - done)
+        if b is None:
+            used, solved = run_dense(problem.G, *laws, step, settings.tol, now, local, forces)
+        else:
+            matrix = b.starts, b.columns, b.values
+            used, solved = run_blocks(*matrix, *laws, step, settings.tol, now, local, forces)
+        done += used
+        if not solved and time.perf_counter() > end:
+            return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME)
+    return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)

@@ -1,0 +1,201 @@
+"""The contact problem of a single contact, solved exactly; the local step of Gauss-Seidel.
+
+Three cases: take-off, stick (a 3x3 solve) and slide. A sliding force lies on the cone, r = s (mu e, 1) with a
+unit direction e, and its normal part s follows from e in closed form; what is left is one equation in the
+angle of e (a quartic in the tangent of its half), which a safeguarded Newton iteration solves; where that
+fails the whole circle is searched. Bounds on the normal force turn the section into a disc of known radius.
+
+References
+----------
+.. [1] O. Bonnefon, G. Daviet, "Quartic formulation of Coulomb 3D frictional contact", INRIA RT-0400, 2011.
+.. [2] P. C. Horak, J. C. Trinkle, "On the similarities and differences among contact models in robot
+   simulation", IEEE RA-L 4(2), 2019.
+"""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import inline_kernel, kernel
+
+LOCAL_DAMPING = 1e-12
+"""Added to a block's diagonal, relative to its trace; a proximal term, so it moves no solution."""
+
+
+@kernel
+def prepare(G00: float, G01: float, G02: float, G11: float, G12: float, G22: float, out: FloatArray) -> None:
+    """Fill out[0:6] with a damped 3x3 block (00, 01, 02, 11, 12, 22), [6:12] its inverse, [12] the damping."""
+    trace = G00 + G11 + G22
+    damping = LOCAL_DAMPING * trace if trace > 0.0 else 1.0
+    a, b, c = G00 + damping, G11 + damping, G22 + damping
+    A, B, C = b * c - G12 * G12, G02 * G12 - G01 * c, G01 * G12 - G02 * b
+    det = a * A + G01 * B + G02 * C
+    if not det > 1e-30 * trace * trace * trace:  # singular beyond rounding: damp more
+        damping = 1e-9 * trace if trace > 0.0 else 1.0
+        a, b, c = G00 + damping, G11 + damping, G22 + damping
+        A, B, C = b * c - G12 * G12, G02 * G12 - G01 * c, G01 * G12 - G02 * b
+        det = a * A + G01 * B + G02 * C
+    out[0], out[1], out[2], out[3], out[4], out[5] = a, G01, G02, b, G12, c
+    out[6], out[7], out[8] = A / det, B / det, C / det
+    out[9], out[10], out[11] = (a * c - G02 * G02) / det, (G01 * G02 - a * G12) / det, (a * b - G01 * G01) / det
+    out[12] = damping
+
+
+@inline_kernel
+def _slope(
+    W: FloatArray, q0: float, q1: float, q2: float, mu: float, convex: bool, ex: float, ey: float
+) -> tuple[float, float, float, float]:
+    """Return h, dh/dangle, s = v . e (negative at a solution) and the normal force for a direction e.
+
+    v is the tangential velocity times a positive factor; h its part across e.
+    """
+    tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
+    px, py = -W[0] * ey + W[1] * ex, -W[1] * ey + W[3] * ex  # Wtt times e turned by 90 degrees
+    wx, wy = mu * tx + W[2], mu * ty + W[4]
+    if convex:
+        a = mu * (wx * ex + wy * ey) + mu * (W[2] * ex + W[4] * ey) + W[5]
+        da = 2.0 * mu * (-wx * ey + wy * ex)
+        b = q2 + mu * (q0 * ex + q1 * ey)
+        db = mu * (-q0 * ey + q1 * ex)
+    else:
+        a = W[5] + mu * (W[2] * ex + W[4] * ey)
+        da = mu * (-W[2] * ey + W[4] * ex)
+        b = q2
+        db = 0.0
+    vx, vy = q0 * a - b * wx, q1 * a - b * wy
+    dx, dy = q0 * da - db * wx - b * mu * px, q1 * da - db * wy - b * mu * py
+    h = -vx * ey + vy * ex
+    s = vx * ex + vy * ey
+    slope = -dx * ey + dy * ex - s
+    normal = -b / a if a > 0.0 else -1.0
+    return h, slope, s, normal
+
+
+@kernel
+def _search_circle(
+    W: FloatArray, q0: float, q1: float, q2: float, mu: float, convex: bool
+) -> tuple[bool, float, float]:
+    """Look for a sliding direction on the whole circle: sign changes of h, refined by bisection."""
+    count = 96
+    last = _slope(W, q0, q1, q2, mu, convex, 1.0, 0.0)[0]
+    for k in range(count):
+        low, high = 2.0 * math.pi * k / count, 2.0 * math.pi * (k + 1) / count
+        now = _slope(W, q0, q1, q2, mu, convex, math.cos(high), math.sin(high))[0]
+        if last <= 0.0 <= now:  # h rises through a solution
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                if _slope(W, q0, q1, q2, mu, convex, math.cos(middle), math.sin(middle))[0] <= 0.0:
+                    low = middle
+                else:
+                    high = middle
+            _, _, s, normal = _slope(W, q0, q1, q2, mu, convex, math.cos(low), math.sin(low))
+            if s <= 0.0 and normal > 0.0:
+                return True, math.cos(low), math.sin(low)
+        last = now
+    return False, 1.0, 0.0
+
+
+@kernel
+def _disc(
+    W: FloatArray, q0: float, q1: float, normal: float, radius: float, ex: float, ey: float
+) -> tuple[float, float]:
+    """Return the tangential force of least energy in a disc, the normal force being known."""
+    px, py = q0 + W[2] * normal, q1 + W[4] * normal
+    det = W[0] * W[3] - W[1] * W[1]
+    if det > 0.0:
+        x, y = -(W[3] * px - W[1] * py) / det, -(W[0] * py - W[1] * px) / det
+        if x * x + y * y <= radius * radius:
+            return x, y
+    for _ in range(40):
+        tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
+        vx, vy = px + radius * tx, py + radius * ty
+        h, s = -vx * ey + vy * ex, vx * ex + vy * ey
+        across = ey * (W[0] * ey - W[1] * ex) + ex * (W[3] * ex - W[1] * ey)
+        slope = radius * (across) - s
+        if slope > 0.0 and s < 0.0:
+            turn = max(-1.0, min(1.0, -h / slope))
+            fx, fy = ex - turn * ey, ey + turn * ex
+        else:
+            turn, fx, fy = 1.0, -vx, -vy
+        length = math.sqrt(fx * fx + fy * fy)
+        if length == 0.0:
+            break
+        ex, ey = fx / length, fy / length
+        if abs(turn) < 1e-14:
+            break
+    return radius * ex, radius * ey
+
+
+@inline_kernel
+def solve_one(
+    W: FloatArray, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
+    x: float, y: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the force of one contact with free velocity q and the block W that `prepare` filled.
+
+    (x, y) is a guess of the tangential force. low = -inf marks a bilateral contact.
+    """
+    if low == 0.0:  # first, because take-off and stick may both be solutions where normal and tangents couple
+        need = mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0
+        if q2 >= need:
+            return 0.0, 0.0, 0.0
+    r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
+    r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
+    r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
+    if low == -math.inf:
+        return r0, r1, r2
+    limit = mu * r2
+    if low <= r2 <= high and r0 * r0 + r1 * r1 <= limit * limit:
+        return r0, r1, r2
+    if mu == 0.0:
+        return 0.0, 0.0, min(max(-q2 / W[5], low), high)
+    return slide_one(W, q0, q1, q2, mu, low, high, convex, x, y)
+
+
+@kernel
+def slide_one(
+    W: FloatArray, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
+    x: float, y: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the force of a contact that neither takes off nor sticks within its bounds."""
+    length = math.sqrt(x * x + y * y)
+    if length == 0.0:
+        x, y = -q0, -q1
+        length = math.sqrt(x * x + y * y)
+    ex, ey = (x / length, y / length) if length > 0.0 else (1.0, 0.0)
+    normal, good = -1.0, False
+    lifts = q2 >= (mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0)
+    for _ in range(0 if lifts else 25):
+        h, slope, s, normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)
+        if slope > 0.0 and s < 0.0:
+            turn = -h / slope
+            if abs(turn) < 1e-9:  # one more quadratic step and it is exact
+                good = normal > 0.0
+            turn = max(-0.8, min(0.8, turn))
+            fx, fy = ex - turn * ey, ey + turn * ex
+        else:  # uphill: turn against the velocity
+            fx, fy = ex * s - h * ey, ey * s + h * ex
+            fx, fy = -fx, -fy
+        length = math.sqrt(fx * fx + fy * fy)
+        if length == 0.0:
+            break
+        ex, ey = fx / length, fy / length
+        if good:
+            break
+    if good:
+        normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3]
+    elif lifts:
+        normal = 0.0
+    else:
+        good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
+        normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3] if good else 0.0
+    if low <= normal <= high:
+        return mu * normal * ex, mu * normal * ey, normal
+    # a bound holds the normal force; where no sliding force exists the free normal force decides
+    normal = min(max(normal, low), high)
+    radius = mu * normal
+    if radius == 0.0:
+        return 0.0, 0.0, normal
+    a, b = _disc(W, q0, q1, normal, radius, ex, ey)
+    return a, b, normal
