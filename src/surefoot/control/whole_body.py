@@ -1,0 +1,380 @@
+"""Whole-body control: joint torques for wanted accelerations and contact forces, on exact cones.
+
+One strict level: the equations of motion, rigid contacts (acceleration constraint with drift and
+Baumgarte terms), exact friction cones with normal bounds, and torque limits. Below it, weighted tasks:
+acceleration of the centre of mass, angular acceleration of the base, feet in the air, joints, and
+contact forces near the wanted ones (those of a model-predictive controller, say).
+
+    minimise   Σ w_i ||A_i a - b_i||² + w_force ||(f - f_wanted) / m||²
+    subject to M a + h = Sᵀ τ + Jᵀ f,   J_c a = -drift + Baumgarte,   f in K,   |τ| <= limit
+
+Torques follow from the joints' rows and accelerations from the ground's generalised force on the base, so
+that six numbers are left: the problem becomes force distribution in the metric of the tasks, which
+`ForceDistributor` solves exactly. Where a torque limit then is violated, the whole cone program with
+torque rows is solved by ADMM (`whole_body_limits`), to `LIMIT_TOLERANCE`. Flat feet push at the corners of
+their soles: sums of corner forces in friction cones are exactly the wrenches a sole can give.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.contact import Status
+from surefoot.control import whole_body_kernels as kernels
+from surefoot.control.force_distribution import ForceDistributor
+from surefoot.control.whole_body_limits import limited_forces
+from surefoot.errors import ModelError
+from surefoot.robot import Robot
+from surefoot.robot.nominal import chain
+from surefoot.spatial import GRAVITY
+
+LIMIT_TOLERANCE = 1e-3
+"""Residual at which the cone program with torque rows stops, as a share of m g / contact points / 100."""
+LIMIT_ITERATIONS = 400
+TORQUE_SLACK = 0.01
+"""Torques beyond their limit by more than this share of it make a step infeasible."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the tasks; all act on squared accelerations.
+
+    Attributes
+    ----------
+    linear
+        Centre of mass [1/(m/s²)²].
+    angular
+        Base orientation, per squared unit of angular acceleration times the base's height.
+    swing
+        Feet in the air.
+    joints
+        Joint accelerations times the base's height, of legs; joints outside the legs count `body` times
+        as much.
+    body
+        See `joints`.
+    force
+        Distance of the contact forces from the wanted ones, divided by the robot's mass.
+    """
+
+    linear: float = 1.0
+    angular: float = 1.0
+    swing: float = 1.0
+    joints: float = 1e-3
+    body: float = 100.0
+    force: float = 0.1
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Where a robot is and how it moves, world axes.
+
+    Attributes
+    ----------
+    com, com_velocity
+        (3,) centre of mass [m, m/s].
+    rotation, angular_velocity
+        (3, 3), (3,) of the base.
+    centres, twists, drifts
+        (n, 3), (n, 6), (n, 6) of the feet: place, velocity [linear; angular], acceleration at zero
+        joint acceleration.
+    """
+
+    com: FloatArray
+    com_velocity: FloatArray
+    rotation: FloatArray
+    angular_velocity: FloatArray
+    centres: FloatArray
+    twists: FloatArray
+    drifts: FloatArray
+
+
+@dataclass(frozen=True)
+class Tasks:
+    """What is wanted in one step; world axes.
+
+    Attributes
+    ----------
+    stance
+        (n,) which feet carry.
+    com_acceleration, turn_acceleration
+        (3,) of the centre of mass [m/s²] and of the base's orientation [rad/s²].
+    feet
+        (n, 6) wanted acceleration [linear; angular] of feet in the air.
+    joints
+        (joints,) wanted joint accelerations [rad/s²].
+    forces
+        (p, 3) wanted contact forces, contact frames [N].
+    frames
+        (n, 3, 3) rotation_world_contact of every foot's ground.
+    gaps
+        (n,) distance of the feet in stance to the ground [m], for the Baumgarte term.
+    """
+
+    stance: BoolArray
+    com_acceleration: FloatArray
+    turn_acceleration: FloatArray
+    feet: FloatArray
+    joints: FloatArray
+    forces: FloatArray
+    frames: FloatArray
+    gaps: FloatArray
+
+
+@dataclass(frozen=True)
+class WholeBodyCommand:
+    """What whole-body control asks for.
+
+    Attributes
+    ----------
+    torques
+        (joints,) within the effort limits [N m].
+    accelerations
+        (nv,) that go with the forces, Pinocchio's order.
+    forces
+        (p, 3) contact forces inside every cone and bound, contact frames [N].
+    feasible
+        Whether dynamics, contacts, cones and torque limits can hold together (False: the torques are
+        clipped, or the input was not finite and the command only damps the joints).
+    violation
+        Largest torque beyond its limit before clipping [N m].
+    status
+        How the force distribution ended.
+    """
+
+    torques: FloatArray
+    accelerations: FloatArray
+    forces: FloatArray
+    feasible: bool
+    violation: float
+    status: Status
+
+
+class WholeBodyController:
+    """Turns tasks into torques at every step of a fast loop: `update`, then `solve`.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and feet.
+    mu
+        Friction that the controller believes in.
+    normal_min, normal_max
+        Bounds on the normal force of each contact point [N].
+    weights
+        Of the tasks; None for the defaults.
+    baumgarte
+        (stiffness [1/s²], damping [1/s]) of the contact constraint.
+    effort_limits
+        (joints,) [N m]; None for the robot's own.
+
+    Raises
+    ------
+    ModelError
+        If the robot has a fixed base or no feet.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        mu: float = 0.6,
+        normal_min: float = 0.0,
+        normal_max: float = math.inf,
+        weights: Weights | None = None,
+        baumgarte: tuple[float, float] = (0.0, 20.0),
+        effort_limits: FloatArray | None = None,
+    ) -> None:
+        import pinocchio
+
+        if not robot.floating or not robot.feet:
+            raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
+        self.robot, self._pin = robot, pinocchio
+        self._model, self._data = robot.model, robot.model.createData()
+        self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
+        self.weights = weights or Weights()
+        self.baumgarte = baumgarte
+        self._set_points()
+        self._set_sizes(mu, normal_min, normal_max)
+        self._failed = WholeBodyCommand(
+            np.zeros(robot.joints), np.zeros(self._nv), np.zeros((self._count, 3)), False, 0.0, Status.INVALID
+        )
+
+    def _set_points(self) -> None:
+        """Collect the contact points and what moves each foot."""
+        robot = self.robot
+        feet = robot.feet
+        self.point_foot: IntArray = np.array([k for k, f in enumerate(feet) for _ in f.centres], dtype=np.int64)
+        self._offsets = np.ascontiguousarray(np.vstack([f.centres for f in feet]))
+        self._middles = np.array([f.centre for f in feet])
+        self._radii = np.array([f.radius for f in feet])
+        self._flat = np.array([f.flat for f in feet])
+        self._support = np.zeros((len(feet), self._model.nv), dtype=np.bool_)
+        self._support[:, :6] = True
+        for k, foot in enumerate(feet):
+            for joint in chain(self._model, foot.frame):
+                start = self._model.joints[joint].idx_v
+                self._support[k, start : start + self._model.joints[joint].nv] = True
+        self._frames = [foot.frame for foot in feet]
+
+    def _set_sizes(self, mu: float, normal_min: float, normal_max: float) -> None:
+        """Make the work space, the weights in their units and the force distribution."""
+        robot = self.robot
+        nv, count, feet = int(self._model.nv), len(self.point_foot), len(robot.feet)
+        self._nv, self._count = nv, count
+        height = max(float(robot.nominal[2]), 0.05)
+        w = self.weights
+        self._base_weights = np.array([w.linear, w.angular * height**2])
+        legs = self._support[:, 6:].any(axis=0)
+        self._joint_weights = w.joints * height**2 * np.where(legs, 1.0, w.body)
+        self._turn_weight = w.swing * height**2
+        self._force_weight = w.force / robot.mass**2
+        self.mu = np.full(count, float(mu))
+        self._low, self._high = np.full(count, normal_min), np.full(count, normal_max)
+        self._distributor = ForceDistributor(self.mu, self._low, self._high, 1.0, self._force_weight)
+        self._stance = np.ones(feet, dtype=bool)
+        self._H, self._c = np.zeros((nv, nv)), np.zeros(nv)
+        rows = 6 + int(np.where(self._flat, 6, 3).sum())
+        self._E, self._e = np.zeros((rows, nv)), np.zeros(rows)
+        self._offset, self._gain = np.zeros(nv), np.zeros((nv, 6))
+        self._root, self._target = np.zeros((6, 6)), np.zeros(6)
+        self._map = np.zeros((nv, 3 * count))
+        self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
+
+    def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
+        """Compute everything that depends on the state alone and return the part that tasks need."""
+        pin, model, data = self._pin, self._model, self._data
+        pin.crba(model, data, q)
+        pin.nonLinearEffects(model, data, q, v)
+        pin.computeJointJacobiansTimeVariation(model, data, q, v)
+        com = pin.centerOfMass(model, data, q, v, False)
+        for k, frame in enumerate(self._frames):
+            pose = pin.updateFramePlacement(model, data, frame)
+            self._rotations[k], self._places[k] = pose.rotation, pose.translation
+        self._v = v
+        self._mass_matrix, self._nle = np.array(data.M), np.array(data.nle)
+        self._jacobian = np.ascontiguousarray(data.J)
+        centres, twists, drifts = kernels.feet_motion(
+            self._jacobian, np.ascontiguousarray(data.dJ), self._support, v,
+            self._rotations, self._places, self._middles,
+        )  # fmt: skip
+        rotation = np.array(data.oMi[1].rotation)
+        self._now = Kinematics(
+            np.array(com), np.array(data.vcom[0]), rotation, rotation @ v[3:6], centres, twists, drifts
+        )
+        return self._now
+
+    def solve(self, tasks: Tasks) -> WholeBodyCommand:
+        """Return the command for the state of the last `update`.
+
+        Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.feasible`.
+        """
+        rows = self._assemble(tasks)
+        solved = kernels.eliminate(
+            self._H, self._c, self._E[:rows], self._e[:rows], self._offset, self._gain, self._root, self._target
+        )
+        if not solved or not np.isfinite(self._target).all():
+            return self._damping()
+        self._set_stance(tasks.stance)
+        A = self._root.T @ self._map[:6]
+        forces = self._distributor.solve(A, self._target, tasks.forces)
+        torques, accelerations = self._recover(forces)
+        violation = float((np.abs(torques) - self.limits).max())
+        if violation > 0.0:
+            forces = self._within_limits(A, tasks, forces)
+            torques, accelerations = self._recover(forces)
+            violation = float((np.abs(torques) - self.limits).max())
+        if not math.isfinite(violation) and not np.isfinite(torques).all():
+            return self._damping()
+        feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
+        clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
+        return WholeBodyCommand(
+            clipped, accelerations, forces, feasible, max(violation, 0.0), self._distributor.status
+        )
+
+    def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
+        """Return the command for a state: `update`, then `solve`."""
+        self.update(q, v)
+        return self.solve(tasks)
+
+    def _assemble(self, tasks: Tasks) -> int:
+        """Fill tasks and constraints; return the number of constraint rows."""
+        now = self._now
+        kernels.base_tasks(
+            self._mass_matrix, self._nle, now.rotation, self.robot.mass, GRAVITY,
+            tasks.com_acceleration, tasks.turn_acceleration, self._base_weights,
+            tasks.joints, self._joint_weights, self._H, self._c,
+        )  # fmt: skip
+        kernels.swing_tasks(
+            self._jacobian, self._support, self._flat, tasks.stance, now.centres, now.drifts, tasks.feet,
+            self.weights.swing, self._turn_weight, self._H, self._c,
+        )  # fmt: skip
+        normals = np.ascontiguousarray(tasks.frames[:, :, 2])
+        stiffness, damping = self.baumgarte
+        rows = 6 + kernels.contact_rows(
+            self._jacobian, self._support, self._flat, tasks.stance, now.centres, now.twists, now.drifts,
+            -self._radii[:, None] * normals, tasks.gaps, normals, stiffness, damping, self._E[6:], self._e[6:],
+        )  # fmt: skip
+        self._E[:6] = self._mass_matrix[:6]
+        self._e[:6] = -self._nle[:6]
+        self._points = self._place_points(normals)
+        kernels.force_map(
+            self._jacobian, self._support, self.point_foot, self._points, tasks.frames[self.point_foot], self._map
+        )
+        return rows
+
+    def _place_points(self, normals: FloatArray) -> FloatArray:
+        """Return where the contact points are: (p, 3)."""
+        foot = self.point_foot
+        arms = np.matmul(self._rotations[foot], self._offsets[:, :, None])[:, :, 0]
+        return np.asarray(self._places[foot] + arms - self._radii[foot, None] * normals[foot])
+
+    def _recover(self, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the torques and accelerations that go with contact forces."""
+        ground = self._map @ forces.ravel()
+        accelerations = self._offset + self._gain @ ground[:6]
+        torques = self._mass_matrix[6:] @ accelerations + self._nle[6:] - ground[6:]
+        return torques, accelerations
+
+    def _set_stance(self, stance: BoolArray) -> None:
+        """Tell the force distribution which points carry."""
+        if (stance != self._stance).any():
+            self._stance = stance.copy()
+            self._distributor.set_active(stance[self.point_foot])
+
+    def _within_limits(self, A: FloatArray, tasks: Tasks, start: FloatArray) -> FloatArray:
+        """Return the forces that respect the torque limits, as far as that is possible: (p, 3)."""
+        scale = self.robot.mass * GRAVITY / self._count
+        finite = np.isfinite(self.limits)
+        units = np.where(finite, scale / np.where(finite, self.limits, 1.0), 0.0)[:, None]
+        slope = self._mass_matrix[6:] @ (self._gain @ self._map[:6]) - self._map[6:]
+        offset = self._mass_matrix[6:] @ self._offset + self._nle[6:]
+        limits = np.where(finite, self.limits, 0.0)
+        room = np.where(finite, 0.0, np.inf)[:, None]
+        on = self._stance[self.point_foot]
+        out = np.empty_like(start)
+        limited_forces(
+            A, self._target, self._force_weight, tasks.forces, self.mu,
+            np.where(on, self._low, 0.0), np.where(on, self._high, 0.0), units * slope,
+            (units * (-limits - offset)[:, None] - room).ravel(),
+            (units * (limits - offset)[:, None] + room).ravel(),
+            start, LIMIT_TOLERANCE * scale / 100.0, LIMIT_ITERATIONS, out,
+        )  # fmt: skip
+        return out
+
+    def _damping(self) -> WholeBodyCommand:
+        """Return the safe command when nothing can be computed: torques that slow the joints, no forces."""
+        speeds: Any = self._v[6:]
+        if speeds.shape != (self.robot.joints,) or not np.isfinite(speeds).all():
+            return self._failed
+        rate = self._joint_inertia() * 10.0
+        torques = np.clip(-rate * speeds, -self.limits, self.limits)
+        return replace(self._failed, torques=torques)
+
+    def _joint_inertia(self) -> FloatArray:
+        """Return a typical inertia at every joint [kg m²], from the nominal pose."""
+        M = self._pin.crba(self._model, self._model.createData(), self.robot.nominal)
+        return np.array(np.diag(M)[6:])

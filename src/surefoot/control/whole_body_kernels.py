@@ -1,0 +1,385 @@
+"""Compiled pieces of whole-body control: feet's kinematics, constraint rows, tasks, elimination.
+
+Notation: a (nv,) accelerations, f contact forces, w = G f the generalised force of the ground on the
+floating base (6,). Dynamics of the base and rigid contacts are E a = e + [w; 0]; the tasks ask for the
+least ½ aᵀ H a - cᵀ a. Eliminating a leaves a quadratic in w alone, see `eliminate`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.kernels import inline_kernel, kernel
+
+
+@inline_kernel
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return a x b for (3,) arrays."""
+    out = np.empty(3)
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+    return out
+
+
+@kernel
+def feet_motion(
+    jacobian: FloatArray,
+    variation: FloatArray,
+    support: BoolArray,
+    v: FloatArray,
+    rotations: FloatArray,
+    places: FloatArray,
+    middles: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return centres (n, 3), twists (n, 6) and drifts (n, 6) of the feet, world axes.
+
+    The drift is the classical acceleration of the centre, and the angular one, at zero joint
+    acceleration: spatial acceleration at the world's origin, moved to the centre, plus ω x v of the
+    centre, which is where classical and spatial acceleration differ.
+
+    Parameters
+    ----------
+    jacobian, variation
+        (6, nv) Pinocchio's data.J and data.dJ: columns are twists at the world's origin.
+    support
+        (n, nv) which velocity components move each foot.
+    v
+        (nv,).
+    rotations, places
+        (n, 3, 3), (n, 3) frames of the feet.
+    middles
+        (n, 3) centres in the feet's frames.
+    """
+    count, nv = support.shape
+    centres, twists, drifts = np.empty((count, 3)), np.empty((count, 6)), np.empty((count, 6))
+    for k in range(count):
+        twist, spatial = np.zeros(6), np.zeros(6)
+        for j in range(nv):
+            if support[k, j]:
+                for i in range(6):
+                    twist[i] += jacobian[i, j] * v[j]
+                    spatial[i] += variation[i, j] * v[j]
+        for i in range(3):
+            centres[k, i] = places[k, i]
+            for j in range(3):
+                centres[k, i] += rotations[k, i, j] * middles[k, j]
+        velocity = twist[:3] + cross(twist[3:], centres[k])
+        twists[k, :3], twists[k, 3:] = velocity, twist[3:]
+        drifts[k, :3] = spatial[:3] + cross(spatial[3:], centres[k]) + cross(twist[3:], velocity)
+        drifts[k, 3:] = spatial[3:]
+    return centres, twists, drifts
+
+
+@kernel
+def point_rows(jacobian: FloatArray, support: BoolArray, place: FloatArray, out: FloatArray) -> None:
+    """Fill out (3, nv) with the Jacobian of a point's velocity, world axes."""
+    x, y, z = place[0], place[1], place[2]
+    for j in range(jacobian.shape[1]):
+        if support[j]:
+            a, b, c = jacobian[3, j], jacobian[4, j], jacobian[5, j]
+            out[0, j] = jacobian[0, j] + b * z - c * y
+            out[1, j] = jacobian[1, j] + c * x - a * z
+            out[2, j] = jacobian[2, j] + a * y - b * x
+        else:
+            out[0, j] = out[1, j] = out[2, j] = 0.0
+
+
+@kernel
+def contact_rows(
+    jacobian: FloatArray,
+    support: BoolArray,
+    flat: BoolArray,
+    stance: BoolArray,
+    centres: FloatArray,
+    twists: FloatArray,
+    drifts: FloatArray,
+    arms: FloatArray,
+    gaps: FloatArray,
+    normals: FloatArray,
+    stiffness: float,
+    damping: float,
+    rows: FloatArray,
+    wanted: FloatArray,
+) -> int:
+    """Fill the rows of rigid contacts, J a = wanted, and return how many there are.
+
+    A point foot is a sphere that rolls: v + ω x arm = 0 with the arm from its centre to the ground
+    fixed in the world, so its rows differentiate to a_centre + α x arm, with no centripetal term. A
+    flat foot has its sole's six rows. Baumgarte: the velocity that is left decays with `damping`,
+    the gap along the normal with `stiffness`.
+    """
+    at = 0
+    for k in range(stance.shape[0]):
+        if not stance[k]:
+            continue
+        point = centres[k] + arms[k]
+        point_rows(jacobian, support[k], point, rows[at : at + 3])
+        omega = twists[k, 3:]
+        slip = twists[k, :3] + cross(omega, arms[k])
+        drift = drifts[k, :3] + cross(drifts[k, 3:], arms[k])
+        for i in range(3):
+            wanted[at + i] = -drift[i] - damping * slip[i] - stiffness * gaps[k] * normals[k, i]
+        at += 3
+        if flat[k]:
+            for i in range(3):
+                for j in range(jacobian.shape[1]):
+                    rows[at + i, j] = jacobian[3 + i, j] if support[k, j] else 0.0
+                wanted[at + i] = -drifts[k, 3 + i] - damping * omega[i]
+            at += 3
+    return at
+
+
+@kernel
+def add_rows(H: FloatArray, c: FloatArray, rows: FloatArray, wanted: FloatArray, weight: float) -> None:
+    """Add weight ½ ||rows a - wanted||² to ½ aᵀ H a - cᵀ a."""
+    nv = H.shape[0]
+    for r in range(rows.shape[0]):
+        for i in range(nv):
+            s = weight * rows[r, i]
+            if s != 0.0:
+                c[i] += s * wanted[r]
+                for j in range(nv):
+                    H[i, j] += s * rows[r, j]
+
+
+@kernel
+def base_tasks(
+    M: FloatArray,
+    nle: FloatArray,
+    rotation: FloatArray,
+    mass: float,
+    gravity: float,
+    com_acceleration: FloatArray,
+    turn_acceleration: FloatArray,
+    weights: FloatArray,
+    joint_acceleration: FloatArray,
+    joint_weights: FloatArray,
+    H: FloatArray,
+    c: FloatArray,
+) -> None:
+    """Set H and c to the tasks of the base and the joints.
+
+    The acceleration of the centre of mass is read off the dynamics' first three rows, which are
+    m Rᵀ (c̈ - gravity); the base's angular acceleration is the state's own. `weights` is (2,):
+    linear and angular.
+    """
+    nv = M.shape[0]
+    H[:] = 0.0
+    c[:] = 0.0
+    rows, wanted = np.empty((3, nv)), np.empty(3)
+    for i in range(3):
+        drift = 0.0
+        for k in range(3):
+            drift += rotation[i, k] * nle[k] / mass
+        wanted[i] = com_acceleration[i] - drift + (gravity if i == 2 else 0.0)
+        for j in range(nv):
+            rows[i, j] = (
+                rotation[i, 0] * M[0, j] + rotation[i, 1] * M[1, j] + rotation[i, 2] * M[2, j]
+            ) / mass
+    add_rows(H, c, rows, wanted, weights[0])
+    for i in range(3):
+        local = 0.0
+        for k in range(3):
+            local += rotation[k, i] * turn_acceleration[k]
+        H[3 + i, 3 + i] += weights[1]
+        c[3 + i] += weights[1] * local
+    for j in range(6, nv):
+        H[j, j] += joint_weights[j - 6]
+        c[j] += joint_weights[j - 6] * joint_acceleration[j - 6]
+
+
+@kernel
+def swing_tasks(
+    jacobian: FloatArray,
+    support: BoolArray,
+    flat: BoolArray,
+    stance: BoolArray,
+    centres: FloatArray,
+    drifts: FloatArray,
+    wanted: FloatArray,
+    weight: float,
+    turn_weight: float,
+    H: FloatArray,
+    c: FloatArray,
+) -> None:
+    """Add the tasks of the feet in the air: (n, 6) wanted acceleration of centre and orientation."""
+    nv = jacobian.shape[1]
+    rows = np.empty((3, nv))
+    for k in range(stance.shape[0]):
+        if stance[k]:
+            continue
+        point_rows(jacobian, support[k], centres[k], rows)
+        add_rows(H, c, rows, wanted[k, :3] - drifts[k, :3], weight)
+        if flat[k]:
+            for i in range(3):
+                for j in range(nv):
+                    rows[i, j] = jacobian[3 + i, j] if support[k, j] else 0.0
+            add_rows(H, c, rows, wanted[k, 3:] - drifts[k, 3:], turn_weight)
+
+
+@kernel
+def force_map(
+    jacobian: FloatArray,
+    support: BoolArray,
+    point_foot: IntArray,
+    points: FloatArray,
+    frames: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Fill out (nv, 3p) with Jᵀ: contact forces in contact frames to generalised forces."""
+    nv = jacobian.shape[1]
+    for k in range(point_foot.shape[0]):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        foot = point_foot[k]
+        for j in range(nv):
+            if not support[foot, j]:
+                out[j, 3 * k] = out[j, 3 * k + 1] = out[j, 3 * k + 2] = 0.0
+                continue
+            a, b, c = jacobian[3, j], jacobian[4, j], jacobian[5, j]
+            p = jacobian[0, j] + b * z - c * y
+            q = jacobian[1, j] + c * x - a * z
+            r = jacobian[2, j] + a * y - b * x
+            for i in range(3):
+                out[j, 3 * k + i] = p * frames[k, 0, i] + q * frames[k, 1, i] + r * frames[k, 2, i]
+
+
+@kernel
+def cholesky(A: FloatArray) -> bool:
+    """Replace the lower triangle of A (n, n) by its Cholesky factor; False if A is not positive definite."""
+    n = A.shape[0]
+    for i in range(n):
+        for j in range(i + 1):
+            s = A[i, j]
+            for k in range(j):
+                s -= A[i, k] * A[j, k]
+            if i == j:
+                if not s > 0.0:
+                    return False
+                A[i, i] = math.sqrt(s)
+            else:
+                A[i, j] = s / A[j, j]
+    return True
+
+
+@kernel
+def cholesky_solve(L: FloatArray, B: FloatArray) -> None:
+    """Replace B (n, m) by (L Lᵀ)⁻¹ B."""
+    n, m = B.shape
+    for i in range(n):
+        for k in range(i):
+            s = L[i, k]
+            if s != 0.0:
+                for j in range(m):
+                    B[i, j] -= s * B[k, j]
+        d = 1.0 / L[i, i]
+        for j in range(m):
+            B[i, j] *= d
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            s = L[k, i]
+            if s != 0.0:
+                for j in range(m):
+                    B[i, j] -= s * B[k, j]
+        d = 1.0 / L[i, i]
+        for j in range(m):
+            B[i, j] *= d
+
+
+@kernel
+def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
+    """Set out to A B, for small matrices."""
+    for i in range(A.shape[0]):
+        for j in range(B.shape[1]):
+            out[i, j] = 0.0
+        for k in range(A.shape[1]):
+            s = A[i, k]
+            if s != 0.0:
+                for j in range(B.shape[1]):
+                    out[i, j] += s * B[k, j]
+
+
+@kernel
+def eliminate(
+    H: FloatArray, c: FloatArray, E: FloatArray, e: FloatArray, offset: FloatArray, gain: FloatArray,
+    root: FloatArray, target: FloatArray,
+) -> bool:  # fmt: skip
+    """Eliminate the accelerations: fill a = offset + gain w, and the cost ½ ||rootᵀ w - target||².
+
+    For a given w the best a minimises ½ aᵀ H a - cᵀ a subject to E a = e + [w; 0]; with
+    S = E H⁻¹ Eᵀ it is H⁻¹ (c + Eᵀ S⁻¹ (e + [w; 0] - E H⁻¹ c)). Put back, the cost is a quadratic in w
+    with the Hessian gainᵀ H gain = root rootᵀ.
+
+    Parameters
+    ----------
+    H, c
+        (nv, nv), (nv,) tasks.
+    E, e
+        (r, nv), (r,) constraints; the first six rows are the base's dynamics.
+    offset, gain, root, target
+        Results: (nv,), (nv, 6), (6, 6) lower triangular, (6,).
+
+    Returns
+    -------
+    bool
+        False if a factorisation failed (input that is not finite).
+    """
+    nv, r = H.shape[0], E.shape[0]
+    L = H.copy()
+    if not cholesky(L):
+        return False
+    Y, free = np.empty((nv, r)), np.empty((nv, 1))
+    for j in range(nv):
+        for i in range(r):
+            Y[j, i] = E[i, j]
+        free[j, 0] = c[j]
+    cholesky_solve(L, Y)
+    cholesky_solve(L, free)
+    S, B = np.empty((r, r)), np.zeros((r, 7))
+    product(E, Y, S)
+    trace = 0.0
+    for i in range(r):
+        trace += S[i, i]
+    for i in range(r):
+        B[i, 6] = e[i]
+        for j in range(nv):
+            B[i, 6] -= E[i, j] * free[j, 0]
+        S[i, i] += 1e-13 * trace  # contacts may repeat one another; dynamics then hold to rounding
+        if i < 6:
+            B[i, i] = 1.0
+    if not cholesky(S):
+        return False
+    cholesky_solve(S, B)
+    X = np.empty((nv, 7))
+    product(Y, B, X)
+    for j in range(nv):
+        offset[j] = free[j, 0] + X[j, 6]
+        for i in range(6):
+            gain[j, i] = X[j, i]
+    HX = np.empty((nv, 6))
+    product(H, gain, HX)
+    root[:] = 0.0
+    trace = 0.0
+    for i in range(6):
+        s = 0.0
+        for j in range(nv):
+            s += HX[j, i] * offset[j] - gain[j, i] * c[j]
+        target[i] = -s
+        for k in range(6):
+            for j in range(nv):
+                root[i, k] += gain[j, i] * HX[j, k]
+        trace += root[i, i]
+    for i in range(6):
+        root[i, i] += 1e-12 * trace
+    if not cholesky(root):
+        return False
+    for i in range(6):
+        for k in range(i):
+            target[i] -= root[i, k] * target[k]
+        target[i] /= root[i, i]
+        for k in range(i + 1, 6):
+            root[i, k] = 0.0
+    return True
