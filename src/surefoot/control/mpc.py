@@ -1,0 +1,283 @@
+"""Convex model-predictive control of a legged body on exact friction cones.
+
+`ConvexMpc` chooses the contact forces of the next steps of a gait so that a single rigid body follows a
+reference. Friction is the exact cone in each foot's own contact frame; a foot in swing has no force
+because it is not an unknown. The model is in `mpc_model`, the algorithm in `surefoot.solvers.mpc_newton`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, real_number
+from surefoot.contact.solution import Status
+from surefoot.control import mpc_model
+from surefoot.control.body_motion import BodyReference, BodyState
+from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
+from surefoot.errors import ProblemError
+from surefoot.solvers.mpc_newton import newton
+from surefoot.spatial import GRAVITY
+
+__all__ = ["BodyReference", "BodyState", "ConvexMpc", "HorizonProgram", "MpcPlan", "MpcWeights"]
+
+ALMOST_FACTOR = 1e3
+"""Forces whose error bound is within this factor of the tolerance are ALMOST solved."""
+_BOUNDS = ("mu", "normal_min", "normal_max")
+
+
+@dataclass
+class ConvexMpc:
+    """Model-predictive control of a single rigid body on exact friction cones.
+
+    Every step of the horizon, every foot in contact carries one force; together they minimise the weighted
+    squared errors of the body's motion against its reference, plus a small weight on the forces, within
+    ||f_t|| <= mu f_n and the normal bounds. Each answer carries a bound on its distance to that optimum, and
+    starts from the previous one; call `shift` when time has passed in between.
+
+    Parameters
+    ----------
+    mass
+        Of the robot [kg].
+    inertia
+        (3, 3) about the centre of mass, body axes [kg m²].
+    feet
+        Number of feet n.
+    horizon, dt
+        Number of steps N, and length of a step [s].
+    mu
+        Friction, a number or (n,); may be replaced in `solve`.
+    normal_min, normal_max
+        Bounds on the normal force of a foot in contact [N], numbers or (n,).
+    weights
+        See `MpcWeights`.
+    tol
+        Wanted bound on the error of all forces together [N].
+    max_iterations
+        Bound on the Newton steps.
+
+    Raises
+    ------
+    ProblemError
+        For numbers that describe no robot or horizon.
+
+    Examples
+    --------
+    >>> mpc = ConvexMpc(mass=15.0, inertia=np.diag([0.1, 0.25, 0.3]), horizon=4)
+    >>> reference = BodyReference.cruise([0, 0, 0.3], yaw=0.0, horizon=4)
+    >>> state = BodyState(np.eye(3), np.array([0, 0, 0.3]), np.zeros(3), np.zeros(3))
+    >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+    >>> plan = mpc.solve(state, reference, feet, np.ones((4, 4), dtype=bool))
+    >>> bool(abs(plan.first[:, 2].sum() - 15.0 * 9.81) < 1e-3), plan.solved
+    (True, True)
+    """
+
+    mass: float
+    inertia: ArrayLike
+    feet: int = 4
+    horizon: int = 10
+    dt: float = 0.03
+    mu: ArrayLike = 0.6
+    normal_min: ArrayLike = 0.0
+    normal_max: ArrayLike = math.inf
+    weights: MpcWeights = field(default_factory=MpcWeights)
+    tol: float = 1e-3
+    max_iterations: int = 60
+
+    def __post_init__(self) -> None:
+        real_number("mass", self.mass, low=1e-6, high=1e9)
+        real_number("dt", self.dt, low=1e-6, high=10.0)
+        real_number("tol", self.tol, low=0.0, high=1e9)
+        if self.horizon < 1 or self.feet < 1:
+            raise ProblemError(f"horizon and feet must be >= 1, got {self.horizon} and {self.feet}")
+        inertia = finite_array("inertia", self.inertia, (3, 3))
+        if not np.allclose(inertia, inertia.T, rtol=1e-6, atol=0.0) or np.linalg.eigvalsh(inertia)[0] <= 0.0:
+            raise ProblemError("inertia must be symmetric and positive definite")
+        self._inverse: FloatArray = np.linalg.inv(inertia).astype(np.float64)
+        limits = [per_contact(name, getattr(self, name), self.feet) for name in _BOUNDS]
+        if not np.isfinite(limits[:2]).all():
+            raise ProblemError("mu and normal_min must be finite")
+        if (limits[1] > limits[2]).any():
+            raise ProblemError("normal_min must not be above normal_max")
+        self._bounds = np.tile(np.stack(limits, axis=1), (self.horizon, 1, 1))
+        self._level = np.tile(np.eye(3), (self.horizon, self.feet, 1, 1))
+        self._weights = self.weights.matrix()
+        self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
+        self._K = np.ascontiguousarray(np.linalg.inv(self._P))
+        self._y = np.zeros(6 * self.horizon)
+        self._warm = False
+
+    def reset(self) -> None:
+        """Forget the previous plan."""
+        self._warm = False
+
+    def shift(self, elapsed: float) -> None:
+        """Move the remembered plan forward by the time since it was made [s], for the next warm start."""
+        y = self._y.reshape(self.horizon, 6)
+        at = np.clip(np.arange(self.horizon) + elapsed / self.dt, 0, self.horizon - 1)
+        low = np.minimum(at.astype(np.int64), self.horizon - 1)
+        high = np.minimum(low + 1, self.horizon - 1)
+        share = (at - low)[:, None]
+        self._y = ((1.0 - share) * y[low] + share * y[high]).ravel()
+
+    def solve(
+        self,
+        state: BodyState,
+        reference: BodyReference,
+        foot_positions: ArrayLike,
+        contacts: ArrayLike,
+        frames: ArrayLike | None = None,
+        *,
+        mu: ArrayLike | None = None,
+    ) -> MpcPlan:
+        """Plan the forces of the horizon.
+
+        Parameters
+        ----------
+        state, reference
+            The body now, and where it should be.
+        foot_positions
+            (n, 3) or (N, n, 3) contact points, world axes [m]; those of feet in swing do not matter.
+        contacts
+            (N, n) whether each foot carries force during each step.
+        frames
+            (n, 3, 3) or (N, n, 3, 3) rotation_world_contact; None for level ground.
+        mu
+            Friction, (n,) or (N, n), in place of the one given at construction.
+
+        Returns
+        -------
+        MpcPlan
+            Also for an instance that could not be solved: look at its status.
+
+        Raises
+        ------
+        ProblemError
+            For arrays of the wrong shape, negative friction, or frames that are no rotations.
+        """
+        given = self._read(state, reference, foot_positions, contacts, frames, mu)
+        verdict, program = self._build(given)
+        if verdict == mpc_model.NOT_ROTATION:
+            raise ProblemError("frames must be right-handed rotations (3, 3); those of contacts are not all")
+        if verdict == mpc_model.NOT_FINITE:
+            return self._share_weight(given)
+        y, force = self._y.copy(), np.empty((program.step.size, 3))
+        count, error = newton(
+            self._K, self._P, program.q, program.step, program.M, program.bounds, program.centre, program.rho,
+            self.tol, self.max_iterations, self._warm, y, force,
+        )  # fmt: skip
+        if not math.isfinite(error):
+            return self._share_weight(given)
+        self._y, self._warm = y, True
+        forces, world, moved, turn = mpc_model.finish(
+            program.step, program.foot, program.M, force, program.drift, given.frames, program.heading,
+            given.ref_motion, self.dt,
+        )  # fmt: skip
+        status = Status.SOLVED if error <= self.tol else Status.MAX_ITERATIONS
+        if self.tol < error <= ALMOST_FACTOR * self.tol:
+            status = Status.ALMOST
+        return MpcPlan(forces, world, moved[:, 0], moved[:, 1], moved[:, 2], turn, status, error, count)
+
+    def program(
+        self,
+        state: BodyState,
+        reference: BodyReference,
+        foot_positions: ArrayLike,
+        contacts: ArrayLike,
+        frames: ArrayLike | None = None,
+        *,
+        mu: ArrayLike | None = None,
+    ) -> HorizonProgram:
+        """Return what `solve` would solve, for another solver; same parameters and errors."""
+        verdict, program = self._build(self._read(state, reference, foot_positions, contacts, frames, mu))
+        if verdict != mpc_model.GOOD:
+            raise ProblemError("state, reference, feet and frames must be finite, and frames rotations")
+        return program
+
+    def _build(self, given: _Given) -> tuple[int, HorizonProgram]:
+        """Return the model's verdict on its input, and the program."""
+        verdict, step, foot, M, limits, centre, q, drift, heading = mpc_model.build(
+            given.rotation, given.motion, given.ref_rotation, given.ref_motion, given.feet, given.contacts,
+            given.frames, given.bounds, self.mass, self._inverse, self._weights, self.weights.terminal,
+            self.dt,
+        )  # fmt: skip
+        rho = self.weights.force
+        return verdict, HorizonProgram(step, foot, M, limits, centre, self._P, q, rho, drift, heading)
+
+    def _read(
+        self,
+        state: BodyState,
+        reference: BodyReference,
+        foot_positions: ArrayLike,
+        contacts: ArrayLike,
+        frames: ArrayLike | None,
+        mu: ArrayLike | None,
+    ) -> _Given:
+        """Return the input as full, contiguous arrays."""
+        N, n = self.horizon, self.feet
+        schedule = np.ascontiguousarray(contacts, dtype=np.bool_)
+        if schedule.shape != (N, n):
+            raise ProblemError(f"contacts must have shape ({N}, {n}), got {schedule.shape}")
+        feet = _over_horizon("foot_positions", foot_positions, (N, n, 3))
+        turned = self._level if frames is None else _over_horizon("frames", frames, (N, n, 3, 3))
+        bounds = self._bounds if mu is None else self._with_friction(mu)
+        motion, ref_motion = np.empty((3, 3)), np.empty((N + 1, 3, 3))
+        try:
+            rotation = np.ascontiguousarray(state.rotation, dtype=np.float64).reshape(3, 3)
+            ref_rotation = np.ascontiguousarray(reference.rotation, dtype=np.float64).reshape(N + 1, 3, 3)
+            motion[0], motion[1], motion[2] = state.position, state.linear_velocity, state.angular_velocity
+            ref_motion[:, 0] = reference.position
+            ref_motion[:, 1] = reference.linear_velocity
+            ref_motion[:, 2] = reference.angular_velocity
+        except (ValueError, TypeError) as error:
+            raise ProblemError(f"state or reference does not fit a horizon of {N} steps: {error}") from error
+        return _Given(schedule, feet, turned, bounds, rotation, motion, ref_rotation, ref_motion)
+
+    def _with_friction(self, mu: ArrayLike) -> FloatArray:
+        """Return the (N, n, 3) bounds with another friction."""
+        N, n = self.horizon, self.feet
+        friction = finite_array("mu", mu)
+        if friction.shape not in ((), (n,), (N, n)) or (friction < 0.0).any():
+            raise ProblemError(f"mu must be >= 0 with shape ({n},) or ({N}, {n}), got {mu!r:.80}")
+        bounds = self._bounds.copy()
+        bounds[:, :, 0] = friction
+        return bounds
+
+    def _share_weight(self, given: _Given) -> MpcPlan:
+        """Return the plan of last resort: the weight shared by the feet in contact, flagged INVALID."""
+        N, n = given.contacts.shape
+        self._warm = False
+        standing = np.maximum(given.contacts.sum(axis=1, keepdims=True), 1)
+        normal = np.clip(self.mass * GRAVITY / standing, given.bounds[..., 1], given.bounds[..., 2])
+        forces = np.zeros((N, n, 3))
+        forces[:, :, 2] = given.contacts * normal
+        a, b, c, d = np.zeros((4, N + 1, 3))
+        return MpcPlan(forces, forces.copy(), a, b, c, d, Status.INVALID, math.inf, 0)
+
+
+class _Given(NamedTuple):
+    """The input of a solve as arrays; motions are rows position, linear and angular velocity."""
+
+    contacts: BoolArray
+    feet: FloatArray
+    frames: FloatArray
+    bounds: FloatArray
+    rotation: FloatArray
+    motion: FloatArray
+    ref_rotation: FloatArray
+    ref_motion: FloatArray
+
+
+def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Return a value of one step, or of every step, at the full shape."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (ValueError, TypeError) as error:
+        raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
+    if array.shape != shape and array.shape != shape[1:]:
+        raise ProblemError(f"{name} must have shape {shape[1:]} or {shape}, got {array.shape}")
+    return np.ascontiguousarray(np.broadcast_to(array, shape))

@@ -1,0 +1,298 @@
+"""The single-rigid-body model of a horizon: from states, feet and frames to the program that is solved.
+
+The body's motion is written as its error against a reference. Six axes, [position; orientation], along a
+heading frame that is fixed over the horizon, and for each axis a double integrator driven by the
+accelerations that the contact forces give::
+
+    linear acceleration   Σ f / m
+    angular acceleration  (R I Rᵀ)⁻¹ Σ (foot - centre of mass) x f
+
+integrated exactly over a step. Taken from the reference, so that the model is linear: the body's
+orientation in its inertia, and the centre of mass in the levers (there with today's position error, which
+fades over the horizon). Dropped: the gyroscopic torque, and products of errors with angular velocities.
+
+References
+----------
+.. [1] J. Di Carlo, P. Wensing, B. Katz, G. Bledt, S. Kim, "Dynamic locomotion in the MIT Cheetah 3 through
+   convex model-predictive control", IROS 2018.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.kernels import inline_kernel, kernel
+from surefoot.spatial import GRAVITY
+
+GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
+"""What `build` found in its input."""
+
+
+@inline_kernel
+def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
+    """Fill out with the rotation vector of A Bᵀ."""
+    x = y = z = trace = 0.0
+    for k in range(3):
+        trace += A[0, k] * B[0, k] + A[1, k] * B[1, k] + A[2, k] * B[2, k]
+        x += 0.5 * (A[2, k] * B[1, k] - A[1, k] * B[2, k])
+        y += 0.5 * (A[0, k] * B[2, k] - A[2, k] * B[0, k])
+        z += 0.5 * (A[1, k] * B[0, k] - A[0, k] * B[1, k])
+    sine, cosine = math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0)
+    if sine > 1e-9:
+        scale = math.atan2(sine, cosine) / sine
+        out[0], out[1], out[2] = scale * x, scale * y, scale * z
+    elif cosine > 0.0:
+        out[0], out[1], out[2] = x, y, z
+    else:  # half a turn: any of the two axes will do; A Bᵀ + 1 = 2 axis axisᵀ
+        best, column = -1.0, 0
+        for c in range(3):
+            d = 1.0 + A[c, 0] * B[c, 0] + A[c, 1] * B[c, 1] + A[c, 2] * B[c, 2]
+            if d > best:
+                best, column = d, c
+        for r in range(3):
+            d = A[r, 0] * B[column, 0] + A[r, 1] * B[column, 1] + A[r, 2] * B[column, 2]
+            out[r] = math.pi * (d + (1.0 if r == column else 0.0)) / math.sqrt(2.0 * best)
+
+
+@kernel
+def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> FloatArray:
+    """Return the (6, N, N) Hessians of the tracking cost in the accelerations of every axis.
+
+    Parameters
+    ----------
+    weights
+        (2, 6) on the errors of place and of rate.
+    terminal
+        Factor on the weights of the last step.
+    steps, dt
+        Length of the horizon, and of a step [s].
+    """
+    P = np.zeros((6, steps, steps))
+    for j in range(6):
+        for k in range(1, steps + 1):
+            share = terminal if k == steps else 1.0
+            for a in range(k):
+                place = weights[0, j] * share * dt * dt * (k - a - 0.5)
+                rate = weights[1, j] * share * dt
+                for b in range(k):
+                    P[j, a, b] += place * dt * dt * (k - b - 0.5) + rate * dt
+    return P
+
+
+@kernel
+def build(
+    rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
+    feet: FloatArray, contacts: BoolArray, frames: FloatArray, bounds: FloatArray, mass: float,
+    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float,
+) -> tuple[
+    int, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
+]:  # fmt: skip
+    """Return the program of a horizon.
+
+    Parameters
+    ----------
+    rotation, motion
+        (3, 3), and (3, 3) rows position, linear velocity, angular velocity of the body.
+    ref_rotation, reference
+        (N + 1, 3, 3) each; the same of the reference.
+    feet, contacts, frames
+        (N, n, 3), (N, n), (N, n, 3, 3).
+    bounds
+        (N, n, 3) friction, least and largest normal force.
+    mass, inverse
+        Mass [kg]; (3, 3) inverse of the inertia in body axes.
+    weights, terminal, dt
+        See `hessians`.
+
+    Returns
+    -------
+    tuple
+        Verdict on the input, step and foot of every contact, M, bounds and wanted forces as
+        `solvers.mpc_newton.newton` wants them, q (6 N,), the drift (N + 1, 2, 6) whose first row is the
+        error now and whose row k + 1 is what step k adds by itself, and the (3, 3) heading frame.
+    """
+    N, n = contacts.shape
+    count = 0
+    for k in range(N):
+        for i in range(n):
+            if contacts[k, i]:
+                count += 1
+    step, foot = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    M, limits, centre = np.empty((count, 3, 6)), np.empty((count, 3)), np.empty((count, 3))
+    heading = heading_frame(ref_rotation[N // 2])
+    drift = free_motion(rotation, motion, ref_rotation, reference, heading, dt)
+    q = gradient(drift, weights, terminal, dt)
+    verdict = GOOD
+    at = 0
+    for k in range(N):
+        standing = 0
+        for i in range(n):
+            if contacts[k, i]:
+                standing += 1
+        fade = 1.0 - k / N
+        centre_of_mass = reference[k, 0] + fade * (motion[0] - reference[0, 0])
+        for i in range(n):
+            if not contacts[k, i]:
+                continue
+            step[at], foot[at] = k, i
+            limits[at] = bounds[k, i]
+            if not is_rotation(frames[k, i]):
+                verdict = NOT_ROTATION
+            fill_columns(
+                feet[k, i] - centre_of_mass, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at]
+            )
+            for a in range(3):
+                centre[at, a] = mass * GRAVITY / standing * frames[k, i, 2, a]
+            at += 1
+    total = np.sum(q) + np.sum(M) + np.sum(drift)
+    if not math.isfinite(total):
+        verdict = NOT_FINITE
+    return verdict, step, foot, M, limits, centre, q, drift, heading
+
+
+@inline_kernel
+def heading_frame(R: FloatArray) -> FloatArray:
+    """Return the frame with z up and x along the heading of a rotation (3, 3)."""
+    c, s = R[0, 0], R[1, 0]
+    length = math.sqrt(c * c + s * s)
+    if length < 1e-6:
+        c, s, length = 1.0, 0.0, 1.0
+    out = np.zeros((3, 3))
+    out[0, 0], out[0, 1] = c / length, -s / length
+    out[1, 0], out[1, 1] = s / length, c / length
+    out[2, 2] = 1.0
+    return out
+
+
+@inline_kernel
+def is_rotation(R: FloatArray) -> bool:
+    """Return whether the columns are orthonormal and right-handed, to 1e-6; True for NaN."""
+    worst = 0.0
+    for a in range(3):
+        for b in range(a, 3):
+            d = R[0, a] * R[0, b] + R[1, a] * R[1, b] + R[2, a] * R[2, b] - (1.0 if a == b else 0.0)
+            worst = max(worst, abs(d))
+    triple = R[0, 2] * (R[1, 0] * R[2, 1] - R[2, 0] * R[1, 1])
+    triple += R[1, 2] * (R[2, 0] * R[0, 1] - R[0, 0] * R[2, 1])
+    triple += R[2, 2] * (R[0, 0] * R[1, 1] - R[1, 0] * R[0, 1])
+    return not (worst > 1e-6 or triple < 0.0)
+
+
+@inline_kernel
+def fill_columns(
+    lever: FloatArray, frame: FloatArray, R: FloatArray, heading: FloatArray, mass: float,
+    inverse: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the (3, 6) accelerations along the heading's axes of a unit force along each frame axis."""
+    for a in range(3):
+        x, y, z = frame[0, a], frame[1, a], frame[2, a]
+        p = lever[1] * z - lever[2] * y
+        q = lever[2] * x - lever[0] * z
+        r = lever[0] * y - lever[1] * x
+        u = R[0, 0] * p + R[1, 0] * q + R[2, 0] * r
+        v = R[0, 1] * p + R[1, 1] * q + R[2, 1] * r
+        w = R[0, 2] * p + R[1, 2] * q + R[2, 2] * r
+        d = inverse[0, 0] * u + inverse[0, 1] * v + inverse[0, 2] * w
+        e = inverse[1, 0] * u + inverse[1, 1] * v + inverse[1, 2] * w
+        f = inverse[2, 0] * u + inverse[2, 1] * v + inverse[2, 2] * w
+        p = R[0, 0] * d + R[0, 1] * e + R[0, 2] * f
+        q = R[1, 0] * d + R[1, 1] * e + R[1, 2] * f
+        r = R[2, 0] * d + R[2, 1] * e + R[2, 2] * f
+        for j in range(3):
+            out[a, j] = (heading[0, j] * x + heading[1, j] * y + heading[2, j] * z) / mass
+            out[a, 3 + j] = heading[0, j] * p + heading[1, j] * q + heading[2, j] * r
+
+
+@kernel
+def free_motion(
+    rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
+    heading: FloatArray, dt: float,
+) -> FloatArray:  # fmt: skip
+    """Return the error now and what every step adds to it without contact forces, see `build`."""
+    N = reference.shape[0] - 1
+    world = np.empty((N + 1, 2, 6))
+    turn = np.empty(3)
+    log_between(rotation, ref_rotation[0], turn)
+    for a in range(3):
+        world[0, 0, a], world[0, 0, 3 + a] = motion[0, a] - reference[0, 0, a], turn[a]
+        world[0, 1, a] = motion[1, a] - reference[0, 1, a]
+        world[0, 1, 3 + a] = motion[2, a] - reference[0, 2, a]
+    for k in range(N):
+        log_between(ref_rotation[k + 1], ref_rotation[k], turn)
+        for a in range(3):
+            fall = -GRAVITY if a == 2 else 0.0
+            world[k + 1, 0, a] = (
+                reference[k, 0, a] - reference[k + 1, 0, a] + dt * reference[k, 1, a] + 0.5 * dt * dt * fall
+            )
+            world[k + 1, 1, a] = reference[k, 1, a] - reference[k + 1, 1, a] + dt * fall
+            world[k + 1, 0, 3 + a] = dt * reference[k, 2, a] - turn[a]
+            world[k + 1, 1, 3 + a] = reference[k, 2, a] - reference[k + 1, 2, a]
+    out = np.zeros((N + 1, 2, 6))
+    for k in range(N + 1):
+        for s in range(2):
+            for j in range(3):
+                for a in range(3):
+                    out[k, s, j] += heading[a, j] * world[k, s, a]
+                    out[k, s, 3 + j] += heading[a, j] * world[k, s, 3 + a]
+    return out
+
+
+@kernel
+def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArray:
+    """Return the (N + 1, 2, 6) errors under (N, 6) accelerations."""
+    out = np.empty_like(drift)
+    out[0] = drift[0]
+    for k in range(accelerations.shape[0]):
+        for j in range(6):
+            a = accelerations[k, j]
+            out[k + 1, 0, j] = out[k, 0, j] + dt * out[k, 1, j] + 0.5 * dt * dt * a + drift[k + 1, 0, j]
+            out[k + 1, 1, j] = out[k, 1, j] + dt * a + drift[k + 1, 1, j]
+    return out
+
+
+@kernel
+def gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
+    """Return the (6 N,) gradient of the tracking cost at no acceleration; costates run backwards."""
+    N = drift.shape[0] - 1
+    free = predict(drift, np.zeros((N, 6)), dt)
+    q = np.empty(6 * N)
+    for j in range(6):
+        place = rate = 0.0
+        for k in range(N, 0, -1):
+            share = terminal if k == N else 1.0
+            rate += share * weights[1, j] * free[k, 1, j] + dt * place
+            place += share * weights[0, j] * free[k, 0, j]
+            q[6 * (k - 1) + j] = 0.5 * dt * dt * place + dt * rate
+    return q
+
+
+@kernel
+def finish(
+    step: IntArray, foot: IntArray, M: FloatArray, force: FloatArray, drift: FloatArray, frames: FloatArray,
+    heading: FloatArray, reference: FloatArray, dt: float,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:  # fmt: skip
+    """Return forces in contact frames and in world axes, the predicted motion and orientation errors."""
+    N, n = frames.shape[:2]
+    forces, world = np.zeros((N, n, 3)), np.zeros((N, n, 3))
+    accelerations = np.zeros((N, 6))
+    for i in range(step.size):
+        k, leg = step[i], foot[i]
+        for a in range(3):
+            forces[k, leg, a] = force[i, a]
+            for j in range(6):
+                accelerations[k, j] += M[i, a, j] * force[i, a]
+            for b in range(3):
+                world[k, leg, b] += frames[k, leg, b, a] * force[i, a]
+    errors = predict(drift, accelerations, dt)
+    motion, turn = reference.copy(), np.zeros((N + 1, 3))
+    for k in range(N + 1):
+        for b in range(3):
+            for a in range(3):
+                motion[k, 0, b] += heading[b, a] * errors[k, 0, a]
+                motion[k, 1, b] += heading[b, a] * errors[k, 1, a]
+                motion[k, 2, b] += heading[b, a] * errors[k, 1, 3 + a]
+                turn[k, b] += heading[b, a] * errors[k, 0, 3 + a]
+    return forces, world, motion, turn

@@ -1,0 +1,306 @@
+"""Compiled Newton method for the forces of a horizon, in the accelerations' multipliers.
+
+The program, for the accelerations a of N steps (six numbers each) and the forces f of all contacts::
+
+    min  1/2 aᵀ P a + qᵀ a + ρ/2 ||f - c||²    subject to    a = M f,  f in the truncated cones
+
+P couples the steps and not the axes (one N x N matrix per axis), M the axes and not the steps. Only the
+equation gets multipliers y (6 N numbers, whatever the number of feet). Given y, both minimisations are
+closed: a = P⁻¹ (y - q), and f = Π(c - Mᵀ y / ρ) with one projection per contact, hence always inside the
+cones. The dual's gradient F(y) = P⁻¹ (y - q) - M f is piecewise smooth and strongly monotone, so that
+Newton's method with the projection's Jacobian and a line search converges from anywhere, in the end
+quadratically [1]_. The duality gap at f is exactly 1/2 Fᵀ P F, and because the program is strongly convex in f::
+
+    ||f - f*|| <= sqrt(Fᵀ P F / ρ)
+
+so that every answer carries a bound on its own error, in newtons. The multipliers vary smoothly in time,
+also across a change of contacts: this is what is kept as the warm start.
+
+References
+----------
+.. [1] L. Qi, J. Sun, "A nonsmooth version of Newton's method", Mathematical Programming 58, 1993.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.cones.projection import project_truncated
+from surefoot.kernels import inline_kernel, kernel
+
+REGULA_FALSI = 40
+"""Bound on the evaluations of one line search."""
+
+
+@kernel
+def factor(U: FloatArray) -> None:
+    """Factor a symmetric positive definite matrix (upper triangle), in place, as Uᵀ D⁻¹ U, D its diagonal.
+
+    Two pivots at a time, so that each row is read and written half as often.
+    """
+    n = U.shape[0]
+    for k in range(0, n - 1, 2):
+        first, second = U[k], U[k + 1]
+        d = 1.0 / first[k]
+        s = first[k + 1] * d
+        for j in range(k + 1, n):
+            second[j] -= s * first[j]
+        e = 1.0 / second[k + 1]
+        for i in range(k + 2, n):
+            row = U[i]
+            s, t = first[i] * d, second[i] * e
+            for j in range(i, n):
+                row[j] -= s * first[j] + t * second[j]
+
+
+@kernel
+def solve_factored(U: FloatArray, x: FloatArray) -> None:
+    """Solve with the matrix that `factor` factored; x is the right-hand side and becomes the solution."""
+    n = x.size
+    for k in range(n):
+        row = U[k]
+        s = x[k] / row[k]
+        for j in range(k + 1, n):
+            x[j] -= s * row[j]
+    for k in range(n - 1, -1, -1):
+        row = U[k]
+        s = x[k]
+        for j in range(k + 1, n):
+            s -= row[j] * x[j]
+        x[k] = s / row[k]
+
+
+@inline_kernel
+def add_outer(V: FloatArray, at: int, m: FloatArray, x: float, y: float, z: float) -> None:
+    """Add v vᵀ to the upper triangle of the 6 x 6 block at `at`, v = x m[0] + y m[1] + z m[2]."""
+    for i in range(6):
+        v = x * m[0, i] + y * m[1, i] + z * m[2, i]
+        row = V[at + i]
+        for j in range(i, 6):
+            row[at + j] += v * (x * m[0, j] + y * m[1, j] + z * m[2, j])
+
+
+@kernel
+def assemble(
+    V: FloatArray, K: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, point: FloatArray,
+    force: FloatArray, rho: float, free: bool,
+) -> None:  # fmt: skip
+    """Fill the upper triangle of V with P⁻¹ + M Π' Mᵀ / ρ; `free` takes the identity for Π'."""
+    N = K.shape[1]
+    V[:] = 0.0
+    for k in range(N):
+        for m in range(k, N):
+            for j in range(6):
+                V[6 * k + j, 6 * m + j] = K[j, k, m]
+    root = 1.0 / math.sqrt(rho)
+    for i in range(step.size):
+        at = 6 * step[i]
+        u, v, z = point[i, 0], point[i, 1], force[i, 2]
+        mu, low, high = bounds[i, 0], bounds[i, 1], bounds[i, 2]
+        t = math.sqrt(u * u + v * v)
+        held = z <= low or z >= high
+        if free or t <= mu * z:
+            add_outer(V, at, M[i], root, 0.0, 0.0)
+            add_outer(V, at, M[i], 0.0, root, 0.0)
+            if free or not held:
+                add_outer(V, at, M[i], 0.0, 0.0, root)
+        elif z > 0.0:
+            a, b = u / t, v / t
+            s = root * math.sqrt(mu * z / t)  # how much a sideways move of the point moves the force
+            add_outer(V, at, M[i], -b * s, a * s, 0.0)
+            if not held:
+                s = root / math.sqrt(1.0 + mu * mu)
+                add_outer(V, at, M[i], a * mu * s, b * mu * s, s)
+
+
+@inline_kernel
+def place(
+    step: IntArray, M: FloatArray, centre: FloatArray, y: FloatArray, rho: float, point: FloatArray
+) -> None:
+    """Fill the points c - Mᵀ y / ρ."""
+    for i in range(step.size):
+        at = 6 * step[i]
+        for a in range(3):
+            total = 0.0
+            for j in range(6):
+                total += M[i, a, j] * y[at + j]
+            point[i, a] = centre[i, a] - total / rho
+
+
+@kernel
+def evaluate(
+    K: FloatArray, P: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray,
+    y: FloatArray, point: FloatArray, force: FloatArray, F: FloatArray,
+) -> float:  # fmt: skip
+    """Fill the forces at the points and the gradient F = P⁻¹ (y - q) - M f; return Fᵀ P F."""
+    N = K.shape[1]
+    for j in range(6):
+        for k in range(N):
+            total = 0.0
+            for m in range(N):
+                total += K[j, k, m] * (y[6 * m + j] - q[6 * m + j])
+            F[6 * k + j] = total
+    for i in range(step.size):
+        x, w, z = project_truncated(
+            point[i, 0], point[i, 1], point[i, 2], bounds[i, 0], bounds[i, 1], bounds[i, 2]
+        )
+        force[i, 0], force[i, 1], force[i, 2] = x, w, z
+        at = 6 * step[i]
+        for j in range(6):
+            F[at + j] -= M[i, 0, j] * x + M[i, 1, j] * w + M[i, 2, j] * z
+    size = 0.0
+    for j in range(6):
+        for k in range(N):
+            total = 0.0
+            for m in range(N):
+                total += P[j, k, m] * F[6 * m + j]
+            size += F[6 * k + j] * total
+    return size
+
+
+@inline_kernel
+def slope(bounds: FloatArray, point: FloatArray, move: FloatArray, t: float, rho: float) -> float:
+    """Return the forces' part of the dual's derivative, t of the way along a step of the points."""
+    total = 0.0
+    for i in range(point.shape[0]):
+        x, y, z = project_truncated(
+            point[i, 0] + t * move[i, 0], point[i, 1] + t * move[i, 1], point[i, 2] + t * move[i, 2],
+            bounds[i, 0], bounds[i, 1], bounds[i, 2],
+        )  # fmt: skip
+        total += x * move[i, 0] + y * move[i, 1] + z * move[i, 2]
+    return rho * total
+
+
+@kernel
+def search(
+    bounds: FloatArray,
+    point: FloatArray,
+    move: FloatArray,
+    rho: float,
+    base: float,
+    curve: float,
+    start: float,
+) -> float:
+    """Return the step length where the dual's derivative has fallen to a tenth of its start."""
+    left, right = 0.0, 1.0
+    at_left, at_right = start, slope(bounds, point, move, 1.0, rho) + base + curve
+    t = 1.0
+    side = 0
+    if at_right <= -0.5 * start:
+        return t
+    for k in range(REGULA_FALSI):
+        t = (left * at_right - right * at_left) / (at_right - at_left)
+        if k % 3 == 2:
+            t = 0.5 * (left + right)
+        value = slope(bounds, point, move, t, rho) + base + t * curve
+        if abs(value) <= -0.1 * start:
+            break
+        if value < 0.0:
+            left, at_left = t, value
+            if side == -1:
+                at_right *= 0.5
+            side = -1
+        else:
+            right, at_right = t, value
+            if side == 1:
+                at_left *= 0.5
+            side = 1
+    return t
+
+
+@kernel
+def newton(
+    K: FloatArray, P: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray,
+    centre: FloatArray, rho: float, tol: float, limit: int, warm: bool, y: FloatArray, force: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Solve the horizon's program; return the iterations and the bound on the forces' error [N].
+
+    Parameters
+    ----------
+    K, P
+        (6, N, N) inverse Hessian and Hessian of every axis.
+    q
+        (6 N,) gradient, step by step.
+    step
+        (contacts,) the step that each contact belongs to.
+    M
+        (contacts, 3, 6) columns of the map from a contact's force to the accelerations of its step.
+    bounds
+        (contacts, 3) friction, least and largest normal force.
+    centre
+        (contacts, 3) wanted forces.
+    rho
+        Weight of the forces.
+    tol, limit
+        Wanted bound on the error [N], and bound on the iterations.
+    warm
+        Whether y holds a start.
+    y, force
+        (6 N,) and (contacts, 3); results, written in place.
+    """
+    n, contacts = q.size, step.size
+    V = np.empty((n, n))
+    F, d = np.empty(n), np.empty(n)
+    point, move = np.empty((contacts, 3)), np.empty((contacts, 3))
+    if not warm:
+        y[:] = q
+        place(step, M, centre, y, rho, point)
+        for i in range(contacts):
+            for a in range(3):
+                force[i, a] = point[i, a]
+        unconstrained(K, q, step, M, bounds, rho, point, force, V, y)
+    place(step, M, centre, y, rho, point)
+    error = evaluate(K, P, q, step, M, bounds, y, point, force, F)
+    goal = tol * tol * rho
+    for count in range(limit):
+        if not error > goal:
+            return count, math.sqrt(error / rho)
+        assemble(V, K, step, M, bounds, point, force, rho, False)
+        factor(V)
+        for i in range(n):
+            d[i] = -F[i]
+        solve_factored(V, d)
+        start = base = curve = 0.0
+        for j in range(6):
+            for k in range(K.shape[1]):
+                here = ahead = 0.0
+                for m in range(K.shape[1]):
+                    here += K[j, k, m] * (y[6 * m + j] - q[6 * m + j])
+                    ahead += K[j, k, m] * d[6 * m + j]
+                base += here * d[6 * k + j]
+                curve += ahead * d[6 * k + j]
+                start += F[6 * k + j] * d[6 * k + j]
+        for i in range(contacts):
+            at = 6 * step[i]
+            for a in range(3):
+                total = 0.0
+                for j in range(6):
+                    total += M[i, a, j] * d[at + j]
+                move[i, a] = -total / rho
+        t = search(bounds, point, move, rho, base, curve, start)
+        for i in range(n):
+            y[i] += t * d[i]
+        place(step, M, centre, y, rho, point)
+        error = evaluate(K, P, q, step, M, bounds, y, point, force, F)
+    return limit, math.sqrt(error / rho)
+
+
+@kernel
+def unconstrained(
+    K: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, rho: float,
+    point: FloatArray, force: FloatArray, V: FloatArray, y: FloatArray,
+) -> None:  # fmt: skip
+    """Fill y with the multipliers of the program without cones; forces and points are those at y = q."""
+    assemble(V, K, step, M, bounds, point, force, rho, True)
+    factor(V)
+    d = np.zeros(q.size)
+    for i in range(step.size):
+        at = 6 * step[i]
+        for j in range(6):
+            d[at + j] += M[i, 0, j] * force[i, 0] + M[i, 1, j] * force[i, 1] + M[i, 2, j] * force[i, 2]
+    solve_factored(V, d)
+    for i in range(q.size):
+        y[i] = q[i] + d[i]
