@@ -15,11 +15,16 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control.allocation import Allocation, ExactAllocation
-from surefoot.control.standing_kernels import contact_torques, foot_impedance, grasp_map_of_points
+from surefoot.control.standing_kernels import (
+    contact_torques,
+    foot_impedance,
+    grasp_map_of_points,
+    pd_wrench,
+)
 from surefoot.control.standing_plan import StandingPlan, Target
 from surefoot.robot import Robot
 from surefoot.robot.nominal import chain
-from surefoot.spatial import GRAVITY, rotation_log
+from surefoot.spatial import GRAVITY
 from surefoot.stance import Terrain
 
 NORMAL_MIN = 10.0
@@ -149,6 +154,8 @@ class StandingController:
             for joint in chain(model, foot.frame):
                 start = model.joints[joint].idx_v
                 self._support[k, start : start + model.joints[joint].nv] = True
+        self._point_support = self._support[self.point_foot]
+        self._all_held = bool(self._support.any(axis=0).all())
         self._frame_ids = [foot.frame for foot in robot.feet]
         self._anchors = robot.foot_positions(q)
         normals = self.terrain.normal(self._anchors[:, :2])
@@ -168,6 +175,10 @@ class StandingController:
         self._integral_limit = np.array([limit] * 3 + [limit * height] * 3)
         self._tolerance = WRENCH_TOLERANCE * weight
 
+    def reset(self) -> None:
+        """Forget the integral term."""
+        self._integral = np.zeros(6)
+
     def step(self, q: FloatArray, v: FloatArray, time: float) -> Command:
         """Return the command for the state (Pinocchio's order) at a time [s].
 
@@ -181,7 +192,7 @@ class StandingController:
         forces = self.allocation.share(self._grasp, wrench, low, high)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
-        self._integrate(wrench, error, attained)
+        self._integrate(attained)
         torques = self._torques(target, forces, q, v)
         limits = self.robot.effort_limits
         within = np.minimum(np.maximum(torques, -limits), limits)
@@ -224,17 +235,10 @@ class StandingController:
 
     def _wrench(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the wrench about the centre of mass that the PD law wants: (6,) [N, N m]."""
-        R = self._base_rotation
-        linear, angular = R @ v[:3], R @ v[3:6]
-        self._miss = np.empty(6)
-        self._miss[:3] = target.position - q[:3]
-        self._miss[3:] = rotation_log(self._rotation @ R.T)
-        push = self._omega**2 * self._miss[:3] + 2.0 * self._omega * (target.velocity - linear)
-        turn = self._omega_turn**2 * self._miss[3:] - 2.0 * self._omega_turn * angular
-        wrench = self._integral.copy()
-        wrench[:3] += self.robot.mass * (push + target.acceleration)
-        wrench[2] += self._weight
-        wrench[3:] += R @ (self._inertia_base @ (R.T @ turn))
+        wrench, self._pull = pd_wrench(
+            self._base_rotation, self._rotation, q, v, target.position, target.velocity, target.acceleration,
+            self._inertia_base, self.robot.mass, self._omega, self._omega_turn, GRAVITY, self._integral,
+        )  # fmt: skip
         return wrench
 
     def _bounds(self, target: Target) -> tuple[FloatArray, FloatArray]:
@@ -253,29 +257,23 @@ class StandingController:
         return bounds
 
     def _attained(self, error: FloatArray) -> bool:
-        force, moment = math.hypot(*error[:3]), math.hypot(*error[3:]) / self._height
-        return max(force, moment) <= self._tolerance
+        x, y, z, a, b, c = error.tolist()
+        return max(math.hypot(x, y, z), math.hypot(a, b, c) / self._height) <= self._tolerance
 
-    def _integrate(self, wrench: FloatArray, error: FloatArray, attained: bool) -> None:
+    def _integrate(self, attained: bool) -> None:
         """Let the integral term take up what the PD law leaves, unless the ground cannot give it."""
-        if not attained:
-            return
-        rate = np.empty(6)
-        rate[:3] = self.robot.mass * self._omega**2 * self._miss[:3]
-        R = self._base_rotation
-        rate[3:] = R @ (self._inertia_base @ (R.T @ (self._omega_turn**2 * self._miss[3:])))
-        self._integral += (self.dt / INTEGRAL_TIME) * rate
-        np.clip(self._integral, -self._integral_limit, self._integral_limit, out=self._integral)
+        if attained:
+            limit = self._integral_limit
+            grown = self._integral + (self.dt / INTEGRAL_TIME) * self._pull
+            self._integral = np.minimum(np.maximum(grown, -limit), limit)
 
     def _torques(self, target: Target, forces: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the joint torques that make the feet push, before the limits: (joints,) [N m]."""
-        support = self._support[self.point_foot]
-        torques = self._data.nle[6:] - contact_torques(
-            self._jacobian, support, self._points, self._frames, forces
-        )
-        held = self._support[target.stance].any(axis=0)[6:]
-        if held.all():
-            return np.asarray(torques)
+        pushing = contact_torques(self._jacobian, self._point_support, self._points, self._frames, forces)
+        torques = np.asarray(self._data.nle[6:] - pushing)
+        if self._all_held and target.stance.all():
+            return torques
+        held = np.asarray(self._support[target.stance].any(axis=0))[6:]
         M = np.array(self._pin.crba(self._model, self._data, q))
         free = ~held
         for foot in np.flatnonzero(~target.stance):

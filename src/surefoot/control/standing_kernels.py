@@ -126,3 +126,59 @@ def foot_impedance(
         for k in range(3):
             out[legs[i] - 6] += leg_jacobian[k, i] * force[k]
     return out
+
+
+@kernel
+def pd_wrench(
+    rotation: FloatArray,
+    wanted_rotation: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+    position: FloatArray,
+    velocity: FloatArray,
+    acceleration: FloatArray,
+    inertia_base: FloatArray,
+    mass: float,
+    omega: float,
+    omega_turn: float,
+    gravity: float,
+    integral: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the PD law's wrench about the centre of mass, and its position part, both (6,).
+
+    Critically damped with natural frequencies `omega` and `omega_turn` [rad/s]; gravity is
+    compensated and the integral wrench added. The second result, stiffness times error, is what the
+    integral term accumulates.
+
+    Parameters
+    ----------
+    rotation, wanted_rotation
+        (3, 3) of the base, now and wanted.
+    q, v
+        State in Pinocchio's order.
+    position, velocity, acceleration
+        (3,) wanted for the base, world axes.
+    inertia_base
+        (3, 3) of the whole robot about its centre of mass, base axes [kg m²].
+    """
+    turn_matrix = wanted_rotation @ rotation.T
+    axial = 0.5 * np.array(
+        [
+            turn_matrix[2, 1] - turn_matrix[1, 2],
+            turn_matrix[0, 2] - turn_matrix[2, 0],
+            turn_matrix[1, 0] - turn_matrix[0, 1],
+        ]
+    )
+    sine = np.sqrt(np.sum(axial * axial))
+    cosine = 0.5 * (turn_matrix[0, 0] + turn_matrix[1, 1] + turn_matrix[2, 2] - 1.0)
+    miss = axial * (np.arctan2(sine, cosine) / sine) if sine > 1e-12 else axial
+    linear, angular = rotation @ v[:3], rotation @ v[3:6]
+    pull = np.empty(6)
+    pull[:3] = mass * omega * omega * (position - q[:3])
+    inertia = rotation @ inertia_base @ rotation.T
+    pull[3:] = omega_turn * omega_turn * (inertia @ miss)
+    wrench = integral + pull
+    wrench[:3] += mass * (2.0 * omega * (velocity - linear) + acceleration)
+    wrench[2] += mass * gravity
+    wrench[3:] -= 2.0 * omega_turn * (inertia @ angular)
+    return wrench, pull

@@ -68,7 +68,8 @@ class Log:
         if path.exists():
             raise ProblemError(f"{path} exists already")
         facts = {f"fact_{k}": np.asarray(v) for k, v in self.facts.items()}
-        np.savez_compressed(path, schema=np.int64(SCHEMA), **self.arrays, **facts)
+        contents: dict[str, Any] = {"schema": np.int64(SCHEMA), **self.arrays, **facts}
+        np.savez_compressed(path, **contents)
         return path
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import MissingExtra, ModelError, ProblemError
 from surefoot.robot import Robot
+from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import (
     quaternion_from_rotation,
@@ -89,11 +90,15 @@ class MujocoWorld:
         self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
         geoms = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("foot:")]
         self._geoms = np.array(geoms, dtype=np.int64)
-        self._point_of_geom = {int(g): k for k, g in enumerate(geoms)}
+        self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
+        self._roots = np.array(self.model.body_rootid)[self._bodies]
         self._ground = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("ground")]
         self._base = int(self.model.body("base:0").id) if robot.floating else 0
-        self._twist = np.zeros(6)
-        self._flat_frame = self.terrain.frame([0.0, 0.0]) if isinstance(self.terrain, SlopeTerrain) else None
+        self._plane_frames = (
+            np.array([self.terrain.frame([0.0, 0.0])] * len(geoms))
+            if isinstance(self.terrain, SlopeTerrain)
+            else None
+        )
         self.reset(robot.nominal)
 
     @property
@@ -139,40 +144,21 @@ class MujocoWorld:
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
-        data, count = self.data, len(self._geoms)
-        centres = np.array(data.geom_xpos[self._geoms])
+        data = self.data
+        centres = data.geom_xpos[self._geoms]
         frames = self._frames(centres)
-        normals = frames[:, :, 2]
-        positions = centres - self._radii[:, None] * normals
-        world = np.zeros((count, 3))
-        contact = data.contact
-        pairs = contact.geom.tolist()
-        addresses = contact.efc_address.tolist()
-        for k, (one, two) in enumerate(pairs):
-            point = self._point_of_geom.get(two, -1)
-            sign = 1.0
-            if point < 0:
-                point, sign = self._point_of_geom.get(one, -1), -1.0
-            if point < 0 or addresses[k] < 0:
-                continue
-            at = addresses[k]
-            world[point] += sign * (data.efc_force[at : at + 3] @ contact.frame[k].reshape(3, 3))
-        velocities = np.empty((count, 3))
-        for k, geom in enumerate(self._geoms.tolist()):
-            self._mujoco.mj_objectVelocity(
-                self.model, data, self._mujoco.mjtObj.mjOBJ_GEOM, geom, self._twist, 0
-            )
-            p, q, r, x, y, z = self._twist.tolist()
-            a, b, c = (-self._radii[k] * normals[k]).tolist()
-            velocities[k] = (x + q * c - r * b, y + r * a - p * c, z + p * b - q * a)
-        forces = np.matmul(world[:, None, :], frames)[:, 0]
         gaps = self.terrain.gap(centres) - self._radii
-        return ContactReading(forces, gaps, np.matmul(velocities[:, None, :], frames)[:, 0], positions)
+        contact = data.contact
+        forces, velocities, positions = read_contacts(
+            centres, frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
+            contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
+        )  # fmt: skip
+        return ContactReading(forces, gaps, velocities, positions)
 
     def _frames(self, centres: FloatArray) -> FloatArray:
         """Return rotation_world_contact below every sphere centre: (p, 3, 3)."""
-        if self._flat_frame is not None:
-            return np.broadcast_to(self._flat_frame, (len(centres), 3, 3))
+        if self._plane_frames is not None:
+            return self._plane_frames
         return np.array([self.terrain.frame(c[:2]) for c in centres])
 
 

@@ -1,0 +1,68 @@
+"""Compiled reading of MuJoCo's contacts: forces and velocities at the feet's spheres."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.kernels import kernel
+
+
+@kernel
+def read_contacts(
+    centres: FloatArray,
+    frames: FloatArray,
+    radii: FloatArray,
+    body_twists: FloatArray,
+    body_origins: FloatArray,
+    pairs: IntArray,
+    addresses: IntArray,
+    contact_frames: FloatArray,
+    constraint_forces: FloatArray,
+    geoms: IntArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return forces and velocities in contact frames, and positions in world axes, all (p, 3).
+
+    Parameters
+    ----------
+    centres, frames, radii
+        (p, 3), (p, 3, 3), (p,) of the spheres: centres and terrain frames in world axes.
+    body_twists, body_origins
+        (p, 6) MuJoCo's cvel [angular; linear] of each sphere's body, and (p, 3) the point it refers
+        to: the centre of mass of the kinematic tree.
+    pairs, addresses, contact_frames
+        MuJoCo's contacts: (c, 2) geoms, (c,) first constraint row (-1: none), (c, 9) frames, the first
+        row of which points from the first geom to the second.
+    constraint_forces
+        MuJoCo's efc_force; with elliptic cones a contact's rows are its force (normal, tangent, tangent).
+    geoms
+        (p,) geom of each sphere.
+    """
+    count = centres.shape[0]
+    world = np.zeros((count, 3))
+    for c in range(pairs.shape[0]):
+        at = addresses[c]
+        if at < 0:
+            continue
+        for k in range(count):
+            sign = 1.0 if pairs[c, 1] == geoms[k] else (-1.0 if pairs[c, 0] == geoms[k] else 0.0)
+            if sign != 0.0:
+                for i in range(3):
+                    for j in range(3):
+                        world[k, j] += sign * constraint_forces[at + i] * contact_frames[c, 3 * i + j]
+    forces, velocities, positions = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 3))
+    for k in range(count):
+        for i in range(3):
+            positions[k, i] = centres[k, i] - radii[k] * frames[k, i, 2]
+        x = positions[k, 0] - body_origins[k, 0]
+        y = positions[k, 1] - body_origins[k, 1]
+        z = positions[k, 2] - body_origins[k, 2]
+        p, q, r = body_twists[k, 0], body_twists[k, 1], body_twists[k, 2]
+        a = body_twists[k, 3] + q * z - r * y
+        b = body_twists[k, 4] + r * x - p * z
+        c_ = body_twists[k, 5] + p * y - q * x
+        for j in range(3):
+            velocities[k, j] = frames[k, 0, j] * a + frames[k, 1, j] * b + frames[k, 2, j] * c_
+            for i in range(3):
+                forces[k, j] += frames[k, i, j] * world[k, i]
+    return forces, velocities, positions

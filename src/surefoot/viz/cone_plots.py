@@ -1,0 +1,72 @@
+"""Pictures of friction cones and their pyramids."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.cones import FrictionCone
+from surefoot.cones.polyhedral import FrictionPyramid
+from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
+
+
+def draw_pyramids(mu: float, facets: Sequence[int], phase: float, path: Path) -> Path:
+    """Draw inner and outer pyramids with several numbers of sides against the circle.
+
+    One column per number of sides: the section at f_z = 1 above, the cone in 3-D below.
+    """
+    figure, axes = new_figure(1, len(facets), size=(3.1 * len(facets), 6.4))
+    for axis in axes[0]:
+        axis.remove()
+    for column, k in enumerate(facets):
+        flat = figure.add_subplot(2, len(facets), column + 1)
+        solid = figure.add_subplot(2, len(facets), len(facets) + column + 1, projection="3d")
+        inner = FrictionCone(mu).polyhedral(k, "inner", phase)
+        outer = FrictionCone(mu).polyhedral(k, "outer", phase)
+        _section(flat, mu, inner, outer, first=column == 0)
+        _solid(solid, mu, inner, outer)
+    figure.suptitle(f"Friction cone of μ = {mu:g} and its pyramids (section at f_z = 1 N above)", color=INK)
+    return save(figure, path)
+
+
+def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid, first: bool) -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 240)
+    axis.fill(mu * np.cos(angle), mu * np.sin(angle), color=FOOT_COLOURS[0], alpha=0.12, lw=0)
+    axis.plot(mu * np.cos(angle), mu * np.sin(angle), color=FOOT_COLOURS[0], label="exact")
+    for pyramid, colour, name in ((inner, FOOT_COLOURS[2], "inner"), (outer, BAD, "outer")):
+        ring = np.vstack([pyramid.rays, pyramid.rays[:1]])
+        axis.plot(ring[:, 0], ring[:, 1], color=colour, label=name)
+    axis.set_aspect("equal")
+    span = 1.05 * float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="$f_x$ [N]")
+    axis.set_title(
+        f"k = {inner.facets}: inner −{100 * inner.fit_error.radial:.1f} %, "
+        f"outer +{100 * outer.fit_error.radial:.1f} %",
+        fontsize=9,
+    )
+    if first:
+        axis.set_ylabel("$f_y$ [N]")
+        axis.legend(loc="upper right", fontsize=7, framealpha=0.85, frameon=True)
+
+
+def _solid(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid) -> None:
+    angle, height = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 60), np.linspace(0.0, 1.0, 2))
+    axis.plot_surface(
+        mu * height * np.cos(angle), mu * height * np.sin(angle), height, color=FOOT_COLOURS[0], alpha=0.18
+    )
+    for pyramid, colour in ((inner, FOOT_COLOURS[2]), (outer, BAD)):
+        ring = np.vstack([pyramid.rays, pyramid.rays[:1]])
+        axis.plot(*ring.T, color=colour, lw=1.0)
+        for ray in pyramid.rays:
+            axis.plot([0, ray[0]], [0, ray[1]], [0, ray[2]], color=colour, lw=0.6)
+    span = float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
+    axis.set(xlim=(-span, span), ylim=(-span, span), zlim=(0, 1))
+    axis.set_box_aspect((1, 1, 0.9))
+    axis.tick_params(labelsize=6, colors=MUTED)
+    axis.set_xlabel("$f_x$", labelpad=-8)
+    axis.set_ylabel("$f_y$", labelpad=-8)
+    axis.set_zlabel("$f_z$", labelpad=-8)
+    axis.view_init(elev=22, azim=-55)
