@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import typer
 
+from surefoot.cli import bench_momentum
+
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
 
 
 @app.callback()
 def bench() -> None:
     """Measure Surefoot against its rivals in the same run."""
+
+
+app.command("momentum")(bench_momentum.momentum)

@@ -1,0 +1,48 @@
+"""`surefoot bench momentum`: the centroidal momentum matrix three ways, against the number of links."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from surefoot.cli.output import new_run_folder, to_json
+
+
+def momentum(
+    out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
+    longest: Annotated[int, typer.Option(min=20, help="Links of the longest chain.")] = 1000,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Time the momentum matrix of chains of 10 to 1000 links: Pinocchio, our CCRBA, brute force."""
+    from surefoot.bench.momentum import LINKS, WAYS, time_momentum
+
+    timing = time_momentum([n for n in LINKS if n < longest] + [longest])
+    if json:
+        print(
+            to_json(
+                {
+                    "links": timing.links,
+                    "seconds": timing.seconds,
+                    "growth": {way: timing.growth(way) for way in WAYS},
+                    "disagreement": timing.disagreement,
+                }
+            )
+        )
+    else:
+        console = Console()
+        table = Table("links", *(f"{way} [µs]" for way in WAYS), "summed / composite", title="A_G of a chain")
+        for k, count in enumerate(timing.links):
+            times = [timing.seconds[way][k] for way in WAYS]
+            table.add_row(str(count), *(f"{1e6 * t:.1f}" for t in times), f"{times[2] / times[1]:.2f}")
+        table.add_row("grows as", *(f"n^{timing.growth(way):.2f}" for way in WAYS), "")
+        console.print(table)
+        console.print(f"largest relative difference between the three: {timing.disagreement:.1e}")
+    if out is not None:
+        from surefoot.viz.momentum_plots import plot_timing
+
+        path = plot_timing(timing, new_run_folder(out, "bench-momentum"))
+        typer.echo(f"picture: {path}", err=True)

@@ -1,0 +1,81 @@
+"""Pictures of momentum: what its matrix costs, and how it moves in flight."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.viz.style import FOOT_COLOURS, INK, MUTED, new_figure, save
+
+if TYPE_CHECKING:
+    from surefoot.bench.momentum import MomentumTiming
+
+AXES = ("x", "y", "z")
+LABELS = {
+    "pinocchio": "Pinocchio (C++)",
+    "composite": "composite bodies (Python)",
+    "summed": "link by link (Python)",
+}
+
+
+def plot_timing(timing: MomentumTiming, folder: Path) -> Path:
+    """Write momentum-timing.png: time against the number of links, both logarithmic."""
+    figure, axes = new_figure(size=(7.0, 4.2))
+    ax = axes[0, 0]
+    links = np.array(timing.links, dtype=np.float64)
+    for colour, (way, seconds) in zip(FOOT_COLOURS, timing.seconds.items(), strict=False):
+        label = f"{LABELS.get(way, way)}: n^{timing.growth(way):.2f}"
+        ax.loglog(links, 1e6 * np.array(seconds), "o-", color=colour, label=label, markersize=4)
+    slowest = 1e6 * np.array(timing.seconds["composite"])
+    ax.loglog(links, slowest[0] * links / links[0], "--", color=MUTED, linewidth=0.9, label="slope 1")
+    ax.loglog(links, slowest[0] * (links / links[0]) ** 2, ":", color=MUTED, linewidth=0.9, label="slope 2")
+    ax.set_ylim(top=3e6 * max(timing.seconds["summed"]))
+    ax.set_xlabel("links in the chain")
+    ax.set_ylabel("one momentum matrix [µs]")
+    ax.set_title("Centroidal momentum matrix: composites grow like n, the sum over links like n²")
+    ax.legend(fontsize=8)
+    return save(figure, folder / "momentum-timing.png")
+
+
+def plot_components(
+    path: Path,
+    time: ArrayLike,
+    panels: dict[str, tuple[ArrayLike, tuple[str, ...]]],
+    title: str,
+    marks: dict[str, float] | None = None,
+) -> Path:
+    """Write a picture of one panel per entry below each other, sharing the time axis.
+
+    Parameters
+    ----------
+    path
+        Where the picture goes.
+    time
+        (n,) [s].
+    panels
+        Label of the vertical axis -> ((n, k) curves, their k names).
+    title
+        Heading.
+    marks
+        Name -> time of a vertical line.
+    """
+    figure, axes = new_figure(len(panels), 1, size=(7.5, 1.2 + 1.9 * len(panels)), sharex=True)
+    for ax, (label, (curves, names)) in zip(axes[:, 0], panels.items(), strict=True):
+        values = np.asarray(curves, dtype=np.float64).reshape(len(np.asarray(time)), -1)
+        for k, name in enumerate(names):
+            ax.plot(time, values[:, k], color=FOOT_COLOURS[k % len(FOOT_COLOURS)], label=name)
+        ax.set_ylabel(label)
+        for when in (marks or {}).values():
+            ax.axvline(when, color=MUTED, linewidth=0.8, linestyle=":")
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
+    for name, when in (marks or {}).items():
+        axes[0, 0].annotate(
+            name, (when, 1.0), xycoords=("data", "axes fraction"), fontsize=7, color=INK,
+            ha="left", va="bottom", xytext=(2, 1), textcoords="offset points",
+        )  # fmt: skip
+    axes[-1, 0].set_xlabel("time [s]")
+    figure.suptitle(title, fontsize=10)
+    return save(figure, path)

@@ -1,0 +1,162 @@
+from __future__ import annotations
+
+import numpy as np
+import pinocchio
+import pytest
+
+import surefoot as sf
+from surefoot.robot import ccrba, centroidal
+from surefoot.robot.dynamics import delassus_dense
+from surefoot.robot.jacobians import contact_jacobian
+from surefoot.spatial import rotation_from_quaternion
+
+ROBOTS = ("go2", "anymal", "g1", "panda")
+
+
+def relative(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.abs(a - b).max() / max(np.abs(b).max(), 1e-300))
+
+
+@pytest.fixture(params=[(name, seed) for name in ROBOTS for seed in range(5)], ids=lambda p: f"{p[0]}-{p[1]}")
+def case(request, make):
+    name, seed = request.param
+    robot, rng = make.robot(name), np.random.default_rng(300 + seed)
+    q, v = make.state(robot, rng)
+    return robot, q, v, make.stance(robot, q, rng), rng
+
+
+def test_momentum_is_the_sum_over_links(case):
+    """h link by link, each from its own velocity: no momentum matrix anywhere."""
+    robot, q, v, _, _ = case
+    data = robot.model.createData()
+    pinocchio.forwardKinematics(robot.model, data, q, v)
+    h = centroidal.momentum(robot, q, v)
+    linear, angular, mass, first = np.zeros(3), np.zeros(3), 0.0, np.zeros(3)
+    bodies = [(data.oMi[i], data.v[i], robot.model.inertias[i]) for i in range(1, robot.model.njoints)]
+    for pose, _, body in bodies:
+        mass, first = mass + body.mass, first + body.mass * pose.act(body.lever)
+    com = first / mass
+    for pose, twist, body in bodies:
+        w = pose.rotation @ twist.angular
+        speed = pose.rotation @ (twist.linear + np.cross(twist.angular, body.lever))
+        linear += body.mass * speed
+        spin = pose.rotation @ body.inertia @ pose.rotation.T @ w
+        angular += spin + body.mass * np.cross(pose.act(body.lever) - com, speed)
+    assert relative(h.com, com) < 1e-9
+    assert abs(h.mass - mass) < 1e-9 * mass
+    assert relative(h.vector, np.concatenate([linear, angular])) < 1e-9
+    assert relative(centroidal.momentum_matrix(robot, q) @ v, h.vector) < 1e-9
+    assert relative(h.com_velocity, linear / mass) < 1e-9
+    point = np.array([0.3, -2.0, 1.0])
+    about = angular + np.cross(com - point, linear)
+    assert relative(h.about(point), about) < 1e-9
+
+
+def test_bias_against_finite_differences(case):
+    robot, q, v, _, _ = case
+    step = 1e-6  # central: relative error about 1e-9
+    ahead = centroidal.momentum_matrix(robot, pinocchio.integrate(robot.model, q, step * v)) @ v
+    behind = centroidal.momentum_matrix(robot, pinocchio.integrate(robot.model, q, -step * v)) @ v
+    assert relative(centroidal.momentum_bias(robot, q, v), (ahead - behind) / (2 * step)) < 2e-8
+
+
+def test_momentum_changes_by_contact_wrenches_and_gravity_only(case):
+    """ABA with random torques and contact forces: the torques do not show in the momentum."""
+    robot, q, v, stance, rng = case
+    if not robot.floating:
+        pytest.skip("the bolts of a fixed base push too")
+    forces = 30.0 * rng.normal(size=stance.dim)
+    torque = np.concatenate([np.zeros(6), 20.0 * rng.normal(size=robot.joints)])
+    effort = torque + contact_jacobian(robot, q, stance).T @ forces
+    acceleration = pinocchio.aba(robot.model, robot.data, q, v, effort)
+    rate = centroidal.momentum_rate(robot, q, v, acceleration)
+    assert relative(rate, centroidal.external_wrench(robot, q, stance, forces)) < 1e-9
+
+
+def test_a_fixed_base_takes_up_the_rest(make):
+    """For a bolted arm ḣ differs from gravity by the wrench in the bolts, which RNEA knows."""
+    robot, rng = make.robot("panda"), np.random.default_rng(4)
+    q, v = make.state(robot, rng)
+    a = pinocchio.aba(robot.model, robot.data, q, v, 5.0 * rng.normal(size=robot.model.nv))
+    pinocchio.rnea(robot.model, robot.data, q, v, a)
+    pinocchio.updateGlobalPlacements(robot.model, robot.data)
+    bolts = robot.data.oMi[1].act(robot.data.f[1])
+    com = centroidal.momentum(robot, q, v).com
+    mass = centroidal.momentum(robot, q, v).mass
+    moment = bolts.angular - np.cross(com, bolts.linear)
+    rate = centroidal.momentum_rate(robot, q, v, a)
+    assert relative(rate, np.concatenate([bolts.linear - [0, 0, mass * 9.81], moment])) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["go2", "anymal", "g1"])
+def test_block_structure(make, name):
+    robot, rng = make.robot(name), np.random.default_rng(5)
+    q, v = make.state(robot, rng)
+    A, mass = centroidal.momentum_matrix(robot, q), robot.mass
+    R = rotation_from_quaternion(q[3:7])
+    assert relative(A[:3, :3], mass * R) < 1e-9
+    assert np.abs(A[3:, :3]).max() < 1e-9 * np.abs(A).max()  # moving the base straight spins nothing
+    T = centroidal.base_velocity_to_world_axes(robot, q)
+    in_world = A @ np.linalg.inv(T)
+    lever = robot.com(q) - q[:3]
+    assert relative(in_world[:3, :3], mass * np.eye(3)) < 1e-9
+    assert relative(in_world[:3, 3:6], -mass * np.cross(np.eye(3), lever).T @ -np.eye(3)) < 1e-9
+    locked = centroidal.centroidal_inertia(robot, q)
+    assert relative(in_world[3:, 3:6], locked[3:, 3:]) < 1e-9  # turning the base turns the locked robot
+    assert relative(locked[:3, :3], mass * np.eye(3)) < 1e-9
+    assert np.abs(locked[:3, 3:]).max() < 1e-9 * mass
+    assert relative((T @ v)[:3], R @ v[:3]) < 1e-12
+
+
+def test_base_orientation_is_not_a_flat_identity(make):
+    """The often quoted m 1 block is wrong for Pinocchio's velocity unless the base happens to be level."""
+    robot, rng = make.robot("go2"), np.random.default_rng(6)
+    q, _ = make.state(robot, rng)
+    A = centroidal.momentum_matrix(robot, q)
+    assert np.abs(A[:3, :3] - robot.mass * np.eye(3)).max() > 1.0
+
+
+@pytest.mark.parametrize("name", ["go2", "g1"])
+def test_crouching_makes_a_robot_easier_to_turn(make, name):
+    robot = make.robot(name)
+    stretched, crouched = robot.nominal.copy(), robot.nominal.copy()
+    for k, joint in enumerate(robot.joint_names):
+        if any(part in joint for part in ("knee", "calf", "thigh", "hip_pitch")):
+            stretched[7 + k], crouched[7 + k] = 0.3 * robot.nominal[7 + k], 1.6 * robot.nominal[7 + k]
+    low = centroidal.centroidal_inertia(robot, crouched)[3:, 3:]
+    tall = centroidal.centroidal_inertia(robot, stretched)[3:, 3:]
+    assert low[1, 1] < 0.92 * tall[1, 1]
+    assert low[0, 0] < 0.92 * tall[0, 0]
+
+
+def test_average_angular_velocity_of_a_stiff_robot(make):
+    robot, rng = make.robot("g1"), np.random.default_rng(8)
+    q, _ = make.state(robot, rng)
+    v = np.zeros(robot.model.nv)
+    v[3:6] = [0.3, -1.0, 2.0]
+    h = centroidal.momentum(robot, q, v)
+    assert relative(h.average_angular_velocity, rotation_from_quaternion(q[3:7]) @ v[3:6]) < 1e-9
+
+
+def test_base_velocity_for_zero_momentum(make):
+    robot, rng = make.robot("go2"), np.random.default_rng(9)
+    q, v = make.state(robot, rng)
+    base = centroidal.base_velocity_for(robot, q, v[6:])
+    assert np.abs(centroidal.momentum(robot, q, np.concatenate([base, v[6:]])).vector).max() < 1e-12
+    wanted = rng.normal(size=6)
+    base = centroidal.base_velocity_for(robot, q, v[6:], wanted)
+    assert relative(centroidal.momentum(robot, q, np.concatenate([base, v[6:]])).vector, wanted) < 1e-9
+    with pytest.raises(sf.ProblemError, match="panda has a fixed base"):
+        centroidal.base_velocity_for(make.robot("panda"), make.robot("panda").nominal, np.zeros(9))
+
+
+def test_contact_space_and_momentum_agree_for_a_rigid_body(make):
+    """A body's Delassus operator at its centre of mass is 1/m: the two files meet."""
+    robot = make.robot("go2")
+    locked = centroidal.centroidal_inertia(robot, robot.nominal)
+    G = delassus_dense(robot, robot.nominal, robot.stance())
+    stiff = robot.stance().grasp_map(about=robot.com())
+    assert (
+        np.linalg.eigvalsh(G - stiff.T @ np.linalg.solve(locked, stiff)).min() > -1e-9
+    )  # joints only add mobility
+    assert ccrba.composite_momentum_matrix(robot.model, robot.nominal)[1].shape == (6, 6)
