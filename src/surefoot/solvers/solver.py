@@ -74,7 +74,8 @@ _REGISTRY: dict[str, SolverEntry] = {}
 _MODULES = (
     "auto",
     "nsgs",
-    "newton",
+    "admm",
+    "interior_point",
     "external",
 )
 _loaded = False

@@ -1,0 +1,58 @@
+"""Compiled projection onto one contact's friction pyramid, and its De Saxcé shift, for solvers.
+
+A pyramid is a stack of equal sectors. The bearing of a point picks the face nearest to it; its foot on that
+face's plane is the answer unless it passes an edge (then the edge is nearest) or the apex. Bounds on the
+normal force cut a polygon, which the same sector rule handles.
+"""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.kernels import inline_kernel
+from surefoot.solvers.natural_map import project
+
+
+@inline_kernel
+def project_any(
+    x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
+) -> tuple[float, float, float]:
+    """Return the nearest admissible force; facets = 0 means the exact cone, low = -inf a bilateral contact."""
+    if facets == 0 or low == -math.inf or mu == 0.0:
+        return project(x, y, z, mu, low, high)
+    half = math.pi / facets
+    middle = half if inner else 0.0  # bearing of a face's middle
+    bearing = math.atan2(y, x)
+    turn = middle + 2.0 * half * math.floor((bearing - middle) / (2.0 * half) + 0.5)
+    c, s = math.cos(turn), math.sin(turn)
+    out, side = c * x + s * y, c * y - s * x  # along the face's normal, along the face
+    slope = mu * math.cos(half) if inner else mu
+    corner = slope * math.tan(half)  # half the face's width at z = 1
+    sign = 1.0 if side >= 0.0 else -1.0
+    side = abs(side)
+    a, b, h = out, side, z
+    if out > slope * z:
+        over = (out - slope * z) / (1.0 + slope * slope)
+        a, h = out - over, z + slope * over
+        if b > corner * h:  # beyond the edge (slope, corner, 1)
+            h = (slope * out + corner * side + z) / (slope * slope + corner * corner + 1.0)
+            a, b = slope * h, corner * h
+        if h <= 0.0:
+            a = b = h = 0.0
+    if h < low or h > high:
+        h = min(max(h, low), high)
+        a, b = min(out, slope * h), min(side, corner * h)
+    return c * a - s * sign * b, s * a + c * sign * b, h
+
+
+@inline_kernel
+def shift_any(p: float, q: float, mu: float, facets: int, inner: bool) -> float:
+    """Return the De Saxcé shift: the largest -f_t . u_t over the section f_z = 1; mu ||u_t|| for a cone."""
+    speed = math.sqrt(p * p + q * q)
+    if facets == 0 or speed == 0.0:
+        return mu * speed
+    half = math.pi / facets
+    first = 0.0 if inner else half  # bearing of a corner
+    bearing = math.atan2(-q, -p)
+    off = bearing - first - 2.0 * half * math.floor((bearing - first) / (2.0 * half) + 0.5)
+    return (mu if inner else mu / math.cos(half)) * speed * math.cos(off)
