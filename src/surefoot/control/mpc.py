@@ -27,6 +27,8 @@ __all__ = ["BodyReference", "BodyState", "ConvexMpc", "HorizonProgram", "MpcPlan
 
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved."""
+PATIENCE = 12
+"""Newton steps before the force weight is lowered in stages, see `surefoot.solvers.mpc_newton`."""
 _BOUNDS = ("mu", "normal_min", "normal_max")
 
 
@@ -86,7 +88,7 @@ class ConvexMpc:
     normal_max: ArrayLike = math.inf
     weights: MpcWeights = field(default_factory=MpcWeights)
     tol: float = 1e-3
-    max_iterations: int = 60
+    max_iterations: int = 100
 
     def __post_init__(self) -> None:
         real_number("mass", self.mass, low=1e-6, high=1e9)
@@ -168,7 +170,7 @@ class ConvexMpc:
         y, force = self._y.copy(), np.empty((program.step.size, 3))
         count, error = newton(
             self._K, self._P, program.q, program.step, program.M, program.bounds, program.centre, program.rho,
-            self.tol, self.max_iterations, self._warm, y, force,
+            self.tol, PATIENCE, self.max_iterations, self._warm, y, force,
         )  # fmt: skip
         if not math.isfinite(error):
             return self._share_weight(given)

@@ -9,7 +9,8 @@ equation gets multipliers y (6 N numbers, whatever the number of feet). Given y,
 closed: a = P⁻¹ (y - q), and f = Π(c - Mᵀ y / ρ) with one projection per contact, hence always inside the
 cones. The dual's gradient F(y) = P⁻¹ (y - q) - M f is piecewise smooth and strongly monotone, so that
 Newton's method with the projection's Jacobian and a line search converges from anywhere, in the end
-quadratically [1]_. The duality gap at f is exactly 1/2 Fᵀ P F, and because the program is strongly convex in f::
+quadratically [1]_. The duality gap at f is exactly 1/2 Fᵀ P F, and because the program is strongly convex
+in f::
 
     ||f - f*|| <= sqrt(Fᵀ P F / ρ)
 
@@ -33,27 +34,49 @@ from surefoot.kernels import inline_kernel, kernel
 
 REGULA_FALSI = 40
 """Bound on the evaluations of one line search."""
+ROUNDING = 1e6
+"""A squared error bound that stalls within this factor of its goal is taken for rounding."""
+RAISE, LOWER, STAGE = 1e4, 10.0, 8
+"""How far the force weight is raised, the factor of each stage down, and the most steps of a stage."""
 
 
 @kernel
 def factor(U: FloatArray) -> None:
     """Factor a symmetric positive definite matrix (upper triangle), in place, as Uᵀ D⁻¹ U, D its diagonal.
 
-    Two pivots at a time, so that each row is read and written half as often.
+    Four pivots at a time, so that each row is read and written a quarter as often.
     """
     n = U.shape[0]
-    for k in range(0, n - 1, 2):
-        first, second = U[k], U[k + 1]
-        d = 1.0 / first[k]
-        s = first[k + 1] * d
+    k = 0
+    while k + 4 <= n:
+        a, b, c, d = U[k], U[k + 1], U[k + 2], U[k + 3]
+        p = 1.0 / a[k]
+        s = a[k + 1] * p
         for j in range(k + 1, n):
-            second[j] -= s * first[j]
-        e = 1.0 / second[k + 1]
-        for i in range(k + 2, n):
+            b[j] -= s * a[j]
+        q = 1.0 / b[k + 1]
+        s, t = a[k + 2] * p, b[k + 2] * q
+        for j in range(k + 2, n):
+            c[j] -= s * a[j] + t * b[j]
+        r = 1.0 / c[k + 2]
+        s, t, u = a[k + 3] * p, b[k + 3] * q, c[k + 3] * r
+        for j in range(k + 3, n):
+            d[j] -= s * a[j] + t * b[j] + u * c[j]
+        w = 1.0 / d[k + 3]
+        for i in range(k + 4, n):
             row = U[i]
-            s, t = first[i] * d, second[i] * e
+            s, t, u, v = a[i] * p, b[i] * q, c[i] * r, d[i] * w
             for j in range(i, n):
-                row[j] -= s * first[j] + t * second[j]
+                row[j] -= s * a[j] + t * b[j] + u * c[j] + v * d[j]
+        k += 4
+    for m in range(k, n - 1):
+        a = U[m]
+        p = 1.0 / a[m]
+        for i in range(m + 1, n):
+            row = U[i]
+            s = a[i] * p
+            for j in range(i, n):
+                row[j] -= s * a[j]
 
 
 @kernel
@@ -212,11 +235,66 @@ def search(
 
 
 @kernel
+def descend(
+    K: FloatArray, P: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray,
+    rho: float, goal: float, limit: int, y: FloatArray, point: FloatArray, force: FloatArray, V: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Take Newton steps until the squared error bound is below `goal`; return their number and that bound.
+
+    y and its points are updated in place. A bound that no longer falls close to the goal is rounding.
+    """
+    N, contacts = K.shape[1], step.size
+    F, d, move = np.empty(q.size), np.empty(q.size), np.empty((contacts, 3))
+    error = evaluate(K, P, q, step, M, bounds, y, point, force, F) / rho
+    best, idle = error, 0
+    for count in range(limit):
+        if not error > goal or (idle > 4 and best < ROUNDING * goal):
+            return count, error
+        assemble(V, K, step, M, bounds, point, force, rho, False)
+        factor(V)
+        for i in range(q.size):
+            d[i] = -F[i]
+        solve_factored(V, d)
+        start = base = curve = 0.0  # the dual's derivative along d, and its smooth part's line
+        for j in range(6):
+            for k in range(N):
+                here = ahead = 0.0
+                for m in range(N):
+                    here += K[j, k, m] * (y[6 * m + j] - q[6 * m + j])
+                    ahead += K[j, k, m] * d[6 * m + j]
+                base += here * d[6 * k + j]
+                curve += ahead * d[6 * k + j]
+                start += F[6 * k + j] * d[6 * k + j]
+        for i in range(contacts):
+            at = 6 * step[i]
+            for a in range(3):
+                total = 0.0
+                for j in range(6):
+                    total += M[i, a, j] * d[at + j]
+                move[i, a] = -total / rho
+        t = search(bounds, point, move, rho, base, curve, start)
+        for i in range(q.size):
+            y[i] += t * d[i]
+        for i in range(contacts):
+            for a in range(3):
+                point[i, a] += t * move[i, a]
+        error = evaluate(K, P, q, step, M, bounds, y, point, force, F) / rho
+        idle = 0 if error < 0.5 * best else idle + 1
+        best = min(best, error)
+    return limit, error
+
+
+@kernel
 def newton(
     K: FloatArray, P: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray,
-    centre: FloatArray, rho: float, tol: float, limit: int, warm: bool, y: FloatArray, force: FloatArray,
+    centre: FloatArray, rho: float, tol: float, patience: int, limit: int, warm: bool, y: FloatArray,
+    force: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Solve the horizon's program; return the iterations and the bound on the forces' error [N].
+    """Solve the horizon's program; return the Newton steps and the bound on the forces' error [N].
+
+    Newton's method is tried first from the given start. If that takes more than `patience` steps (a tiny
+    force weight, or a motion far beyond what friction can do), the force weight is raised and lowered
+    again in stages, each starting at the points of the one before, which stay near their solution.
 
     Parameters
     ----------
@@ -234,73 +312,67 @@ def newton(
         (contacts, 3) wanted forces.
     rho
         Weight of the forces.
-    tol, limit
-        Wanted bound on the error [N], and bound on the iterations.
+    tol
+        Wanted bound on the error [N].
+    patience, limit
+        Bounds on the steps of the first attempt, and of all.
     warm
         Whether y holds a start.
     y, force
         (6 N,) and (contacts, 3); results, written in place.
     """
-    n, contacts = q.size, step.size
-    V = np.empty((n, n))
-    F, d = np.empty(n), np.empty(n)
-    point, move = np.empty((contacts, 3)), np.empty((contacts, 3))
+    V, point = np.empty((q.size, q.size)), np.empty((step.size, 3))
     if not warm:
-        y[:] = q
-        place(step, M, centre, y, rho, point)
-        for i in range(contacts):
-            for a in range(3):
-                force[i, a] = point[i, a]
-        unconstrained(K, q, step, M, bounds, rho, point, force, V, y)
+        unconstrained(K, q, step, M, bounds, centre, rho, point, force, V, y)
     place(step, M, centre, y, rho, point)
-    error = evaluate(K, P, q, step, M, bounds, y, point, force, F)
-    goal = tol * tol * rho
-    for count in range(limit):
-        if not error > goal:
-            return count, math.sqrt(error / rho)
-        assemble(V, K, step, M, bounds, point, force, rho, False)
-        factor(V)
-        for i in range(n):
-            d[i] = -F[i]
-        solve_factored(V, d)
-        start = base = curve = 0.0
-        for j in range(6):
-            for k in range(K.shape[1]):
-                here = ahead = 0.0
-                for m in range(K.shape[1]):
-                    here += K[j, k, m] * (y[6 * m + j] - q[6 * m + j])
-                    ahead += K[j, k, m] * d[6 * m + j]
-                base += here * d[6 * k + j]
-                curve += ahead * d[6 * k + j]
-                start += F[6 * k + j] * d[6 * k + j]
-        for i in range(contacts):
-            at = 6 * step[i]
-            for a in range(3):
-                total = 0.0
-                for j in range(6):
-                    total += M[i, a, j] * d[at + j]
-                move[i, a] = -total / rho
-        t = search(bounds, point, move, rho, base, curve, start)
-        for i in range(n):
-            y[i] += t * d[i]
-        place(step, M, centre, y, rho, point)
-        error = evaluate(K, P, q, step, M, bounds, y, point, force, F)
-    return limit, math.sqrt(error / rho)
+    total, error = descend(K, P, q, step, M, bounds, rho, tol * tol, patience, y, point, force, V)
+    if error <= tol * tol or total < patience:
+        return total, math.sqrt(error)
+    size = 0.0
+    for i in range(step.size):
+        size = max(size, abs(centre[i, 2]))
+    raised = rho * RAISE
+    unconstrained(K, q, step, M, bounds, centre, raised, point, force, V, y)
+    place(step, M, centre, y, raised, point)
+    while raised > rho and total < limit:
+        count, error = descend(
+            K,
+            P,
+            q,
+            step,
+            M,
+            bounds,
+            raised,
+            (0.01 * size) ** 2,
+            min(STAGE, limit - total),
+            y,
+            point,
+            force,
+            V,
+        )
+        total += count
+        lowered = max(rho, raised / LOWER)
+        for i in range(q.size):
+            y[i] *= lowered / raised
+        raised = lowered
+    count, error = descend(K, P, q, step, M, bounds, rho, tol * tol, limit - total, y, point, force, V)
+    return total + count, math.sqrt(error)
 
 
 @kernel
 def unconstrained(
-    K: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, rho: float,
-    point: FloatArray, force: FloatArray, V: FloatArray, y: FloatArray,
+    K: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, centre: FloatArray,
+    rho: float, point: FloatArray, force: FloatArray, V: FloatArray, y: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill y with the multipliers of the program without cones; forces and points are those at y = q."""
+    """Fill y with the multipliers of the program without cones."""
     assemble(V, K, step, M, bounds, point, force, rho, True)
     factor(V)
-    d = np.zeros(q.size)
+    place(step, M, centre, q, rho, point)
+    y[:] = 0.0
     for i in range(step.size):
         at = 6 * step[i]
         for j in range(6):
-            d[at + j] += M[i, 0, j] * force[i, 0] + M[i, 1, j] * force[i, 1] + M[i, 2, j] * force[i, 2]
-    solve_factored(V, d)
+            y[at + j] += M[i, 0, j] * point[i, 0] + M[i, 1, j] * point[i, 1] + M[i, 2, j] * point[i, 2]
+    solve_factored(V, y)
     for i in range(q.size):
-        y[i] = q[i] + d[i]
+        y[i] += q[i]
