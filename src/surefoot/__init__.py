@@ -23,9 +23,13 @@ if TYPE_CHECKING:
     from surefoot.control.force_distribution import ForceDistributor as ForceDistributor
     from surefoot.control.force_distribution import distribute as distribute
     from surefoot.equilibrium import ForceLimits as ForceLimits
+    from surefoot.equilibrium import Region as Region
     from surefoot.equilibrium import Verdict as Verdict
     from surefoot.equilibrium import can_stand as can_stand
+    from surefoot.equilibrium import com_region as com_region
     from surefoot.equilibrium import friction_needed as friction_needed
+    from surefoot.equilibrium import support_polygon as support_polygon
+    from surefoot.equilibrium import zmp_region as zmp_region
     from surefoot.errors import MissingExtra as MissingExtra
     from surefoot.errors import ModelError as ModelError
     from surefoot.errors import NoSolution as NoSolution
@@ -51,7 +55,16 @@ _HOMES = {
     "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone", "WrenchCone"),
     "contact": ("ContactProblem", "ContactSolution", "Residuals", "Status", "residuals"),
     "control.force_distribution": ("ForceDistributor", "distribute"),
-    "equilibrium": ("ForceLimits", "Verdict", "can_stand", "friction_needed"),
+    "equilibrium": (
+        "ForceLimits",
+        "Region",
+        "Verdict",
+        "can_stand",
+        "com_region",
+        "friction_needed",
+        "support_polygon",
+        "zmp_region",
+    ),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
     "robot": ("Robot", "load_robot", "place", "robot_names"),
     "solvers": ("solve", "solver_names"),

@@ -1,7 +1,18 @@
 """Questions to a stance: can it stand, how much friction does it need, where may its weight be."""
 
 from surefoot.equilibrium.limits import ForceLimits
+from surefoot.equilibrium.region import Region
+from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.equilibrium.verdict import Verdict
 
-__all__ = ["ForceLimits", "Verdict", "can_stand", "friction_needed"]
+__all__ = [
+    "ForceLimits",
+    "Region",
+    "Verdict",
+    "can_stand",
+    "com_region",
+    "friction_needed",
+    "support_polygon",
+    "zmp_region",
+]

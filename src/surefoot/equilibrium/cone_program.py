@@ -156,7 +156,7 @@ def _normal_matrix(
 def _corrector_target(
     lam: FloatArray, dx: FloatArray, dz: FloatArray, sigma_mu: float, lorentz: int, out: FloatArray
 ) -> None:
-    """Set out = lam \\ (sigma_mu e - lam o lam - dx o dz), all in scaled coordinates."""
+    r"""Set out = lam \ (sigma_mu e - lam o lam - dx o dz), all in scaled coordinates."""
     for k in range(lorentz):
         i = 3 * k
         a, b, c = lam[i], lam[i + 1], lam[i + 2]
@@ -250,15 +250,18 @@ def minimise(
         _normal_matrix(B, v, eta, lorentz, BW, M)
         if not _factor(M):
             return STALLED, iteration
-        for i in range(m):
-            target[i] = -lam[i]
-        _direction(B, BW, M, v, eta, lorentz, target, Wrd, dx, dz, dy)
-        step = min(1.0, _step_to_boundary(lam, dx, lorentz), _step_to_boundary(lam, dz, lorentz))
-        sigma = (1.0 - step) ** 3
-        _corrector_target(lam, dx, dz, sigma * mu, lorentz, target)
-        _direction(B, BW, M, v, eta, lorentz, target, Wrd, dx, dz, dy)
-        primal = min(1.0, 0.99 * _step_to_boundary(lam, dx, lorentz))
-        dual = min(1.0, 0.99 * _step_to_boundary(lam, dz, lorentz))
+        sigma, primal, dual = 0.0, 0.0, 0.0
+        for corrector in range(2):
+            if corrector:
+                _corrector_target(lam, dx, dz, sigma * mu, lorentz, target)
+            else:
+                for i in range(m):
+                    target[i] = -lam[i]
+            _direction(B, BW, M, v, eta, lorentz, target, Wrd, dx, dz, dy)
+            primal = _step_to_boundary(lam, dx, lorentz)
+            dual = _step_to_boundary(lam, dz, lorentz)
+            sigma = (1.0 - min(1.0, primal, dual)) ** 3
+        primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)
         _apply(v, eta, lorentz, False, dx, ux)
         _apply(v, eta, lorentz, True, dz, uz)
         for i in range(m):

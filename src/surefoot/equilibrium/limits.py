@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.equilibrium.margin import axis_scale, load_scale, spread
 from surefoot.stance import Stance
@@ -95,7 +95,7 @@ class Equations:
     scale: float
     length: float
     row_scale: FloatArray
-    kept: FloatArray
+    kept: BoolArray
 
     def wrench_multiplier(self, y: FloatArray) -> FloatArray:
         """Return the (6,) wrench multiplier of scaled multipliers, so that y.load is in newtons."""
@@ -150,7 +150,7 @@ def equations(
     w = load / scale
     w[3:] /= length
     lorentz = len(points) if facets is None else 0
-    kept = np.zeros(0, dtype=np.bool_)
+    kept: BoolArray = np.zeros(0, dtype=np.bool_)
     row_scale = np.zeros(0)
     if limits is not None and len(limits):
         size = np.linalg.norm(limits.rows, axis=1)

@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
 from surefoot.kernels import inline_kernel, kernel
@@ -134,7 +134,7 @@ def _restore(Q: FloatArray, b: FloatArray, rank: int, x: FloatArray) -> None:
 
 @kernel
 def _unreachable(
-    T: FloatArray, pivots: FloatArray, rank: int, w: FloatArray, row: FloatArray, y: FloatArray
+    T: FloatArray, pivots: IntArray, rank: int, w: FloatArray, row: FloatArray, y: FloatArray
 ) -> None:
     """Set y to a direction in which no contact force acts (A' y = 0) but the load does (y.w < 0)."""
     p = T.shape[0]

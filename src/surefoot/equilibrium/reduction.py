@@ -34,7 +34,8 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
     int
         The rank.
     """
-    p, m = A.shape
+    p: int = A.shape[0]
+    m: int = A.shape[1]
     rest = A.copy()
     first = np.empty(p)
     taken = np.zeros(p, dtype=np.bool_)

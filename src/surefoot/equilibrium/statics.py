@@ -1,4 +1,4 @@
-"""Can it stand here, and how much friction does it need?
+"""Can it stand here, and how much friction does it need: the questions and their entry points.
 
 Every answer carries its proof: forces when it can, a separating wrench when it cannot.
 """
@@ -83,7 +83,7 @@ def can_stand(
     if limits is None and facets is None and not stance.bounded and stance.contacts:
         points = stance.points()
         outcome, margin, x, y = stand(points.positions, points.rotations, points.mu, about, load)
-        if outcome == FEASIBLE or outcome == ENDLESS:
+        if outcome in (FEASIBLE, ENDLESS):
             forces = x if points is stance else stance.corner_map @ x
             return Verdict(stance, about, load, True, margin, forces, None, x)
         return Verdict(stance, about, load, False, margin, None, y, None)
@@ -108,7 +108,7 @@ def _general(
     bounds = limits if bounds is None else bounds.and_also(limits)
     eq = equations(stance, about, load, bounds, facets, fit)
     outcome, margin, x, y = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
-    if outcome == FEASIBLE or outcome == ENDLESS:
+    if outcome in (FEASIBLE, ENDLESS):
         corners = eq.force @ x
         forces = stance.corner_map @ corners
         return Verdict(
@@ -116,8 +116,8 @@ def _general(
         )
     multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
     return Verdict(
-        stance, about, load, False, margin * eq.scale, None, eq.wrench_multiplier(y), None, bounds, multipliers,
-        facets, fit,
+        stance, about, load, False, margin * eq.scale, None, eq.wrench_multiplier(y), None, bounds,
+        multipliers, facets, fit,
     )  # fmt: skip
 
 

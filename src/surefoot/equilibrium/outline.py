@@ -1,0 +1,192 @@
+"""Trace a convex region of the plane between an inner and an outer polygon.
+
+T. Bretl, S. Lall, "Testing Static Equilibrium for Legged Robots", IEEE T-RO 2008: maximise along a
+direction; the point reached belongs to the region, the half-plane behind it holds all of the region; go on
+along the normal of the inner edge whose gap is largest. The half-planes here come from the dual
+solution, so the outer polygon is an upper bound whatever the solver's accuracy.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
+from surefoot.equilibrium.margin import GAP
+from surefoot.kernels import inline_kernel, kernel
+
+TRACED, WITHOUT_BOUND, OUT_OF_DIRECTIONS = 0, 1, 2
+"""Outcomes of `trace`: done; unbounded; the gap stayed above the tolerance."""
+
+
+@inline_kernel
+def _corner(
+    ax: float, ay: float, ah: float, bx: float, by: float, bh: float, vx: float, vy: float
+) -> tuple[float, float]:
+    """Return where the lines a.q = ah and b.q = bh meet; parallel lines meet at (vx, vy)."""
+    det = ax * by - ay * bx
+    if abs(det) < 1e-9:
+        return vx, vy
+    return (ah * by - bh * ay) / det, (ax * bh - bx * ah) / det
+
+
+@inline_kernel
+def _distance(qx: float, qy: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Return the distance of q from the segment a-b."""
+    dx, dy = bx - ax, by - ay
+    length = dx * dx + dy * dy
+    s = 0.0
+    if length > 0.0:
+        s = min(1.0, max(0.0, ((qx - ax) * dx + (qy - ay) * dy) / length))
+    return math.hypot(qx - ax - s * dx, qy - ay - s * dy)
+
+
+@inline_kernel
+def _dual_value(
+    B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, x: FloatArray, start: FloatArray
+) -> float:
+    """Return a lower bound of c.x that holds exactly: b.y where c - B'y is in the cone.
+
+    Rounding may leave the slack outside by a hair: what lacks is charged on the size of the largest
+    solution seen.
+    """
+    r, m = B.shape
+    value, lack, size = 0.0, 0.0, 0.0
+    for j in range(r):
+        value += b[j] * y[j]
+    for k in range(m):
+        size += max(abs(x[k]), abs(start[k]))
+    previous0, previous1 = 0.0, 0.0
+    for i in range(m):
+        s = c[i]
+        for j in range(r):
+            s -= B[j, i] * y[j]
+        if i >= 3 * lorentz:
+            lack = max(lack, -s)
+        elif i % 3 == 0:
+            previous0 = s
+        elif i % 3 == 1:
+            previous1 = s
+        else:
+            lack = max(lack, math.hypot(previous1, s) - previous0)
+    return value - lack * size
+
+
+@kernel
+def trace(
+    B: FloatArray, b: FloatArray, lorentz: int, start: FloatArray, G: FloatArray, offset: FloatArray,
+    tol: float, directions: FloatArray, heights: FloatArray, points: FloatArray,
+) -> tuple[int, int, float]:  # fmt: skip
+    """Trace {G x + offset : B x = b, x in the cone} to a gap of at most tol.
+
+    Parameters
+    ----------
+    B, b, lorentz
+        (r, m), (r,): orthonormal rows, as in `cone_program.minimise`.
+    start
+        (m,) strictly feasible.
+    G, offset
+        (2, m), (2,): the point that x stands for.
+    tol
+        Wanted distance between the polygons, in the units of G x.
+    directions, heights, points
+        (most, 2), (most,), (most, 2): outputs, counter-clockwise: directions, with the region inside
+        directions[k].q <= heights[k], and the point reached along each.
+
+    Returns
+    -------
+    tuple[int, int, float]
+        Outcome, number of directions, gap.
+    """
+    r, m = B.shape
+    most = heights.size
+    x, y, z, c = np.empty(m), np.empty(r), np.empty(m), np.empty(m)
+    count, at = 0, 0
+    for k in range(4):
+        directions[k, 0], directions[k, 1] = math.cos(0.5 * math.pi * k), math.sin(0.5 * math.pi * k)
+    pending, total, gap = 0, 4, math.inf
+    while True:
+        while pending < total:
+            k = at if total > 4 else pending
+            dx, dy = directions[k, 0], directions[k, 1]
+            size = 0.0
+            for i in range(m):
+                c[i] = -(dx * G[0, i] + dy * G[1, i])
+                size += c[i] * c[i]
+                x[i] = start[i]
+            size = math.sqrt(size)
+            if size == 0.0:
+                size = 1.0
+            for i in range(m):
+                c[i] /= size
+            status, _ = minimise(B, b, c, lorentz, x, y, z, GAP + 1e-5 * tol / size, -1e7)
+            if status == UNBOUNDED:
+                return WITHOUT_BOUND, count, math.inf
+            for q in range(2):
+                s = offset[q]
+                for i in range(m):
+                    s += G[q, i] * x[i]
+                points[k, q] = s
+            heights[k] = dx * offset[0] + dy * offset[1]
+            heights[k] -= size * _dual_value(B, b, c, lorentz, y, x, start)
+            heights[k] = max(heights[k], dx * points[k, 0] + dy * points[k, 1])
+            pending += 1
+        count = total
+        gap, at = _widest_gap(directions, heights, points, count)
+        if gap <= tol:
+            return TRACED, count, gap
+        if count == most or not _insert(directions, heights, points, count, at):
+            return OUT_OF_DIRECTIONS, count, gap
+        at += 1
+        total += 1
+
+
+@inline_kernel
+def _widest_gap(
+    directions: FloatArray, heights: FloatArray, points: FloatArray, count: int
+) -> tuple[float, int]:
+    """Return the largest distance of an outer corner from its inner edge, and which edge."""
+    widest, at = -1.0, 0
+    for k in range(count):
+        n = (k + 1) % count
+        qx, qy = _corner(
+            directions[k, 0], directions[k, 1], heights[k],
+            directions[n, 0], directions[n, 1], heights[n], points[k, 0], points[k, 1],
+        )  # fmt: skip
+        d = _distance(qx, qy, points[k, 0], points[k, 1], points[n, 0], points[n, 1])
+        if d > widest:
+            widest, at = d, k
+    return widest, at
+
+
+@inline_kernel
+def _insert(directions: FloatArray, heights: FloatArray, points: FloatArray, count: int, at: int) -> bool:
+    """Make room after entry `at` for a direction normal to the inner edge there; False if there is none.
+
+    Where the edge has no length, or its normal is one of the two directions already, the direction
+    halfway between them serves.
+    """
+    n = (at + 1) % count
+    dx, dy = points[n, 0] - points[at, 0], points[n, 1] - points[at, 1]
+    length = math.hypot(dx, dy)
+    nx, ny = 0.0, 0.0
+    usable = length > 0.0
+    if usable:
+        nx, ny = dy / length, -dx / length
+        before = directions[at, 0] * ny - directions[at, 1] * nx
+        after = nx * directions[n, 1] - ny * directions[n, 0]
+        usable = before > 1e-9 and after > 1e-9
+    if not usable:
+        nx, ny = directions[at, 0] + directions[n, 0], directions[at, 1] + directions[n, 1]
+        length = math.hypot(nx, ny)
+        nx, ny = nx / length, ny / length
+        if abs(directions[at, 0] * ny - directions[at, 1] * nx) < 1e-9:
+            return False
+    for k in range(count, at + 1, -1):
+        heights[k] = heights[k - 1]
+        for q in range(2):
+            directions[k, q], points[k, q] = directions[k - 1, q], points[k - 1, q]
+    directions[at + 1, 0], directions[at + 1, 1] = nx, ny
+    return True

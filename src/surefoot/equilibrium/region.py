@@ -1,0 +1,157 @@
+"""A region of the plane known from inside and outside."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+
+
+class Region:
+    """A convex region between an inner and an outer polygon.
+
+    Attributes
+    ----------
+    inner
+        (k, 2) corners, counter-clockwise [m]: every point of this polygon belongs to the region. Empty
+        where the region is.
+    directions, heights
+        (h, 2), (h,): no point of the region has ``directions @ point > heights``.
+    gap
+        Largest distance of the outer polygon from the inner one [m].
+    height
+        Height of the plane the polygon lies in [m].
+    axis
+        (3,) direction along which the region continues unchanged, third component 1 (for a centre of
+        mass): vertical when standing still.
+    force_limit
+        Total normal force that had to be assumed, because the contacts can squeeze each other without
+        limit [N]; infinite where nothing was assumed.
+    converged
+        Whether the gap is within the tolerance asked for.
+    """
+
+    def __init__(
+        self,
+        inner: FloatArray,
+        directions: FloatArray,
+        heights: FloatArray,
+        gap: float,
+        height: float,
+        axis: FloatArray,
+        force_limit: float = math.inf,
+        converged: bool = True,
+    ) -> None:
+        self.inner = inner
+        self.directions = directions
+        self.heights = heights
+        self.gap = gap
+        self.height = height
+        self.axis = axis
+        self.force_limit = force_limit
+        self.converged = converged
+
+    @classmethod
+    def nothing(cls, height: float, axis: FloatArray) -> Region:
+        """Return the empty region."""
+        empty = np.zeros((0, 2))
+        return cls(empty, empty, np.zeros(0), 0.0, height, axis)
+
+    def __repr__(self) -> str:
+        if self.empty:
+            return "Region(empty)"
+        return f"Region(area={self.area:.4g} m^2, gap={self.gap:.2g} m, {len(self.inner)} corners)"
+
+    @property
+    def empty(self) -> bool:
+        """Whether no point at all belongs to the region."""
+        return len(self.inner) == 0
+
+    @property
+    def area(self) -> float:
+        """Area of the inner polygon [m^2]."""
+        return polygon_area(self.inner)
+
+    @property
+    def outer(self) -> FloatArray:
+        """(h, 2) corners of the outer polygon, counter-clockwise [m]."""
+        n = len(self.heights)
+        out = []
+        for k in range(n):
+            pair = np.array([self.directions[k], self.directions[(k + 1) % n]])
+            right = np.array([self.heights[k], self.heights[(k + 1) % n]])
+            if abs(np.linalg.det(pair)) > 1e-9:
+                out.append(np.linalg.solve(pair, right))
+        return np.array(out).reshape(-1, 2)
+
+    def contains(self, point: ArrayLike) -> bool:
+        """Tell whether a (2,) point of the plane, or a (3,) point in space, is in the inner polygon.
+
+        A point in space is first moved along `axis` to the region's height.
+        """
+        return self.distance(point) <= 1e-9 * max(1.0, float(np.abs(self.inner).max(initial=0.0)))
+
+    def distance(self, point: ArrayLike) -> float:
+        """Return the signed distance of a point to the inner polygon's border [m]: negative inside."""
+        if self.empty:
+            return math.inf
+        p = self._in_plane(point)
+        count = len(self.inner)
+        ends = np.roll(self.inner, -1, axis=0)
+        nearest = math.inf
+        inside = count >= 3
+        for a, b in zip(self.inner, ends, strict=True):
+            edge = b - a
+            length = float(edge @ edge)
+            s = min(1.0, max(0.0, float((p - a) @ edge) / length)) if length > 0.0 else 0.0
+            nearest = min(nearest, float(np.linalg.norm(p - a - s * edge)))
+            inside &= float(edge[0] * (p[1] - a[1]) - edge[1] * (p[0] - a[0])) >= 0.0
+        return -nearest if inside else nearest
+
+    def at_height(self, height: float) -> FloatArray:
+        """Return the inner polygon in the plane of another height, moved along the axis: (k, 2)."""
+        return np.asarray(self.inner + (height - self.height) * self.axis[:2])
+
+    def _in_plane(self, point: ArrayLike) -> FloatArray:
+        p = finite_array("point", point)
+        if p.shape == (3,):
+            return np.asarray(p[:2] - (p[2] - self.height) * self.axis[:2])
+        return finite_array("point", p, (2,))
+
+
+def polygon_area(corners: FloatArray) -> float:
+    """Return the area of a polygon with (k, 2) corners, positive counter-clockwise (shoelace)."""
+    if len(corners) < 3:
+        return 0.0
+    x, y = corners[:, 0] - corners[0, 0], corners[:, 1] - corners[0, 1]
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def convex_hull(points: FloatArray, slack: float = 0.0) -> FloatArray:
+    """Return the corners of the convex hull of (n, 2) points, counter-clockwise (Andrew's chain).
+
+    Corners that stand out from the line between their neighbours by `slack` or less are left out.
+    """
+    unique = np.unique(points, axis=0)
+    if len(unique) <= 2:
+        return unique
+    least = max(slack, 1e-14 * float(np.ptp(unique, axis=0).max()))
+
+    def chain(ordered: FloatArray) -> list[FloatArray]:
+        out: list[FloatArray] = []
+        for p in ordered:
+            while len(out) >= 2 and _stands_out(out[-2], out[-1], p) <= least:
+                out.pop()
+            out.append(p)
+        return out[:-1]
+
+    return np.array(chain(unique) + chain(unique[::-1]))
+
+
+def _stands_out(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
+    """Return how far b is to the right of the line from a to c [m]."""
+    turn = float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    return turn / max(float(np.linalg.norm(c - a)), 1e-300)

@@ -1,0 +1,276 @@
+"""Where the centre of mass or the zero-moment point may be: polygons with a certified gap."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits
+from surefoot.equilibrium.margin import BAND, most_margin
+from surefoot.equilibrium.outline import OUT_OF_DIRECTIONS, WITHOUT_BOUND, trace
+from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
+from surefoot.equilibrium.region import Region, convex_hull
+from surefoot.equilibrium.statics import needed_wrench
+from surefoot.errors import ProblemError
+from surefoot.stance import Stance
+
+SQUEEZE = 10.0
+"""Total normal force, as a multiple of the load, where contacts could squeeze without limit."""
+_MOST_DIRECTIONS = 2000
+_EMPTY = -1
+
+
+def com_region(
+    stance: Stance,
+    mass: float,
+    tol: float = 1e-3,
+    acceleration: ArrayLike = (0.0, 0.0, 0.0),
+    external_wrench: ArrayLike | float = 0.0,
+    height: float | None = None,
+    facets: int | None = None,
+    fit: Literal["inner", "outer"] = "inner",
+    limits: ForceLimits | None = None,
+) -> Region:
+    """Return where the centre of mass may be so that the contacts can hold the robot.
+
+    Parameters
+    ----------
+    stance
+        Contacts, at any heights and slopes.
+    mass
+        > 0 [kg].
+    tol
+        Largest distance between the inner and the outer polygon [m].
+    acceleration
+        (3,) of the centre of mass, world axes [m/s^2], at constant angular momentum; zero is standing
+        still. The region then leans: its axis is that of gravity minus acceleration.
+    external_wrench
+        (6,) [force; moment about the centre of mass] on the robot besides gravity [N, N m].
+    height
+        Height of the horizontal plane that the polygon lies in [m]; the mean height of the contacts
+        unless given. Without acceleration or side force the polygon is the same at every height.
+    facets, fit, limits
+        As for `can_stand`.
+
+    Returns
+    -------
+    Region
+        Inner polygon (all of it can be held), outer polygon (nothing beyond it can), and their gap.
+        Where contacts can squeeze each other without limit, the total normal force is held to ten times
+        the load, and `Region.force_limit` says so.
+
+    Raises
+    ------
+    ProblemError
+        If the load does not push the robot down, or for values that are not numbers.
+
+    Notes
+    -----
+    T. Bretl, S. Lall, "Testing Static Equilibrium for Legged Robots", IEEE T-RO 2008.
+
+    Examples
+    --------
+    >>> from surefoot import PointContact, Stance
+    >>> stance = Stance([PointContact([x, y, 0]) for x in (0.2, -0.2) for y in (0.1, -0.1)])
+    >>> region = com_region(stance, mass=15.0)
+    >>> round(region.area, 9), region.contains([0.19, 0.09]), region.contains([0.21, 0.0])
+    (0.08, True, False)
+    """
+    step = finite_array("acceleration", acceleration, (3,))
+    load = needed_wrench(mass, external_wrench)
+    load[:3] += mass * step
+    if load[2] <= 1e-9 * float(np.linalg.norm(load[:3])):
+        raise ProblemError(
+            f"the load must rest on the contacts, got {load[2]:g} N of vertical force to carry"
+        )
+    anchor = _anchor(stance, height)
+    return _region(
+        stance, anchor, load, tol, facets, fit, limits, _com_rows(load, anchor), load[:3] / load[2]
+    )
+
+
+def zmp_region(
+    stance: Stance,
+    com: ArrayLike,
+    mass: float,
+    tol: float = 1e-3,
+    height: float | None = None,
+    facets: int | None = None,
+    fit: Literal["inner", "outer"] = "inner",
+    limits: ForceLimits | None = None,
+) -> Region:
+    """Return where the zero-moment point may be, in a horizontal plane under the centre of mass.
+
+    The robot moves as a pendulum of constant height: no vertical acceleration, no change of angular
+    momentum, so that the contact force points from the zero-moment point to the centre of mass. The
+    region of all contacts then differs from the support polygon wherever contacts are not in one
+    plane, or friction is short.
+
+    Parameters
+    ----------
+    stance, mass, tol, facets, fit, limits
+        As for `com_region`.
+    com
+        (3,) centre of mass, world axes [m].
+    height
+        Height of the plane [m], the mean height of the contacts unless given; not that of the centre
+        of mass.
+
+    Returns
+    -------
+    Region
+        Inner and outer polygon.
+
+    Raises
+    ------
+    ProblemError
+        If the plane goes through the centre of mass.
+
+    Notes
+    -----
+    The pendular support area of S. Caron, Q.-C. Pham, Y. Nakamura, "ZMP Support Areas for
+    Multi-contact Mobility Under Frictional Constraints", IEEE T-RO 2017.
+
+    Examples
+    --------
+    >>> from surefoot import PointContact, Stance
+    >>> stance = Stance([PointContact([x, y, 0], mu=1) for x in (0.2, -0.2) for y in (0.1, -0.1)])
+    >>> round(zmp_region(stance, com=[0, 0, 0.3], mass=15.0).area, 9)
+    0.08
+    """
+    about = finite_array("com", com, (3,))
+    load = needed_wrench(mass)
+    anchor = _anchor(stance, height)
+    drop = about[2] - anchor[2]
+    if abs(drop) < 1e-9 * max(1e-300, abs(about[2]) + abs(anchor[2])):
+        raise ProblemError(f"height must differ from the centre of mass's, got {anchor[2]:g} m for both")
+    wrench = np.array([[0, 0, 1, 0, 0, 0], [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1.0]])
+    goal = np.array([load[2], 0.0, 0.0, 0.0])
+    pick = np.zeros((2, 6))
+    pick[0, 0] = pick[1, 1] = -drop / load[2]
+    region = _region(
+        stance, about, load, tol, facets, fit, limits, (wrench, goal, pick, about[:2]), np.zeros(3), anchor[2]
+    )
+    region.axis = np.array([0.0, 0.0, 1.0])
+    return region
+
+
+_Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""Rows of the contact wrench that are fixed, their values, and the point as pick @ wrench + offset."""
+
+
+def _com_rows(load: FloatArray, anchor: FloatArray) -> _Rows:
+    """Return the fixed rows and the point for a centre of mass in the plane through the anchor.
+
+    The wrench about the anchor is [F; c x F + M]: its force is fixed, its moment along F too, and
+    the other two components say where c is.
+    """
+    force, moment = load[:3], load[3:]
+    axis = force / np.linalg.norm(force)
+    rows = np.zeros((4, 6))
+    rows[:3, :3] = np.eye(3)
+    rows[3, 3:] = axis
+    goal = np.array([*force, axis @ moment])
+    pick = np.zeros((2, 6))
+    pick[0, 4], pick[1, 3] = -1.0 / force[2], 1.0 / force[2]
+    offset = anchor[:2] + np.array([moment[1], -moment[0]]) / force[2]
+    return rows, goal, pick, offset
+
+
+def _anchor(stance: Stance, height: float | None) -> FloatArray:
+    """Return the middle of the contacts, at the height of the plane."""
+    middle = stance.positions.mean(axis=0) if stance.contacts else np.zeros(3)
+    if height is not None:
+        middle[2] = finite_array("height", height, ())
+    return middle
+
+
+def _region(
+    stance: Stance, about: FloatArray, load: FloatArray, tol: float, facets: int | None,
+    fit: Literal["inner", "outer"], limits: ForceLimits | None, rows: _Rows, axis: FloatArray,
+    height: float | None = None,
+) -> Region:  # fmt: skip
+    """Trace the region of a point that depends linearly on the contact wrench about `about`."""
+    real_number("tol", tol, low=0.0)
+    if not 0.0 < tol < math.inf:
+        raise ProblemError(f"tol must be positive and finite [m], got {tol:g}")
+    plane = about[2] if height is None else height
+    if not stance.contacts:
+        return Region.nothing(plane, axis)
+    bounds = normal_limits(stance)
+    bounds = limits if bounds is None else bounds.and_also(limits)
+    force_limit = math.inf
+    result = _trace(equations(stance, about, load, bounds, facets, fit), rows, tol)
+    if result[0] == WITHOUT_BOUND or result[3] == math.inf:
+        force_limit = SQUEEZE * float(np.linalg.norm(load[:3]))
+        squeeze = squeeze_limit(stance, force_limit)
+        bounds = squeeze if bounds is None else bounds.and_also(squeeze)
+        result = _trace(equations(stance, about, load, bounds, facets, fit), rows, tol)
+    outcome, gap, points, _, directions, heights = result
+    if outcome == _EMPTY:
+        return Region.nothing(plane, axis)
+    if outcome == WITHOUT_BOUND:
+        raise ProblemError("the region has no bound: give the contacts a normal_max")
+    return Region(points, directions, heights, gap, plane, axis, force_limit, outcome != OUT_OF_DIRECTIONS)
+
+
+def squeeze_limit(stance: Stance, most: float) -> ForceLimits:
+    """Return one bound on the sum of all normal forces [N]."""
+    row = np.zeros((1, stance.dim))
+    for part in stance.slices:
+        row[0, part.start + 2] = 1.0
+    return ForceLimits(row, np.array([most]), ("total normal force",))
+
+
+def _trace(
+    eq: Equations, rows: _Rows, tol: float
+) -> tuple[int, float, FloatArray, float, FloatArray, FloatArray]:
+    """Trace with the equations' scaling; return outcome, gap, points, margin, directions, heights."""
+    wrench, goal, pick, offset = rows
+    unscale = np.array([1.0, 1.0, 1.0, eq.length, eq.length, eq.length]) * eq.scale
+    A = np.vstack([(wrench * unscale) @ eq.A[:6] / eq.scale, eq.A[6:]])
+    w = np.concatenate([goal / eq.scale, eq.w[6:]])
+    moments = wrench[:, 3:].any(axis=1)
+    A[: len(goal)][moments] /= eq.length
+    w[: len(goal)][moments] /= eq.length
+    G = (pick * unscale) @ eq.A[:6]
+    _, margin, start, _ = most_margin(np.ascontiguousarray(A), eq.e, w, eq.lorentz)
+    nothing = np.zeros((0, 2))
+    if margin < -BAND:
+        return _EMPTY, 0.0, nothing, margin, nothing, np.zeros(0)
+    if margin <= BAND:  # on the boundary: the solver needs a little room to start from
+        start = start + (2.0 * BAND - min(0.0, margin)) * eq.e
+    Q, T, pivots, b = np.empty_like(A), np.empty((len(A), len(A))), np.empty(len(A), dtype=np.int64), w.copy()
+    rank = orthonormal_rows(A, Q, T, pivots)
+    coordinates(T, pivots, rank, w, b)
+    directions, heights = np.empty((_MOST_DIRECTIONS, 2)), np.empty(_MOST_DIRECTIONS)
+    points = np.empty((_MOST_DIRECTIONS, 2))
+    outcome, count, gap = trace(
+        Q[:rank], b[:rank], eq.lorentz, start, np.ascontiguousarray(G), np.array(offset, dtype=float), tol,
+        directions, heights, points,
+    )  # fmt: skip
+    return outcome, gap, points[:count].copy(), margin, directions[:count].copy(), heights[:count].copy()
+
+
+def support_polygon(stance: Stance) -> FloatArray:
+    """Return the convex hull of the contacts, corners of patches included, seen from above.
+
+    The classical rule for standing still on flat ground with enough friction, and for nothing else:
+    see `com_region` for slopes, walls and scarce friction.
+
+    Returns
+    -------
+    FloatArray
+        (k, 2) corners, counter-clockwise [m]; fewer than three for contacts in a line or a point.
+
+    Examples
+    --------
+    >>> from surefoot import PointContact, Stance
+    >>> support_polygon(Stance([PointContact([x, 0, 0]) for x in (0.0, 1.0, 2.0)]))
+    array([[0., 0.], [2., 0.]])
+    """
+    return convex_hull(stance.points().positions[:, :2])
