@@ -123,7 +123,9 @@ class Gait(ContactSchedule):
         self.name = str(name)
         times = finite_array(f"switching times of gait {name}", switching, (None,))
         if len(times) < 2 or abs(times[0]) > SAME_TIME:
-            raise ProblemError(f"gait {name} needs switching times from 0 to its period, got {times.tolist()}")
+            raise ProblemError(
+                f"gait {name} needs switching times from 0 to its period, got {times.tolist()}"
+            )
         _check_rising(f"gait {name}", times)
         table = _mode_table(f"gait {name}", modes, feet, len(times) - 1)
         keep = [0] + [k for k in range(1, len(table)) if (table[k] != table[k - 1]).any()]

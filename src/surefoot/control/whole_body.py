@@ -207,7 +207,9 @@ class WholeBodyController:
         """Collect the contact points and what moves each foot."""
         robot = self.robot
         feet = robot.feet
-        self.point_foot: IntArray = np.array([k for k, f in enumerate(feet) for _ in f.centres], dtype=np.int64)
+        self.point_foot: IntArray = np.array(
+            [k for k, f in enumerate(feet) for _ in f.centres], dtype=np.int64
+        )
         self._offsets = np.ascontiguousarray(np.vstack([f.centres for f in feet]))
         self._middles = np.array([f.centre for f in feet])
         self._radii = np.array([f.radius for f in feet])
@@ -274,7 +276,14 @@ class WholeBodyController:
         """
         rows = self._assemble(tasks)
         solved = kernels.eliminate(
-            self._H, self._c, self._E[:rows], self._e[:rows], self._offset, self._gain, self._root, self._target
+            self._H,
+            self._c,
+            self._E[:rows],
+            self._e[:rows],
+            self._offset,
+            self._gain,
+            self._root,
+            self._target,
         )
         if not solved or not np.isfinite(self._target).all():
             return self._damping()
@@ -322,7 +331,12 @@ class WholeBodyController:
         self._e[:6] = -self._nle[:6]
         self._points = self._place_points(normals)
         kernels.force_map(
-            self._jacobian, self._support, self.point_foot, self._points, tasks.frames[self.point_foot], self._map
+            self._jacobian,
+            self._support,
+            self.point_foot,
+            self._points,
+            tasks.frames[self.point_foot],
+            self._map,
         )
         return rows
 

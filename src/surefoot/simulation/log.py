@@ -31,6 +31,8 @@ FIELDS: dict[str, str] = {
     "saturated": "(T,) whether a torque met its limit",
     "push": "(T, 3) external force on the base, world axes [N]",
     "mu": "(T,) friction of the ground",
+    "planned": "(T, n) whether the gait wants a foot on the ground",
+    "command": "(T, 3) wanted velocity of the body: forward, left [m/s], yaw rate [rad/s]",
     "controller_time": "(T,) wall time of the controller's step [s]",
 }
 """What a log holds; every array has one row per step, T rows in all and p contact points."""
@@ -98,7 +100,8 @@ class Recorder:
     def __init__(self, steps: int, **rows: tuple[int, ...]) -> None:
         self.arrays: dict[str, FloatArray] = {
             name: np.zeros(
-                (steps, *shape), dtype=bool if name in ("active", "attained", "saturated") else float
+                (steps, *shape),
+                dtype=bool if name in ("active", "planned", "attained", "saturated") else float,
             )
             for name, shape in rows.items()
         }

@@ -1,0 +1,137 @@
+"""Where to put a foot down: Raibert's rule on the terrain, moved off edges and steep ground.
+
+The nominal place lies below the hip at the middle of the coming stance, plus a share of the speed error
+that a pendulum of the body's height would need to catch itself [1]_. On terrain that is not a plane,
+candidates around it are weighed by their distance, by the height differences within the foot's reach
+(edges) and by the part of the friction cone that the ground's tilt uses.
+
+References
+----------
+.. [1] M. Raibert, "Legged robots that balance", MIT Press, 1986.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.spatial import GRAVITY
+from surefoot.stance import Terrain
+from surefoot.stance.terrain import SlopeTerrain
+
+CAPTURE_SHARE = 0.5
+"""Share of the capture point's offset sqrt(h / g) that corrects the foothold; 1 would stop the body."""
+
+
+def raibert(
+    hip: FloatArray,
+    velocity: FloatArray,
+    wanted: FloatArray,
+    turn_rate: float,
+    height: float,
+    stance_time: float,
+    capture: float = CAPTURE_SHARE,
+) -> FloatArray:
+    """Return the nominal (2,) place of a foot at touchdown, world axes [m].
+
+    Parameters
+    ----------
+    hip
+        (2,) where the hip will be at touchdown (of the wanted motion) [m].
+    velocity, wanted
+        (2,) velocity of the body, as it is and as it should be [m/s].
+    turn_rate
+        Wanted yaw rate [rad/s].
+    height
+        Of the centre of mass above the ground [m].
+    stance_time
+        Length of the coming stance [s].
+    capture
+        See `CAPTURE_SHARE`.
+
+    Examples
+    --------
+    >>> raibert(np.zeros(2), np.array([0.5, 0.0]), np.array([0.5, 0.0]), 0.0, 0.3, 0.2)
+    array([0.05, 0.  ])
+    """
+    pendulum = math.sqrt(height / GRAVITY)
+    error = velocity - wanted
+    across = np.array([-wanted[1], wanted[0]]) * turn_rate  # centripetal acceleration
+    return np.asarray(
+        hip + 0.5 * stance_time * wanted + capture * pendulum * error - 0.5 * pendulum**2 * across
+    )
+
+
+@dataclass(frozen=True)
+class FootholdSearch:
+    """Looks for a good place near the nominal one.
+
+    Attributes
+    ----------
+    reach
+        Largest distance from the nominal place, along each axis [m].
+    margin
+        Distance to edges that is wanted [m].
+    edge_weight, tilt_weight
+        Cost of a height difference within the margin, and of the ground's slope, against the distance.
+    """
+
+    reach: float = 0.08
+    margin: float = 0.03
+    edge_weight: float = 3.0
+    tilt_weight: float = 0.05
+
+    def choose(self, terrain: Terrain, place: FloatArray) -> FloatArray:
+        """Return the (2,) place to step on; the nominal one on a plane."""
+        if isinstance(terrain, SlopeTerrain):
+            return place
+        steps = np.linspace(-self.reach, self.reach, 9)
+        grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)
+        candidates = place + grid
+        angles = np.arange(8) * (0.25 * math.pi)
+        ring = self.margin * np.column_stack([np.cos(angles), np.sin(angles)])
+        middle = terrain.height(candidates)
+        around = terrain.height(candidates[:, None, :] + ring)
+        rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
+        lean = np.abs(around - middle[:, None]).max(axis=1)
+        cost = np.linalg.norm(grid, axis=1) + self.edge_weight * rise + self.tilt_weight * lean / self.margin
+        return np.asarray(candidates[int(np.argmin(cost))])
+
+
+def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> tuple[float, float, float]:
+    """Return (height at `about`, slope along x, slope along y) of the plane nearest to (n, 3) places.
+
+    `damping` [m²] pulls the slopes to zero where the places do not tell them.
+
+    Examples
+    --------
+    >>> points = np.array([[0, 0, 0.0], [1, 0, 0.1], [0, 1, 0.0], [1, 1, 0.1]])
+    >>> [round(v, 3) for v in fit_plane(points, np.zeros(2))]
+    [0.0, 0.1, 0.0]
+    """
+    xy = places[:, :2] - about
+    rows = np.column_stack([np.ones(len(xy)), xy])
+    normal = rows.T @ rows
+    normal[1:, 1:] += damping * np.eye(2)
+    height, slope_x, slope_y = np.linalg.solve(normal, rows.T @ places[:, 2])
+    return float(height), float(slope_x), float(slope_y)
+
+
+def slope_rotation(yaw: float, slope_x: float, slope_y: float) -> FloatArray:
+    """Return the (3, 3) rotation with z along a plane's normal and x along a heading [rad] in the plane."""
+    normal = np.array([-slope_x, -slope_y, 1.0])
+    normal /= math.sqrt(slope_x * slope_x + slope_y * slope_y + 1.0)
+    forward = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    forward -= (forward @ normal) * normal
+    forward /= math.sqrt(forward @ forward)
+    left = np.array(
+        [
+            normal[1] * forward[2] - normal[2] * forward[1],
+            normal[2] * forward[0] - normal[0] * forward[2],
+            normal[0] * forward[1] - normal[1] * forward[0],
+        ]
+    )
+    return np.column_stack([forward, left, normal])

@@ -1,0 +1,97 @@
+"""The path of a foot through the air: smooth, clear of the ground, and down gently."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import kernel
+
+RISE = 0.45
+"""Share of the swing after which the foot is at its highest."""
+LIFT_FIRST, DOWN_LAST = 0.08, 0.92
+"""The foot moves sideways between these shares of the swing, so that it lifts first and lands straight."""
+
+
+@kernel
+def smooth_step(share: float) -> tuple[float, float, float]:
+    """Return the minimum-jerk step from 0 to 1 and its two derivatives at a share of its time."""
+    s = min(max(share, 0.0), 1.0)
+    r = 1.0 - s
+    return (
+        s * s * s * (10.0 + s * (6.0 * s - 15.0)),
+        30.0 * s * s * r * r,
+        60.0 * s * r * (1.0 - 2.0 * s),
+    )
+
+
+@kernel
+def swing_motion(
+    start: FloatArray, target: FloatArray, apex: float, share: float, duration: float, descent: float
+) -> FloatArray:
+    """Return place, velocity and acceleration of a foot in the air: (3, 3).
+
+    Sideways one minimum-jerk step; upwards one to the apex and one down again, after which (late
+    touchdown) the foot keeps going down at `descent`.
+
+    Parameters
+    ----------
+    start, target
+        (3,) lift-off and wanted touchdown, world axes [m].
+    apex
+        Height of the highest point, world z [m]; at least that of both ends.
+    share
+        Time since lift-off over the duration; above 1 the foot is late.
+    duration
+        Length of the swing [s].
+    descent
+        Speed towards the ground at the end and after it [m/s], >= 0.
+
+    Examples
+    --------
+    >>> swing_motion(np.zeros(3), np.array([0.1, 0.0, 0.0]), 0.05, 0.45, 0.2, 0.0)[0].round(6)
+    array([0.038944, 0.      , 0.05    ])
+    """
+    out = np.zeros((3, 3))
+    length = duration * (DOWN_LAST - LIFT_FIRST)
+    b, db, ddb = smooth_step((share - LIFT_FIRST) / (DOWN_LAST - LIFT_FIRST))
+    for i in range(2):
+        d = target[i] - start[i]
+        out[0, i], out[1, i], out[2, i] = start[i] + b * d, db * d / length, ddb * d / (length * length)
+    if share < RISE:
+        length = duration * RISE
+        b, db, ddb = smooth_step(share / RISE)
+        d = apex - start[2]
+        out[0, 2], out[1, 2], out[2, 2] = start[2] + b * d, db * d / length, ddb * d / (length * length)
+        return out
+    length = duration * (1.0 - RISE)
+    part = (share - RISE) / (1.0 - RISE)
+    b, db, ddb = smooth_step(part)
+    d = target[2] - apex
+    out[0, 2], out[1, 2], out[2, 2] = apex + b * d, db * d / length, ddb * d / (length * length)
+    # the descent is blended in over the second half of the way down, and carries on after it
+    late = max(part - 0.5, 0.0)
+    if late > 0.0:
+        ramp = min(2.0 * late, 1.0)
+        out[0, 2] -= descent * length * (late * late if late < 0.5 else late - 0.25)
+        out[1, 2] -= descent * ramp
+        if late < 0.5:
+            out[2, 2] -= 2.0 * descent / length
+    return out
+
+
+def apex_height(start: FloatArray, target: FloatArray, ground: FloatArray, clearance: float) -> float:
+    """Return the height that clears the ground below the path [m].
+
+    Parameters
+    ----------
+    start, target
+        (3,) ends of the swing [m].
+    ground
+        (k,) heights of the ground below the path, plus the foot's radius [m].
+    clearance
+        Room to leave below the foot at its highest [m].
+    """
+    return max(float(start[2]), float(target[2]), float(np.max(ground, initial=-math.inf))) + clearance

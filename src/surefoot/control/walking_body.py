@@ -1,0 +1,225 @@
+"""Where a walking body should be: wanted velocity over time, and the pose that follows the ground."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.control.body_motion import BodyReference
+from surefoot.control.foothold import fit_plane, slope_rotation
+from surefoot.errors import ProblemError
+
+LEASH = 0.05
+"""The wanted place never runs further ahead of the body than this share of a second at Froude speed."""
+GROUND_TIME = 0.12
+"""Time constant with which the ground's slope under the feet is followed [s]."""
+ACCELERATION = 0.12
+"""Largest change of the wanted velocity, as a share of g."""
+
+
+@dataclass(frozen=True)
+class VelocityCommand:
+    """Wanted velocity over time: (vx, vy, yaw rate) in the body's heading frame, held from each time on.
+
+    Attributes
+    ----------
+    times
+        (k,) rising, the first at 0 [s].
+    values
+        (k, 3) forward, left [m/s], yaw rate [rad/s].
+
+    Examples
+    --------
+    >>> VelocityCommand.constant(0.5, 0.0, 0.2).at(3.0)
+    array([0.5, 0. , 0.2])
+    """
+
+    times: FloatArray
+    values: FloatArray
+
+    def __post_init__(self) -> None:
+        times = finite_array("command times", self.times, (None,))
+        finite_array("command values", self.values, (len(times), 3))
+        if len(times) == 0 or times[0] != 0.0 or (np.diff(times) <= 0.0).any():
+            raise ProblemError(f"command times must rise from 0, got {times.tolist()}")
+
+    @staticmethod
+    def constant(forward: float, left: float = 0.0, turn: float = 0.0) -> VelocityCommand:
+        """Return the command that never changes."""
+        return VelocityCommand(np.zeros(1), np.array([[forward, left, turn]], dtype=np.float64))
+
+    @staticmethod
+    def read(path: Path) -> VelocityCommand:
+        """Read lines of ``time vx vy yaw_rate``, separated by blanks or commas; # starts a comment.
+
+        Raises
+        ------
+        ProblemError
+            If the file cannot be read or a line does not hold four numbers; the message names the line.
+        """
+        try:
+            lines = path.read_text().splitlines()
+        except (OSError, UnicodeDecodeError) as error:
+            raise ProblemError(f"cannot read the velocity file {path}: {error}") from error
+        rows = []
+        for number, line in enumerate(lines, 1):
+            words = line.split("#")[0].replace(",", " ").split()
+            if not words:
+                continue
+            try:
+                rows.append([float(w) for w in words])
+            except ValueError:
+                if rows:
+                    raise ProblemError(f"{path} line {number}: expected four numbers, got {line!r}") from None
+                continue  # a header
+            if len(rows[-1]) != 4:
+                raise ProblemError(f"{path} line {number}: expected time vx vy yaw_rate, got {line!r}")
+        if not rows:
+            raise ProblemError(f"{path} holds no line of time vx vy yaw_rate")
+        table = np.array(rows)
+        return VelocityCommand(table[:, 0], table[:, 1:])
+
+    def at(self, time: float) -> FloatArray:
+        """Return (3,) forward, left and yaw rate at a time."""
+        k = int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1
+        return np.asarray(self.values[max(k, 0)])
+
+
+@dataclass
+class BodyPlan:
+    """Follows the command: integrates the wanted place and heading, and fits the ground under the feet.
+
+    Attributes
+    ----------
+    height
+        Of the centre of mass above the ground, along the vertical [m].
+    position, yaw
+        (3,) wanted centre of mass [m], wanted heading [rad].
+    velocity
+        (3,) wanted velocity now, after the ramp: forward, left, yaw rate.
+    slope
+        (2,) slope of the ground along world x and y, smoothed.
+    """
+
+    height: float
+    position: FloatArray
+    yaw: float
+    velocity: FloatArray = field(default_factory=lambda: np.zeros(3))
+    slope: FloatArray = field(default_factory=lambda: np.zeros(2))
+    ground: float = 0.0
+
+    def advance(self, command: FloatArray, com: FloatArray, feet: FloatArray, dt: float) -> None:
+        """Move the wanted pose by one step.
+
+        Parameters
+        ----------
+        command
+            (3,) wanted velocity.
+        com
+            (3,) centre of mass [m].
+        feet
+            (n, 3) where the feet last stood, at the ground [m].
+        dt
+            Step [s].
+        """
+        limit = ACCELERATION * 9.81 * dt * np.array([1.0, 1.0, 1.0 / self.height])
+        self.velocity = self.velocity + np.clip(command - self.velocity, -limit, limit)
+        self.yaw += self.velocity[2] * dt
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        vx, vy = self.velocity[:2]
+        self.position[0] += (c * vx - s * vy) * dt
+        self.position[1] += (s * vx + c * vy) * dt
+        leash = LEASH * math.sqrt(9.81 * self.height)
+        away = self.position[:2] - com[:2]
+        far = math.hypot(*away)
+        if far > leash:
+            self.position[:2] = com[:2] + away * (leash / far)
+        level, slope_x, slope_y = fit_plane(feet, self.position[:2])
+        share = min(dt / GROUND_TIME, 1.0)
+        self.slope = self.slope + share * (np.array([slope_x, slope_y]) - self.slope)
+        self.ground += share * (level - self.ground) + float(self.slope @ self._flow()) * dt * (1.0 - share)
+        self.position[2] = self.ground + self.height
+
+    def _flow(self) -> FloatArray:
+        """Return the wanted (2,) velocity in world axes."""
+        c, s = math.cos(self.yaw), math.sin(self.yaw)
+        vx, vy = self.velocity[:2]
+        return np.array([c * vx - s * vy, s * vx + c * vy])
+
+    def rotation(self) -> FloatArray:
+        """Return the wanted (3, 3) orientation of the base."""
+        return slope_rotation(self.yaw, float(self.slope[0]), float(self.slope[1]))
+
+    def places(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return yaw (k,), centre of mass (k, 3) and its velocity (k, 3) at times from now [s]."""
+        turn = self.velocity[2]
+        yaw = self.yaw + turn * times
+        c, s = np.cos(yaw), np.sin(yaw)
+        vx, vy = self.velocity[:2]
+        flow = np.column_stack([c * vx - s * vy, s * vx + c * vy])
+        middle = self.yaw + 0.5 * turn * times
+        cm, sm = np.cos(middle), np.sin(middle)
+        move = np.column_stack([cm * vx - sm * vy, sm * vx + cm * vy]) * times[:, None]
+        climb, rise = move @ self.slope, flow @ self.slope
+        return yaw, self.position + np.column_stack([move, climb]), np.column_stack([flow, rise])
+
+    def reference(self, steps: int, dt: float) -> BodyReference:
+        """Return the reference of the next `steps` steps of `dt` seconds."""
+        yaw, places, flow = self.places(dt * np.arange(steps + 1))
+        if self.velocity[2] == 0.0:
+            rotation = np.broadcast_to(self.rotation(), (steps + 1, 3, 3))
+        else:
+            rotation = np.array([slope_rotation(y, float(self.slope[0]), float(self.slope[1])) for y in yaw])
+        spin = np.zeros((steps + 1, 3))
+        spin[:, 2] = self.velocity[2]
+        return BodyReference(rotation, places, flow, spin)
+
+
+def limit_command(
+    command: VelocityCommand, reach: float, stance_time: float, height: float, radius: float
+) -> tuple[VelocityCommand, list[str]]:
+    """Return the command slowed to what legs can do, and a line for everything that was slowed.
+
+    A foot moves back by the speed times the stance time while it carries: at most `reach` either side of
+    its middle. Turning moves it by the yaw rate times its distance `radius` from the middle.
+
+    Parameters
+    ----------
+    command
+        As given.
+    reach
+        How far a foot may be from below its hip [m].
+    stance_time
+        Length of the gait's stance [s].
+    height
+        Of the centre of mass [m]; no more than Froude number 1 is tried.
+    radius
+        Distance of the feet from the middle [m].
+    """
+    fastest = min(2.0 * reach / stance_time, math.sqrt(9.81 * height))
+    values, notes = command.values.copy(), []
+    for row, time in zip(values, command.times, strict=True):
+        speed = math.hypot(row[0], row[1]) + abs(row[2]) * radius
+        if speed > fastest:
+            share = fastest / speed
+            notes.append(
+                f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than this gait can do: "
+                f"slowed to ({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
+            )
+            row *= share
+    return VelocityCommand(command.times, values), notes
+
+
+def reference_feet(offsets: FloatArray, rotation: FloatArray) -> FloatArray:
+    """Return the (n, 2) places of the feet around the centre of mass for a body orientation."""
+    return np.asarray((offsets @ rotation.T)[:, :2])
+
+
+def names_of(flags: Sequence[bool], names: Sequence[str]) -> str:
+    """Return the names whose flag is set, as text."""
+    return ", ".join(n for n, f in zip(names, flags, strict=True) if f)

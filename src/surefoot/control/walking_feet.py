@@ -1,0 +1,155 @@
+"""Which feet carry and where the others go: the gait's plan corrected by what the feet feel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.foothold import FootholdSearch
+from surefoot.control.gait import ContactSchedule
+from surefoot.control.swing import apex_height, swing_motion
+from surefoot.stance import Terrain
+from surefoot.stance.terrain import SlopeTerrain
+
+EARLY = 0.6
+"""A foot that touches after this share of its swing has landed early; before, it only brushes the ground."""
+LOST_TIME = 0.03
+"""A foot in stance without contact for this long is looked for below [s]."""
+FREEZE = 0.75
+"""After this share of the swing the target stays where it is."""
+DESCENT = 0.12
+"""Speed with which a late foot looks for the ground, as a share of sqrt(g h)."""
+PATH_SAMPLES = 7
+
+
+@dataclass
+class Feet:
+    """The feet's state machine; all arrays have one row per foot.
+
+    Attributes
+    ----------
+    carrying
+        (n,) which feet push now.
+    planned
+        (n,) which feet the gait wants on the ground now.
+    late
+        (n,) which feet should be on the ground but have not found it.
+    target
+        (n, 3) where feet in the air will touch (centre of the foot), or last did.
+    ground
+        (n, 3) contact point where each foot last stood.
+    frames
+        (n, 3, 3) rotation_world_contact of each foot's ground.
+    share
+        (n,) time since lift-off over the swing's duration.
+    """
+
+    schedule: ContactSchedule
+    terrain: Terrain
+    radii: FloatArray
+    clearance: float
+    descent: float
+    centres: FloatArray
+
+    def __post_init__(self) -> None:
+        n = len(self.radii)
+        self.carrying: BoolArray = np.ones(n, dtype=bool)
+        self.planned: BoolArray = np.ones(n, dtype=bool)
+        self.late: BoolArray = np.zeros(n, dtype=bool)
+        self.share = np.zeros(n)
+        self.duration = np.ones(n)
+        self.target, self.start = self.centres.copy(), self.centres.copy()
+        self.apex = self.centres[:, 2].copy()
+        self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
+        self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
+        self._lifted = np.full(n, -np.inf)
+        self._felt = np.zeros(n)
+        self._plane = isinstance(self.terrain, SlopeTerrain)
+        self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(1.2 * self.radii.mean()))
+
+    def update(self, time: float, felt: BoolArray, centres: FloatArray) -> bool:
+        """Move on to a time of the schedule; return whether a foot has lifted or landed.
+
+        Parameters
+        ----------
+        time
+            On the schedule's clock [s].
+        felt
+            (n,) which feet feel the ground.
+        centres
+            (n, 3) where the feet are.
+        """
+        changed = False
+        self._felt[felt] = time
+        for k in range(len(felt)):
+            planned, begin, end = self.schedule.phase(k, time)
+            self.planned[k] = planned
+            if planned:
+                changed |= self._on_ground(k, time, bool(felt[k]), centres[k])
+                continue
+            self.late[k] = False
+            self.share[k] = (time - begin) / (end - begin)
+            if self.carrying[k]:
+                if begin > self._lifted[k]:
+                    self._lift(k, begin, end - begin, centres[k])
+                    changed = True
+            elif felt[k] and self.share[k] > EARLY:
+                self._land(k, centres[k])
+                changed = True
+        return changed
+
+    def _on_ground(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
+        """Handle a foot that the gait wants on the ground."""
+        if self.carrying[k]:
+            if time - self._felt[k] <= LOST_TIME:
+                return False
+            self.carrying[k], self.late[k] = False, True
+            self.start[k], self.target[k] = centre, centre
+            self.apex[k], self.share[k], self.duration[k] = centre[2], 1.0, LOST_TIME
+            self._felt[k] = time
+            return True
+        if felt:
+            self._land(k, centre)
+            return True
+        self.late[k] = True
+        return False
+
+    def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
+        self.carrying[k] = False
+        self._lifted[k], self.duration[k] = begin, duration
+        self.start[k] = centre
+
+    def _land(self, k: int, centre: FloatArray) -> None:
+        self.carrying[k], self.late[k] = True, False
+        self.target[k] = centre
+        if not self._plane:
+            self.frames[k] = self.terrain.frame(centre[:2])
+        self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
+
+    def aim(self, k: int, place: FloatArray) -> None:
+        """Set the target of a foot in the air: (2,) nominal place, moved to good ground."""
+        if self.share[k] > FREEZE:
+            return
+        xy = self._search.choose(self.terrain, place)
+        normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
+        self.target[k, :2] = xy
+        # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
+        self.target[k, 2] = float(self.terrain.height(xy)) + self.radii[k] / normal[2]
+        if not self._plane:
+            self.frames[k] = self.terrain.frame(xy)
+        path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
+        ground = self.terrain.height(path) + self.radii[k]
+        self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
+
+    def motion(self, k: int, time: float) -> FloatArray:
+        """Return wanted place, velocity and acceleration of a foot in the air: (3, 3)."""
+        share = self.share[k]
+        if self.late[k]:
+            _, begin, _ = self.schedule.phase(k, time)
+            share = 1.0 + max(time - max(begin, self._felt[k]), 0.0) / self.duration[k]
+        return swing_motion(
+            self.start[k], self.target[k], float(self.apex[k]), float(share), float(self.duration[k]),
+            self.descent,
+        )  # fmt: skip

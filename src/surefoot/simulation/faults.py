@@ -1,0 +1,91 @@
+"""What can be wrong between a robot and its controller: noisy sensors, late commands, weak motors."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.simulation.world import World
+from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
+
+
+@dataclass(frozen=True)
+class Faults:
+    """Levels of the faults of a run; all zero by default.
+
+    Attributes
+    ----------
+    noise
+        Standard deviation of white noise on the measured state, in units of: joint angles 0.01 rad,
+        joint speeds 0.2 rad/s, base position 0.01 m, orientation 0.01 rad, velocity 0.05 m/s, turn rate
+        0.05 rad/s.
+    delay
+        Time between a measurement and its torques [s].
+    weak_joint, torque_loss
+        Name of a joint, and the share of its torque that is lost.
+    """
+
+    noise: float = 0.0
+    delay: float = 0.0
+    weak_joint: str = ""
+    torque_loss: float = 0.0
+
+    def start(self, world: World, seed: int | None) -> ActiveFaults:
+        """Return the faults at work in a world, their noise seeded.
+
+        Raises
+        ------
+        ProblemError
+            For a negative level or a joint that the robot does not have.
+        """
+        real_number("noise", self.noise, low=0.0)
+        real_number("torque loss", self.torque_loss, low=0.0, high=1.0)
+        names = world.robot.joint_names
+        strength = np.ones(len(names))
+        if self.weak_joint:
+            if self.weak_joint not in names:
+                raise ProblemError(unknown_name("joint", self.weak_joint, names))
+            strength[names.index(self.weak_joint)] = 1.0 - self.torque_loss
+        late = round(real_number("delay", self.delay, low=0.0, high=1.0) / world.dt)
+        return ActiveFaults(
+            self.noise, strength, late, np.random.default_rng([0 if seed is None else seed, 1])
+        )
+
+
+@dataclass
+class ActiveFaults:
+    """The faults of one run; made by `Faults.start`."""
+
+    noise: float
+    strength: FloatArray
+    late: int
+    generator: np.random.Generator
+    _queue: deque[FloatArray] = field(default_factory=deque)
+
+    def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the state as the controller sees it."""
+        if self.noise == 0.0:
+            return q, v
+        r, level = self.generator, self.noise
+        q, v = q.copy(), v.copy()
+        q[:3] += 0.01 * level * r.normal(size=3)
+        turn = 0.01 * level * r.normal(size=3)
+        angle = float(np.linalg.norm(turn))
+        if angle > 0.0:
+            rotation = rotation_about(turn / angle, angle) @ rotation_from_quaternion(q[3:7])
+            q[3:7] = quaternion_from_rotation(rotation)
+        q[7:] += 0.01 * level * r.normal(size=len(q) - 7)
+        v[:6] += 0.05 * level * r.normal(size=6)
+        v[6:] += 0.2 * level * r.normal(size=len(v) - 6)
+        return q, v
+
+    def act(self, torques: FloatArray) -> FloatArray:
+        """Return the torques that the motors give: late and weakened."""
+        if self.late:
+            self._queue.append(torques)
+            torques = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()
+        return torques * self.strength
