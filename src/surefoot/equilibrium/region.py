@@ -130,20 +130,17 @@ def polygon_area(corners: FloatArray) -> float:
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
-def convex_hull(points: FloatArray, slack: float = 0.0) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise (Andrew's chain).
-
-    Corners that stand out from the line between their neighbours by `slack` or less are left out.
-    """
+def convex_hull(points: FloatArray) -> FloatArray:
+    """Return the corners of the convex hull of (n, 2) points, counter-clockwise (Andrew's chain)."""
     unique = np.unique(points, axis=0)
     if len(unique) <= 2:
         return unique
-    least = max(slack, 1e-14 * float(np.ptp(unique, axis=0).max()))
+    flat = 1e-14 * float(np.ptp(unique, axis=0).max()) ** 2
 
     def chain(ordered: FloatArray) -> list[FloatArray]:
         out: list[FloatArray] = []
         for p in ordered:
-            while len(out) >= 2 and _stands_out(out[-2], out[-1], p) <= least:
+            while len(out) >= 2 and _turn(out[-2], out[-1], p) <= flat:
                 out.pop()
             out.append(p)
         return out[:-1]
@@ -151,7 +148,19 @@ def convex_hull(points: FloatArray, slack: float = 0.0) -> FloatArray:
     return np.array(chain(unique) + chain(unique[::-1]))
 
 
-def _stands_out(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
-    """Return how far b is to the right of the line from a to c [m]."""
-    turn = float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-    return turn / max(float(np.linalg.norm(c - a)), 1e-300)
+def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
+    """Drop corners of a convex polygon that stand out from their neighbours' line by `slack` or less."""
+    corners = list(polygon)
+    k = 0
+    while k < len(corners) and len(corners) > 2:
+        a, b, c = corners[k - 1], corners[k], corners[(k + 1) % len(corners)]
+        if _turn(a, b, c) <= slack * max(float(np.linalg.norm(c - a)), 1e-300):
+            corners.pop(k)
+        else:
+            k += 1
+    return np.array(corners).reshape(-1, 2)
+
+
+def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
+    """Return twice the signed area of a triangle, positive counter-clockwise."""
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
