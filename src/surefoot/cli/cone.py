@@ -11,7 +11,7 @@ import typer
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.errors import ProblemError, unknown_name
 
-PICTURE_FACETS = (3, 4, 6, 8, 16)
+PICTURE_FACETS = (3, 4, 8, 16)
 
 
 def cone(

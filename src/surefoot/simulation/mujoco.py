@@ -7,6 +7,9 @@ without friction or rotor inertia; only the feet's spheres touch the ground.
 
 from __future__ import annotations
 
+import ctypes.util
+import os
+import sys
 from typing import Any
 
 import numpy as np
@@ -38,15 +41,28 @@ _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 def import_mujoco() -> Any:
     """Return the mujoco module.
 
+    MuJoCo fixes how it draws when it is first imported. Without a screen, and unless MUJOCO_GL says
+    otherwise, it is told to draw through EGL or OSMesa if the system has one of them.
+
     Raises
     ------
     MissingExtra
         If it is not installed.
+    ModelError
+        If it does not load with the MUJOCO_GL of the environment.
     """
+    if "mujoco" not in sys.modules and not {"MUJOCO_GL", "DISPLAY"} & os.environ.keys():
+        for name, library in (("egl", "EGL"), ("osmesa", "OSMesa")):
+            if ctypes.util.find_library(library):
+                os.environ["MUJOCO_GL"] = name
+                break
     try:
         import mujoco
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         raise MissingExtra("mujoco", "sim") from error
+    except (ImportError, AttributeError, RuntimeError) as error:
+        wanted = os.environ.get("MUJOCO_GL", "")
+        raise ModelError(f"MuJoCo does not load with MUJOCO_GL={wanted!r}: {error}") from error
     return mujoco
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.cones import FrictionCone
 from surefoot.cones.polyhedral import FrictionPyramid
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
+from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, blank_figure, house_style, save
 
 
 def draw_pyramids(mu: float, facets: Sequence[int], phase: float, path: Path) -> Path:
@@ -18,17 +18,16 @@ def draw_pyramids(mu: float, facets: Sequence[int], phase: float, path: Path) ->
 
     One column per number of sides: the section at f_z = 1 above, the cone in 3-D below.
     """
-    figure, axes = new_figure(1, len(facets), size=(3.1 * len(facets), 6.4))
-    for axis in axes[0]:
-        axis.remove()
-    for column, k in enumerate(facets):
-        flat = figure.add_subplot(2, len(facets), column + 1)
-        solid = figure.add_subplot(2, len(facets), len(facets) + column + 1, projection="3d")
-        inner = FrictionCone(mu).polyhedral(k, "inner", phase)
-        outer = FrictionCone(mu).polyhedral(k, "outer", phase)
-        _section(flat, mu, inner, outer, first=column == 0)
-        _solid(solid, mu, inner, outer)
-    figure.suptitle(f"Friction cone of μ = {mu:g} and its pyramids (section at f_z = 1 N above)", color=INK)
+    figure = blank_figure((2.9 * len(facets), 6.2))
+    with house_style():
+        for column, k in enumerate(facets):
+            flat = figure.add_subplot(2, len(facets), column + 1)
+            solid = figure.add_subplot(2, len(facets), len(facets) + column + 1, projection="3d")
+            inner = FrictionCone(mu).polyhedral(k, "inner", phase)
+            outer = FrictionCone(mu).polyhedral(k, "outer", phase)
+            _section(flat, mu, inner, outer, first=column == 0)
+            _solid(solid, mu, inner, outer)
+        figure.suptitle(f"Friction cone of μ = {mu:g} and its pyramids; sections at $f_z$ = 1 N", color=INK)
     return save(figure, path)
 
 
@@ -41,7 +40,8 @@ def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyrami
         axis.plot(ring[:, 0], ring[:, 1], color=colour, label=name)
     axis.set_aspect("equal")
     span = 1.05 * float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
-    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="$f_x$ [N]")
+    ticks = [-mu, 0.0, mu]
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="$f_x$ [N]", xticks=ticks, yticks=ticks)
     axis.set_title(
         f"k = {inner.facets}: inner −{100 * inner.fit_error.radial:.1f} %, "
         f"outer +{100 * outer.fit_error.radial:.1f} %",
@@ -49,7 +49,7 @@ def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyrami
     )
     if first:
         axis.set_ylabel("$f_y$ [N]")
-        axis.legend(loc="upper right", fontsize=7, framealpha=0.85, frameon=True)
+        axis.legend(loc="upper left", fontsize=7, borderpad=0.0)
 
 
 def _solid(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid) -> None:
@@ -64,9 +64,10 @@ def _solid(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid)
             axis.plot([0, ray[0]], [0, ray[1]], [0, ray[2]], color=colour, lw=0.6)
     span = float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
     axis.set(xlim=(-span, span), ylim=(-span, span), zlim=(0, 1))
+    axis.set(xticks=[-mu, 0.0, mu], yticks=[-mu, 0.0, mu], zticks=[0.0, 0.5, 1.0])
     axis.set_box_aspect((1, 1, 0.9))
-    axis.tick_params(labelsize=6, colors=MUTED)
-    axis.set_xlabel("$f_x$", labelpad=-8)
-    axis.set_ylabel("$f_y$", labelpad=-8)
-    axis.set_zlabel("$f_z$", labelpad=-8)
+    axis.tick_params(labelbottom=False, labelleft=False, labelright=False, colors=MUTED)
+    axis.set_xlabel("$f_x$", labelpad=-14)
+    axis.set_ylabel("$f_y$", labelpad=-14)
+    axis.set_zlabel("$f_z$", labelpad=-14)
     axis.view_init(elev=22, azim=-55)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -44,23 +46,43 @@ def new_figure(
     MissingExtra
         If matplotlib is not installed.
     """
-    try:
-        import matplotlib
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtra("matplotlib", "viz") from error
-    with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=size, layout="constrained")
-        FigureCanvasAgg(figure)
+    with house_style():
+        figure = blank_figure(size)
         axes = figure.subplots(rows, columns, squeeze=False, **subplots)
     return figure, axes
 
 
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in the house style inside this context; nothing global is left changed.
+
+    Raises
+    ------
+    MissingExtra
+        If matplotlib is not installed.
+    """
+    try:
+        import matplotlib
+    except ImportError as error:
+        raise MissingExtra("matplotlib", "viz") from error
+    with matplotlib.rc_context(_STYLE):
+        yield
+
+
+def blank_figure(size: tuple[float, float] = (8.0, 4.5)) -> Any:
+    """Return a matplotlib figure without axes, its size in inches."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise MissingExtra("matplotlib", "viz") from error
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def save(figure: Any, path: Path, dpi: int = 130) -> Path:
     """Write the figure to a new file and return its path."""
-    import matplotlib
-
-    with matplotlib.rc_context(_STYLE):
+    with house_style():
         figure.savefig(path, dpi=dpi)
     return path

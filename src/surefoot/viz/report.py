@@ -1,0 +1,88 @@
+"""A report of a run as one HTML file that needs nothing else: pictures and film are inside."""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from surefoot.errors import ProblemError
+
+_CSS = """
+body{font:15px/1.5 system-ui,sans-serif;color:#22303c;max-width:60rem;margin:2rem auto;padding:0 1rem}
+h1{font-size:1.6rem;margin-bottom:.2rem}h2{font-size:1.1rem;margin-top:2rem}
+.verdict{display:inline-block;padding:.2rem .7rem;border-radius:.4rem;color:#fff;background:#b3001b}
+.verdict.good{background:#2e933c}table{border-collapse:collapse;margin:.6rem 0}
+td,th{padding:.25rem .8rem;border-bottom:1px solid #e3e7ea;text-align:right}
+td:first-child,th:first-child{text-align:left}img,video{max-width:100%}
+code{background:#f1f3f5;padding:.1rem .3rem;border-radius:.2rem}.note{color:#5c6b78}
+"""
+
+
+def write_report(
+    path: Path,
+    title: str,
+    verdict: tuple[str, bool],
+    sections: Sequence[tuple[str, str]],
+    command: str,
+) -> Path:
+    """Write the report to a new file and return its path.
+
+    Parameters
+    ----------
+    path
+        Where to; must not exist.
+    title
+        Heading of the page.
+    verdict
+        One line, and whether it is good news.
+    sections
+        Pairs of a heading and ready HTML (see `table`, `picture`, `film`).
+    command
+        The command that made the run.
+
+    Raises
+    ------
+    ProblemError
+        If the file exists already.
+    """
+    if path.exists():
+        raise ProblemError(f"{path} exists already")
+    body = "".join(f"<h2>{html.escape(name)}</h2>\n{content}\n" for name, content in sections)
+    line, good = verdict
+    path.write_text(
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
+        f"<style>{_CSS}</style></head><body>\n<h1>{html.escape(title)}</h1>\n"
+        f'<p><span class="verdict{" good" if good else ""}">{html.escape(line)}</span></p>\n'
+        f'<p class="note">Made by <code>{html.escape(command)}</code></p>\n{body}</body></html>\n',
+        encoding="utf-8",
+    )
+    return path
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    """Return an HTML table."""
+    head = "".join(f"<th>{html.escape(str(c))}</th>" for c in header)
+    lines = "".join(
+        "<tr>" + "".join(f"<td>{html.escape(str(c))}</td>" for c in row) + "</tr>\n" for row in rows
+    )
+    return f"<table><tr>{head}</tr>\n{lines}</table>"
+
+
+def picture(path: Path) -> str:
+    """Return a picture, its bytes inside."""
+    data = base64.b64encode(path.read_bytes()).decode("ascii")
+    return f'<img alt="{html.escape(path.stem.replace("_", " "))}" src="data:image/png;base64,{data}">'
+
+
+def film(path: Path) -> str:
+    """Return a film, its bytes inside."""
+    data = base64.b64encode(path.read_bytes()).decode("ascii")
+    return f'<video controls loop muted src="data:video/mp4;base64,{data}"></video>'
+
+
+def paragraph(text: str) -> str:
+    """Return a paragraph of plain text."""
+    return f"<p>{html.escape(text)}</p>"

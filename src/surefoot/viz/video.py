@@ -1,0 +1,210 @@
+"""A film of a logged run: the robot drawn by MuJoCo, with its contact forces as arrows.
+
+The physics is long over when this runs: configurations and forces are read from the log. Rendering
+needs an OpenGL that works without a screen (EGL or OSMesa); `render_frames` says in one line why not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import MissingExtra, SurefootError
+from surefoot.robot import Robot
+from surefoot.simulation.log import Log
+from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
+from surefoot.spatial import quaternion_wxyz
+from surefoot.stance import Terrain
+from surefoot.viz.meshes import add_meshes
+
+WIDTH, HEIGHT, RATE = 640, 480, 25
+ARROW_LENGTH = 2.0
+"""Length of an arrow that carries the whole weight, in base heights."""
+FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
+    (0.82, 0.29, 0.36, 1.0),
+    (0.1, 0.4, 0.7, 0.35),
+    (0.9, 0.6, 0.05, 1.0),
+)
+
+
+Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]
+"""Start and vector in world axes [m], colour (red, green, blue, opacity)."""
+
+
+class RenderError(SurefootError, RuntimeError):
+    """No picture could be drawn; the message says why."""
+
+
+class Renderer:
+    """Draws a robot on its terrain, off screen.
+
+    Parameters
+    ----------
+    robot, terrain
+        Who and on what.
+    width, height
+        Size of a frame [pixels].
+    fine
+        Whether to draw shadows and smooth edges, at ten times the cost.
+
+    Raises
+    ------
+    RenderError
+        If there is no OpenGL to draw with.
+    """
+
+    def __init__(
+        self, robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, fine: bool = False
+    ) -> None:
+        mujoco = self._mujoco = import_mujoco()
+        spec = robot_spec(robot)
+        add_ground(spec, terrain, 1.0)
+        add_meshes(spec, robot)
+        _add_light(mujoco, spec, width, height, 8 if fine else 0)
+        self.robot = robot
+        self.model = spec.compile()
+        self.data = mujoco.MjData(self.model)
+        try:
+            self._renderer = mujoco.Renderer(self.model, height, width)
+        except Exception as error:  # each GL backend fails with a class of its own
+            reason = " ".join(str(error).split()) or type(error).__name__
+            raise RenderError(f"no pictures: MuJoCo found no OpenGL to draw with ({reason:.120})") from error
+        scene = self._renderer.scene
+        scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
+        scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = int(fine)
+        self._camera = mujoco.MjvCamera()
+        self._size = float(robot.nominal[2]) if robot.floating else 0.5
+        self._camera.distance = 4.2 * self._size
+        self._camera.azimuth, self._camera.elevation = 140.0, -14.0
+
+    def frame(self, q: FloatArray, arrows: list[Arrow]) -> Any:
+        """Return the picture (height, width, 3) of a configuration and arrows (start, vector [m], colour)."""
+        self.data.qpos[:] = q
+        if self.robot.floating:
+            self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
+        self._mujoco.mj_forward(self.model, self.data)
+        self._camera.lookat[:] = q[:3] - [0.0, 0.0, 0.45 * self._size]
+        self._renderer.update_scene(self.data, self._camera)
+        for start, vector, colour in arrows:
+            self._arrow(start, vector, colour)
+        return self._renderer.render()
+
+    def _arrow(self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...]) -> None:
+        width = 1.6 if colour == WANTED_COLOUR else 1.0
+        scene, mujoco = self._renderer.scene, self._mujoco
+        if scene.ngeom >= scene.maxgeom or float(np.linalg.norm(vector)) < 1e-3 * self._size:
+            return
+        geom = scene.geoms[scene.ngeom]
+        kind = mujoco.mjtGeom.mjGEOM_ARROW
+        mujoco.mjv_initGeom(
+            geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), np.array(colour, np.float32)
+        )
+        mujoco.mjv_connector(geom, kind, 0.03 * self._size * width, start, start + vector)
+        scene.ngeom += 1
+
+    def close(self) -> None:
+        """Free the OpenGL context."""
+        self._renderer.close()
+
+
+def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) -> None:
+    """Add light, sky and a checked ground."""
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+    spec.visual.quality.offsamples = samples
+    spec.visual.headlight.ambient = [0.45, 0.45, 0.45]
+    spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
+    spec.worldbody.add_light(pos=[1.0, -1.5, 4.0], dir=[-0.2, 0.3, -1.0], diffuse=[0.5, 0.5, 0.5])
+    spec.add_texture(
+        name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.93, 0.95, 0.97], rgb2=[0.74, 0.80, 0.86], width=64, height=64,
+    )  # fmt: skip
+    spec.add_texture(
+        name="floor", type=mujoco.mjtTexture.mjTEXTURE_2D, builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.91, 0.89, 0.85], rgb2=[0.84, 0.82, 0.77], width=256, height=256,
+    )  # fmt: skip
+    material = spec.add_material(name="floor", texuniform=True, texrepeat=[2.0, 2.0])
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
+    for geom in spec.geoms:
+        if geom.name.startswith("ground"):
+            geom.material, geom.rgba = "floor", [1.0, 1.0, 1.0, 1.0]
+
+
+def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arrow]:
+    """Return the arrows of one step: measured forces, commanded ones where they differ, the push.
+
+    `scale` is in metres per newton.
+    """
+    arrows: list[Arrow] = []
+    positions = log["contact_positions"][step]
+    for k, place in enumerate(positions):
+        frame = terrain.frame(place[:2])
+        wanted, measured = log["forces_commanded"][step, k], log["forces"][step, k]
+        arrows.append((place, scale * frame @ measured, FORCE_COLOUR))
+        if np.linalg.norm(wanted - measured) > 0.15 * np.linalg.norm(wanted):
+            arrows.append((place, scale * frame @ wanted, WANTED_COLOUR))
+    push = log["push"][step]
+    if np.any(push):
+        arrows.append((log["q"][step, :3] - 2.0 * scale * push, 2.0 * scale * push, PUSH_COLOUR))
+    return arrows
+
+
+def frames_of(log: Log, robot: Robot, terrain: Terrain, rate: int = RATE) -> Iterator[Any]:
+    """Yield the pictures of a log at `rate` frames per second of simulated time.
+
+    Raises
+    ------
+    RenderError
+        Before the first frame, if there is no OpenGL.
+    """
+    renderer = Renderer(robot, terrain)
+    try:
+        every = 1.0 / (rate * float(log.facts["dt"]))
+        scale = ARROW_LENGTH * renderer._size / (robot.mass * 9.81)
+        for k in range(int(len(log) / every)):
+            step = int(k * every)
+            yield renderer.frame(log["q"][step], log_arrows(log, step, terrain, scale))
+    finally:
+        renderer.close()
+
+
+def write_video(
+    log: Log,
+    robot: Robot,
+    terrain: Terrain,
+    path: Path,
+    rate: int = RATE,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write a film of a log as .mp4 and return its path; `progress` is told the share done.
+
+    Raises
+    ------
+    RenderError
+        If there is no OpenGL, or the film cannot be written.
+    MissingExtra
+        If imageio with its ffmpeg is not installed.
+    """
+    try:
+        import imageio.v2 as imageio
+        import imageio_ffmpeg  # noqa: F401
+    except ImportError as error:
+        raise MissingExtra("imageio-ffmpeg", "sim") from error
+    total = max(1, int(len(log) * float(log.facts["dt"]) * rate))
+    writer = None
+    try:
+        for k, picture in enumerate(frames_of(log, robot, terrain, rate)):
+            if writer is None:
+                writer = imageio.get_writer(path, fps=rate, quality=7, macro_block_size=8)
+            writer.append_data(picture)
+            if progress is not None:
+                progress((k + 1) / total)
+    except OSError as error:
+        raise RenderError(f"no video: {error}") from error
+    finally:
+        if writer is not None:
+            writer.close()
+    return path
