@@ -11,9 +11,10 @@ from surefoot.arrays import FloatArray, finite_array, per_contact, real_array, r
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
 from surefoot.solvers import distribution_wrench as newton
+from surefoot.solvers.distribution_rows import distribute_with_rows, rows_work
 from surefoot.stance import Stance
 
-_STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID)
+_STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
 _FLOAT = np.float64
 _WRENCH = (6,)
 
@@ -46,6 +47,8 @@ class ForceDistributor:
         precision can tell no better).
     max_iterations
         Bound on the Newton iterations.
+    torque_limit
+        (joints,) largest joint torques [N·m], for calls of `solve` with a Jacobian.
 
     Raises
     ------
@@ -74,6 +77,7 @@ class ForceDistributor:
         smoothness: float = 0.0,
         tol: float = 1e-7,
         max_iterations: int = 100,
+        torque_limit: ArrayLike | None = None,
     ) -> None:
         self._given = (mu, normal_min, normal_max, force_weight)
         weights = finite_array("wrench_weights", wrench_weights)
@@ -85,6 +89,11 @@ class ForceDistributor:
         self._smoothness = real_number("smoothness", smoothness, low=0.0)
         self._tol = real_number("tol", tol, low=0.0)
         self._limit = int(real_number("max_iterations", max_iterations, low=1))
+        self._torque_limit = (
+            None if torque_limit is None else real_array("torque_limit", torque_limit, (None,))
+        )
+        if self._torque_limit is not None and not (self._torque_limit >= 0.0).all():
+            raise ProblemError(f"torque_limit must be >= 0, got {self._torque_limit.min():g}")
         sizes = {len(a) for a in map(np.asarray, self._given) if a.ndim > 0}
         if len(sizes) > 1:
             raise ProblemError(
@@ -124,6 +133,7 @@ class ForceDistributor:
         rows[:, newton.DRAG] = self._smoothness / total[:, 0]
         self._results[newton.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
         self._results[newton.LIMIT] = self._limit
+        self._rows = None if self._torque_limit is None else rows_work(count, self._torque_limit.size)
         self.set_active(np.ones(count, dtype=bool))
 
     def solve(
@@ -132,6 +142,8 @@ class ForceDistributor:
         wrench: ArrayLike,
         reference: ArrayLike | None = None,
         active: ArrayLike | None = None,
+        jacobian: ArrayLike | None = None,
+        torque_offset: ArrayLike | None = None,
     ) -> FloatArray:
         """Return the optimal contact forces.
 
@@ -145,6 +157,13 @@ class ForceDistributor:
             (n, 3) wanted forces [N]; kept until the next reference. Zero at first.
         active
             (n,) mask of the contacts that may carry force; kept until the next mask, see `set_active`.
+        jacobian
+            (3n, joints) map from joint velocities to contact velocities in contact frames. With it
+            the joint torques obey ``|jacobian.T @ f + torque_offset| <= torque_limit``. If no
+            admissible force does, `status` is INFEASIBLE and the forces are those with the least
+            sum of squared excess.
+        torque_offset
+            (joints,) torques that the contact forces are added to [N·m]; zero if not given.
 
         Returns
         -------
@@ -166,8 +185,34 @@ class ForceDistributor:
         if reference is not None:
             self.set_reference(reference)
         forces = np.empty(self._forces_shape)
-        self._code = newton.distribute_wrench(A, w, self._work, forces)
+        if jacobian is None:
+            self._code = newton.distribute_wrench(A, w, self._work, forces)
+        else:
+            self._solve_with_torques(A, w, jacobian, torque_offset, forces)
         return forces
+
+    def _solve_with_torques(
+        self,
+        grasp_map: FloatArray,
+        wrench: FloatArray,
+        jacobian: ArrayLike,
+        offset: ArrayLike | None,
+        forces: FloatArray,
+    ) -> None:
+        """Fill `forces` so that the joint torques stay within their limits."""
+        if self._torque_limit is None or self._rows is None:
+            raise ProblemError("a Jacobian was given, but ForceDistributor was built without torque_limit")
+        J = np.ascontiguousarray(jacobian, _FLOAT)
+        limit = self._torque_limit
+        shift = np.zeros_like(limit) if offset is None else np.asarray(offset, dtype=_FLOAT)
+        if J.shape != (self._shape[1], limit.size) or shift.shape != limit.shape:
+            raise ProblemError(
+                f"jacobian must have shape ({self._shape[1]}, {limit.size}) and torque_offset "
+                f"({limit.size},), got {J.shape} and {shift.shape}"
+            )
+        self._code = distribute_with_rows(
+            grasp_map, wrench, J, -limit - shift, limit - shift, self._work, *self._rows, forces
+        )
 
     def _fit(self, grasp_map: FloatArray, wrench: FloatArray) -> None:
         """Take the number of contacts from the first grasp map, or say which shape is wrong."""
@@ -189,6 +234,26 @@ class ForceDistributor:
         rows[:, newton.CEILING] = np.where(on, self._high, 0.0)
         rows[:, newton.LOW] = rows[:, newton.FLOOR] / rows[:, newton.NORMAL]
         rows[:, newton.HIGH] = rows[:, newton.CEILING] / rows[:, newton.NORMAL]
+
+    def set_bounds(self, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
+        """Change the bounds on the normal forces, (n,) or numbers [N]; all contacts are switched on.
+
+        A contact whose upper bound is zero carries exactly zero.
+
+        Raises
+        ------
+        ProblemError
+            For a wrong shape, a negative bound, or bounds out of order.
+        """
+        count = self._mu.size
+        low, high = per_contact("normal_min", normal_min, count), per_contact("normal_max", normal_max, count)
+        if (low > high).any():
+            k = int(np.argmax(low > high))
+            raise ProblemError(
+                f"normal_min must be <= normal_max, got {low[k]:g} > {high[k]:g} at contact {k}"
+            )
+        self._low, self._high = low, high
+        self.set_active(np.ones(count, dtype=bool))
 
     def set_reference(self, forces: ArrayLike) -> None:
         """Set the wanted forces: (n, 3) [N]."""
@@ -220,6 +285,14 @@ class ForceDistributor:
     def force_error(self) -> float:
         """Upper bound on the distance from the last forces to the optimum, over all contacts [N]."""
         return float(self._results[newton.FORCE_ERROR])
+
+    @property
+    def torque_excess(self) -> float:
+        """By how much the worst joint torque of the last `solve` with a Jacobian exceeds its limit [N·m].
+
+        Negative or zero if all are within.
+        """
+        return float(self._results[newton.ROW_VIOLATION])
 
     @property
     def wrench_error(self) -> float:

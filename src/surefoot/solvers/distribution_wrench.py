@@ -57,8 +57,9 @@ WIDTH = 48
 DUAL, ROOT = 0, 6
 # ... and settings and results.
 WARM, TOLERANCE, LIMIT, HAS_LAST, ITERATIONS, FORCE_ERROR, GAP, WRENCH_ERROR = 0, 1, 2, 3, 4, 5, 6, 7
+ROW_VIOLATION, ROWS_WARM = 8, 9  # see `surefoot.solvers.distribution_rows`
 
-SOLVED, ALMOST, MAX_ITERATIONS, INVALID = 0, 1, 2, 3
+SOLVED, ALMOST, MAX_ITERATIONS, INVALID, INFEASIBLE = 0, 1, 2, 3, 4
 
 # Tuning; what they change is the time of hard instances, never the answer.
 FAR = 0.3  # share of ||b||² at which the first residual sends an instance down the path
@@ -363,15 +364,22 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     unload(work, contacts, forces)
 
 
+@inline_kernel
+def weigh(wrench: FloatArray, work: FloatArray, contacts: int) -> Six:
+    """Return b, the wanted wrench times the roots of its weights."""
+    return (
+        wrench[0] * work[contacts, ROOT], wrench[1] * work[contacts, ROOT + 1],
+        wrench[2] * work[contacts, ROOT + 2], wrench[3] * work[contacts, ROOT + 3],
+        wrench[4] * work[contacts, ROOT + 4], wrench[5] * work[contacts, ROOT + 5],
+    )  # fmt: skip
+
+
 @kernel
 def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArray, forces: FloatArray) -> int:
     """Write the (n, 3) optimal forces [N] for a (6, 3n) grasp map and a (6,) wrench; return a code."""
     contacts = forces.shape[0]
     memory, results = contacts, contacts + 1
-    b = mix((0.0,) * 6, 1.0, (
-        wrench[0] * work[memory, ROOT], wrench[1] * work[memory, ROOT + 1], wrench[2] * work[memory, ROOT + 2],
-        wrench[3] * work[memory, ROOT + 3], wrench[4] * work[memory, ROOT + 4], wrench[5] * work[memory, ROOT + 5],
-    ))  # fmt: skip
+    b = weigh(wrench, work, contacts)
     norm, check = load(grasp_map, work, contacts)
     size = dot(b, b)
     if check + size * 0.0 != 0.0:
@@ -398,6 +406,20 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
 
 
 @kernel
+def measure(work: FloatArray, contacts: int, b: Six, error: float) -> float:
+    """Write what the forces leave of the wrench and how far they may be from the optimum."""
+    widest, missing, results = 0.0, scale(-1.0, b), contacts + 1
+    for k in range(contacts):
+        widest = max(widest, work[k, TANGENT], work[k, NORMAL])
+        missing = mix(missing, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
+    left = dot(missing, missing)
+    work[results, GAP] = 0.5 * error
+    work[results, FORCE_ERROR] = widest * math.sqrt(error)
+    work[results, WRENCH_ERROR] = math.sqrt(left)
+    return left
+
+
+@kernel
 def finish(
     work: FloatArray, contacts: int, b: Six, y: Six, error: float, tol: float, count: int, forces: FloatArray
 ) -> int:
@@ -411,14 +433,7 @@ def finish(
     work[memory, 0], work[memory, 1], work[memory, 2], work[memory, 3], work[memory, 4], work[memory, 5] = y
     work[results, WARM], work[results, HAS_LAST] = 1.0, 1.0
     unload(work, contacts, forces)
-    widest = 0.0
-    missing = scale(-1.0, b)
-    for k in range(contacts):
-        widest = max(widest, work[k, TANGENT], work[k, NORMAL])
-        missing = mix(missing, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
-    work[results, GAP] = 0.5 * error
-    work[results, FORCE_ERROR] = widest * math.sqrt(error)
-    work[results, WRENCH_ERROR] = math.sqrt(dot(missing, missing))
-    if error <= work[results, TOLERANCE] ** 2 or (error <= tol and error <= RELATIVE * dot(missing, missing)):
+    left = measure(work, contacts, b, error)
+    if error <= work[results, TOLERANCE] ** 2 or (error <= tol and error <= RELATIVE * left):
         return SOLVED
     return ALMOST if error <= 1e6 * tol else MAX_ITERATIONS

@@ -1,0 +1,263 @@
+"""Linear rows low <= T f <= high (joint torque limits) beside the cones, kept by multipliers.
+
+Every row becomes an unknown q in its interval and a heavily weighted wish T f - q = 0, whose multiplier
+is carried from one Newton solve to the next until the rows hold: the proximal method of multipliers
+[1]_. If no force fits, the multipliers grow along a direction that proves it, and the forces tend to
+those with the least squared violation [2]_.
+
+References
+----------
+.. [1] R. T. Rockafellar, "Augmented Lagrangians and applications of the proximal point algorithm in
+   convex programming", Mathematics of Operations Research 1(2), 1976.
+.. [2] A. Chiche, J. C. Gilbert, "How the augmented Lagrangian algorithm can deal with an infeasible
+   convex quadratic optimization problem", Journal of Convex Analysis 23(2), 2016.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import kernel
+from surefoot.solvers import distribution_wrench as base
+from surefoot.solvers.distribution_newton import (
+    CENTRE,
+    DUAL,
+    HIGH,
+    LINK,
+    LOW,
+    MU,
+    TARGET,
+    VALUE,
+    minimise,
+)
+
+RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+
+# columns of `rows`, one line per row: roots of the weights of T f - q and of q, multiplier, last q, and
+# the direction in which the multiplier moved
+HEAVY, LIGHT, MULTIPLIER, LAST, MOVED = 0, 1, 2, 3, 4
+TURNS, STUBBORN, RAISE = 30, 3, 10.0
+HEAVINESS, LIGHTNESS = 100.0, 1e-3  # weights of T f - q and of q, against those of the wrench and of f
+INSET = 1e-9  # the rows are kept this much inside their limits, so that they hold in spite of rounding
+
+
+@kernel
+def stiffen(
+    columns: FloatArray, sets: FloatArray, duals: FloatArray, rows: FloatArray, factor: float
+) -> None:
+    """Multiply the roots of the rows' weights by `factor`."""
+    count, m = rows.shape[0], duals.shape[1]
+    contacts = sets.shape[0] - count
+    for j in range(count):
+        a = m - count + j
+        rows[j, HEAVY] *= factor
+        sets[contacts + j, LINK] *= factor
+        duals[DUAL, a] /= factor
+        for i in range(columns.shape[0]):
+            columns[i, a] *= factor
+
+
+@kernel
+def update(
+    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray
+) -> tuple[float, float]:
+    """Move the multipliers; return the largest violation and the largest pull of a moved q."""
+    count, m = rows.shape[0], duals.shape[1]
+    contacts = sets.shape[0] - count
+    violation = shift = 0.0
+    for j in range(count):
+        a, i_q = m - count + j, 3 * contacts + j
+        value = 0.0
+        for i in range(3 * contacts):
+            value += columns[i, a] * points[VALUE, i]
+        value /= rows[j, HEAVY]
+        low, high = sets[contacts + j, LOW] / rows[j, LIGHT], sets[contacts + j, HIGH] / rows[j, LIGHT]
+        violation = max(violation, low - value, value - high)
+        q = points[VALUE, i_q] / rows[j, LIGHT]
+        shift = max(shift, abs(q - rows[j, LAST]) * rows[j, LIGHT])
+        multiplier = duals[DUAL, a] * rows[j, HEAVY]
+        rows[j, MOVED] = multiplier - rows[j, MULTIPLIER]
+        rows[j, MULTIPLIER], rows[j, LAST] = multiplier, q
+    return violation, shift
+
+
+@kernel
+def proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bool:
+    """Tell whether MOVED separates every T f from every q: max over f, q of MOVED . (T f - q) < 0."""
+    count = rows.shape[0]
+    contacts = sets.shape[0] - count
+    m = columns.shape[1]
+    total = scale = 0.0
+    for k in range(contacts):
+        x = y = z = 0.0
+        for j in range(count):
+            a, s = m - count + j, rows[j, MOVED] / rows[j, HEAVY]
+            x += columns[3 * k, a] * s
+            y += columns[3 * k + 1, a] * s
+            z += columns[3 * k + 2, a] * s
+        gain = z + sets[k, MU] * math.sqrt(x * x + y * y)
+        reach = sets[k, HIGH] if gain > 0.0 else sets[k, LOW]
+        if reach > 0.0:
+            total += gain * reach
+            scale += abs(gain) * reach
+    for j in range(count):
+        s = rows[j, MOVED]
+        if s != 0.0:
+            end = sets[contacts + j, LOW if s > 0.0 else HIGH] / rows[j, LIGHT]
+            total -= s * end
+            scale += abs(s * end)
+    return total < -1e-9 * scale
+
+
+@kernel
+def keep_rows(
+    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
+    rows: FloatArray, warm: bool, tol: float, row_tol: float, limit: int,
+) -> tuple[float, float, int, bool, bool]:  # fmt: skip
+    """Solve the program with the intervals as limits on T f.
+
+    The arguments up to `tol` are those of `minimise`; `rows` is (rows, 5), see the top of this file.
+
+    Returns
+    -------
+    tuple
+        ||F||², largest violation of a row, iterations, whether the multipliers have settled and whether
+        no force fits.
+    """
+    count, m = rows.shape[0], duals.shape[1]
+    contacts = sets.shape[0] - count
+    iterations = still = raised = 0
+    error = violation = last = np.inf
+    empty = False
+    for turn in range(TURNS):
+        for j in range(count):
+            duals[TARGET, m - count + j] = rows[j, MULTIPLIER] / rows[j, HEAVY]
+            points[CENTRE, 3 * contacts + j] = rows[j, LIGHT] * rows[j, LAST]
+        error, floor, used = minimise(columns, sets, points, duals, H, warm or turn > 0, tol, limit)
+        iterations += used
+        violation, shift = update(columns, sets, points, duals, rows)
+        if violation <= row_tol and shift**2 <= max(tol, floor):
+            return error, violation, iterations, True, False
+        still = still + 1 if violation > max(row_tol, 0.95 * last) else 0
+        empty = empty or (violation > row_tol and proves_empty(columns, sets, rows))
+        if iterations >= limit or (empty and still >= STUBBORN):
+            break
+        if still >= STUBBORN and raised < 4:  # feasible, it seems, but with multipliers far away
+            stiffen(columns, sets, duals, rows, math.sqrt(RAISE))
+            raised += 1
+            still = 0
+        last = violation
+    for _ in range(raised):
+        stiffen(columns, sets, duals, rows, 1.0 / math.sqrt(RAISE))
+    return error, violation, iterations, False, empty
+
+
+@kernel
+def row_violation(jacobian: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray) -> float:
+    """Return by how much the worst row of low <= Jᵀ f <= high is broken; NaN if a row is not a number."""
+    worst = 0.0
+    for j in range(jacobian.shape[1]):
+        value = 0.0
+        for k in range(forces.shape[0]):
+            for i in range(3):
+                value += jacobian[3 * k + i, j] * forces[k, i]
+        value = max(low[j] - value, value - high[j])
+        worst = value if not value <= worst else worst
+    return worst
+
+
+def rows_work(contacts: int, count: int) -> RowsWork:
+    """Return the work space of `distribute_with_rows`: columns, sets, points, duals, H and rows."""
+    size, m = 3 * contacts, 6 + count
+    return (
+        np.zeros((size, m)), np.zeros((contacts + count, 4)), np.zeros((5, size + count)),
+        np.zeros((5, m)), np.zeros((m, m)), np.zeros((count, 5)),
+    )  # fmt: skip
+
+
+@kernel
+def load_rows(
+    wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
+    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray,
+    contacts: int,
+) -> None:  # fmt: skip
+    """Copy a loaded wrench program from `work` and add the rows to it."""
+    count = rows.shape[0]
+    wide = steep = 0.0
+    for k in range(contacts):
+        on = 1.0 if work[k, base.HIGH] > 0.0 else 0.0
+        sets[k, MU], sets[k, LOW], sets[k, HIGH] = work[k, base.MU], work[k, base.LOW], work[k, base.HIGH]
+        for i in range(3):
+            unit = on * work[k, base.NORMAL if i == 2 else base.TANGENT]
+            points[CENTRE, 3 * k + i] = work[k, base.CENTRE + i]
+            for a in range(6):
+                columns[3 * k + i, a] = on * work[k, base.BLOCK + 6 * i + a]
+                wide += columns[3 * k + i, a] ** 2
+            for j in range(count):
+                columns[3 * k + i, 6 + j] = unit * jacobian[3 * k + i, j]
+                steep += columns[3 * k + i, 6 + j] ** 2
+    steep = steep / count if steep > 0.0 else 1.0
+    heavy, light = math.sqrt(HEAVINESS * max(wide, 1.0) / steep), math.sqrt(LIGHTNESS / steep)
+    for j in range(count):
+        rows[j, HEAVY], rows[j, LIGHT] = heavy, light
+        inset = min(INSET, 0.25 * (high[j] - low[j]))
+        sets[contacts + j, LOW], sets[contacts + j, HIGH] = (
+            light * (low[j] + inset),
+            light * (high[j] - inset),
+        )
+        sets[contacts + j, LINK] = heavy / light
+        rows[j, LAST] = min(max(rows[j, LAST], low[j] + inset), high[j] - inset)
+        duals[DUAL, 6 + j] = rows[j, MULTIPLIER] / heavy
+        for i in range(3 * contacts):
+            columns[i, 6 + j] *= heavy
+    for a in range(6):
+        duals[TARGET, a] = wrench[a] * work[contacts, base.ROOT + a]
+
+
+@kernel
+def distribute_with_rows(
+    grasp_map: FloatArray, wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray,
+    work: FloatArray, columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray,
+    H: FloatArray, rows: FloatArray, forces: FloatArray,
+) -> int:  # fmt: skip
+    """Write the optimal forces that also keep low <= Jᵀ f <= high; return a code.
+
+    The rows are first left out: mostly they hold by themselves, and then that is the optimum.
+    """
+    contacts, results = forces.shape[0], forces.shape[0] + 1
+    code = base.distribute_wrench(grasp_map, wrench, work, forces)
+    violation = row_violation(jacobian, forces, low, high)
+    work[results, base.ROW_VIOLATION] = violation
+    if code == base.INVALID or violation <= 0.0:
+        work[results, base.ROWS_WARM] = 0.0
+        return code
+    if not violation < math.inf:
+        base.hold(work, contacts, forces)
+        return base.INVALID
+    if work[results, base.ROWS_WARM] == 0.0:
+        rows[:, MULTIPLIER] = 0.0
+        rows[:, LAST] = 0.0
+        for a in range(6):
+            duals[DUAL, a] = work[contacts, base.DUAL + a]
+    load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts)
+    tol, limit = work[results, base.TOLERANCE] ** 2, int(work[results, base.LIMIT])
+    error, _, used, settled, empty = keep_rows(
+        columns, sets, points, duals, H, rows, True, tol, INSET, max(limit, 200)
+    )
+    for k in range(contacts):
+        for i in range(3):
+            work[k, base.FORCE + i] = points[VALUE, 3 * k + i]
+    base.unload(work, contacts, forces)
+    left = base.measure(work, contacts, base.weigh(wrench, work, contacts), error)
+    violation = row_violation(jacobian, forces, low, high)
+    work[results, base.ROW_VIOLATION] = violation
+    work[results, base.ITERATIONS] += used
+    work[results, base.ROWS_WARM] = 1.0 if settled else 0.0
+    if empty:
+        return base.INFEASIBLE
+    if settled and violation <= INSET and error <= max(tol, base.RELATIVE * left):
+        return base.SOLVED
+    return base.ALMOST if violation <= 1e3 * INSET else base.MAX_ITERATIONS
