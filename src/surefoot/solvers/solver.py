@@ -72,6 +72,7 @@ class SolverEntry:
 
 _REGISTRY: dict[str, SolverEntry] = {}
 _MODULES = (
+    "distribution",
     "auto",
     "nsgs",
     "admm",
