@@ -79,7 +79,7 @@ class ContactSchedule(ABC):
         """
 
     def horizon(self, start: float, step: float, count: int) -> BoolArray:
-        """Return which feet carry in `count` steps of `step` seconds, sampled in their middle: (count, feet)."""
+        """Return which feet carry in the middle of `count` steps of `step` seconds: (count, feet)."""
         return self.contacts(start + step * (np.arange(count) + 0.5))
 
 
@@ -139,7 +139,8 @@ class Gait(ContactSchedule):
         flight = self._longest_flight()
         if flight > max_flight + SAME_TIME:
             raise ProblemError(
-                f"gait {name} has no foot on the ground for {flight:.3g} s; at most {max_flight:g} s is accepted"
+                f"gait {name} has no foot on the ground for {flight:.3g} s; "
+                f"at most {max_flight:g} s is accepted"
             )
         self._intervals = [self._foot_intervals(foot) for foot in range(self.feet)]
 
@@ -241,7 +242,7 @@ class Gait(ContactSchedule):
         return Gait(self.name, self.switching * (length / self.period), self.table, max_flight=math.inf)
 
     def schedule(self, duration: float, start: float = 0.0) -> ModeSchedule:
-        """Return the gait's cycles from `start` on for at least `duration` seconds, standing before and after."""
+        """Return the cycles from `start` on for at least `duration` seconds, standing before and after."""
         cycles = max(1, math.ceil(real_number("duration", duration, low=0.0) / self.period - SAME_TIME))
         starts = (start + self.period * np.arange(cycles)[:, None] + self._starts).ravel()
         standing = np.ones((1, self.feet), dtype=bool)

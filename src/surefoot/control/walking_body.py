@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,9 +12,10 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
 from surefoot.control.foothold import fit_plane, slope_rotation
 from surefoot.errors import ProblemError
+from surefoot.spatial import GRAVITY
 
 LEASH = 0.05
-"""The wanted place never runs further ahead of the body than this share of a second at Froude speed."""
+"""The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
 ACCELERATION = 0.12
@@ -127,14 +127,14 @@ class BodyPlan:
         dt
             Step [s].
         """
-        limit = ACCELERATION * 9.81 * dt * np.array([1.0, 1.0, 1.0 / self.height])
+        limit = ACCELERATION * GRAVITY * dt * np.array([1.0, 1.0, 1.0 / self.height])
         self.velocity = self.velocity + np.clip(command - self.velocity, -limit, limit)
         self.yaw += self.velocity[2] * dt
         c, s = math.cos(self.yaw), math.sin(self.yaw)
         vx, vy = self.velocity[:2]
         self.position[0] += (c * vx - s * vy) * dt
         self.position[1] += (s * vx + c * vy) * dt
-        leash = LEASH * math.sqrt(9.81 * self.height)
+        leash = LEASH * math.sqrt(GRAVITY * self.height)
         away = self.position[:2] - com[:2]
         far = math.hypot(*away)
         if far > leash:
@@ -170,7 +170,7 @@ class BodyPlan:
 
     def reference(self, steps: int, dt: float) -> BodyReference:
         """Return the reference of the next `steps` steps of `dt` seconds."""
-        yaw, places, flow = self.places(dt * np.arange(steps + 1))
+        yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
         if self.velocity[2] == 0.0:
             rotation = np.broadcast_to(self.rotation(), (steps + 1, 3, 3))
         else:
@@ -201,25 +201,15 @@ def limit_command(
     radius
         Distance of the feet from the middle [m].
     """
-    fastest = min(2.0 * reach / stance_time, math.sqrt(9.81 * height))
+    fastest = min(2.0 * reach / stance_time, math.sqrt(GRAVITY * height))
     values, notes = command.values.copy(), []
     for row, time in zip(values, command.times, strict=True):
         speed = math.hypot(row[0], row[1]) + abs(row[2]) * radius
         if speed > fastest:
             share = fastest / speed
             notes.append(
-                f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than this gait can do: "
-                f"slowed to ({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
+                f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
+                f"this gait can do: slowed to ({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
             )
             row *= share
     return VelocityCommand(command.times, values), notes
-
-
-def reference_feet(offsets: FloatArray, rotation: FloatArray) -> FloatArray:
-    """Return the (n, 2) places of the feet around the centre of mass for a body orientation."""
-    return np.asarray((offsets @ rotation.T)[:, :2])
-
-
-def names_of(flags: Sequence[bool], names: Sequence[str]) -> str:
-    """Return the names whose flag is set, as text."""
-    return ", ".join(n for n, f in zip(names, flags, strict=True) if f)

@@ -325,7 +325,8 @@ class WholeBodyController:
         stiffness, damping = self.baumgarte
         rows = 6 + kernels.contact_rows(
             self._jacobian, self._support, self._flat, tasks.stance, now.centres, now.twists, now.drifts,
-            -self._radii[:, None] * normals, tasks.gaps, normals, stiffness, damping, self._E[6:], self._e[6:],
+            -self._radii[:, None] * normals, tasks.gaps, normals, stiffness, damping,
+            self._E[6:], self._e[6:],
         )  # fmt: skip
         self._E[:6] = self._mass_matrix[:6]
         self._e[:6] = -self._nle[:6]

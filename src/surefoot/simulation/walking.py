@@ -163,7 +163,8 @@ def _recorder(world: World, steps: int) -> Recorder:
         steps,
         time=(), q=(int(robot.model.nq),), v=(int(robot.model.nv),), torques=(robot.joints,), forces=(p, 3),
         forces_commanded=(p, 3), gaps=(p,), contact_velocities=(p, 3), contact_positions=(p, 3), active=(p,),
-        planned=(len(robot.feet),), attained=(), saturated=(), push=(3,), mu=(), command=(3,), controller_time=(),
+        planned=(len(robot.feet),), attained=(), saturated=(), push=(3,), mu=(), command=(3,),
+        controller_time=(),
     )  # fmt: skip
 
 
