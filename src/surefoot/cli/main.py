@@ -7,7 +7,7 @@ from typing import cast
 
 import typer
 
-from surefoot.cli import bench, cone
+from surefoot.cli import bench, cone, stand
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -21,6 +21,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command("stand")(stand.stand)
 app.command("cone")(cone.cone)
 app.add_typer(bench.app, name="bench")
 

@@ -129,7 +129,7 @@ class StandingController:
         self.normal_min, self.normal_max = default_normal_bounds(robot, normal_min, normal_max)
         self._share = np.array([1.0 / len(robot.feet[f].centres) for f in self.point_foot])
         self._set_gains(weight)
-        self.wrench_weights = np.array([1.0, 1.0, 1.0, *([self._height**-2] * 3)])
+        self.wrench_weights = wrench_weights(robot, q)
         self.mu = float(mu)
         frictions = np.full(len(self.point_foot), self.mu)
         self.allocation = allocation or ExactAllocation(frictions, self.wrench_weights, FORCE_WEIGHT)
@@ -164,7 +164,7 @@ class StandingController:
         self._frames = np.ascontiguousarray(frames[self.point_foot])
 
     def _set_gains(self, weight: float) -> None:
-        height = max(float(np.mean(self._q[2] - self._anchors[:, 2])), 0.05)
+        height = standing_height(self.robot, self._q)
         pendulum = math.sqrt(GRAVITY / height)
         self._height, self._weight = height, weight
         self._omega = POSITION_STIFFNESS * pendulum
@@ -304,3 +304,13 @@ def default_normal_bounds(
     low = min(NORMAL_MIN, LIGHT_SHARE * weight / len(robot.feet)) if normal_min is None else normal_min
     high = NORMAL_MAX_SHARE * weight if normal_max is None else normal_max
     return low, high
+
+
+def standing_height(robot: Robot, q: FloatArray) -> float:
+    """Return the height of the base over the feet at a configuration [m], at least 5 cm."""
+    return max(float(q[2] - robot.foot_positions(q)[:, 2].mean()), 0.05)
+
+
+def wrench_weights(robot: Robot, q: FloatArray) -> FloatArray:
+    """Return the weights of the wrench error: one for forces, one over the height squared for moments."""
+    return np.array([1.0, 1.0, 1.0, *([standing_height(robot, q) ** -2] * 3)])

@@ -20,6 +20,8 @@ FALL_HEIGHT = 0.5
 """The robot has fallen when its base is below this share of its starting height ..."""
 FALL_TILT = np.radians(50.0)
 """... or tilts this far from its starting orientation [rad]."""
+START_DEPTH = 1e-5
+"""The robot starts this deep in the ground, so that rounding leaves no foot in the air [m]."""
 START_SPEED = 0.01
 """Standard deviation of the seeded disturbance of the base's velocity at the start [m/s]."""
 
@@ -78,6 +80,8 @@ def run_standing(
     """
     steps = max(1, round(scenario.duration / world.dt))
     _warm_up(world, controller, q)
+    q = q.copy()
+    q[:3] -= START_DEPTH * world.terrain.normal(q[:2])
     world.reset(q, start_velocity(world.robot, scenario.seed))
     world.set_friction(scenario.mu)
     recorder = _recorder(world, steps)

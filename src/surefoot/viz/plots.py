@@ -47,7 +47,7 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
 
 
 def draw_cone_use(log: Log, path: Path) -> Path:
-    """Draw every measured force in the cross-section of its cone, scaled so that the cone is the unit circle."""
+    """Draw every measured force in its cone's cross-section, scaled so that the cone is the unit circle."""
     names = log.facts["feet"]
     columns = min(4, len(names))
     rows = -(-len(names) // columns)

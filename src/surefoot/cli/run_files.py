@@ -1,0 +1,67 @@
+"""Write what a run leaves: log, summary, plots, film and report, into one new folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from surefoot.cli.output import to_json
+from surefoot.errors import SurefootError
+from surefoot.robot import Robot
+from surefoot.simulation.log import Log
+from surefoot.stance import Terrain
+
+CAPTIONS = {
+    "normal_forces": "Normal forces",
+    "cone_use": "Every force inside the cross-section of its cone",
+    "base": "Base",
+    "torques": "Joint torques",
+    "step_times": "Controller step",
+}
+
+
+def write_film(
+    log: Log, robot: Robot, terrain: Terrain, folder: Path, progress: Callable[[float], None] | None
+) -> tuple[Path | None, str]:
+    """Return the film's path or None, and one line that says why there is none.
+
+    A run must not be lost for want of an OpenGL: whatever goes wrong here is told, not raised.
+    """
+    from surefoot.viz.video import write_video
+
+    try:
+        return write_video(log, robot, terrain, folder / "film.mp4", progress=progress), ""
+    except SurefootError as error:
+        return None, str(error)
+    except KeyboardInterrupt:
+        return None, "no video: interrupted"
+
+
+def write_plots(log: Log, folder: Path) -> tuple[list[Path], str]:
+    """Return the plots' paths, and one line that says why there are none."""
+    from surefoot.viz.plots import draw_run
+
+    try:
+        return draw_run(log, folder), ""
+    except SurefootError as error:
+        return [], str(error)
+
+
+def write_summary(summary: dict[str, Any], folder: Path) -> Path:
+    """Write summary.json into the folder and return its path."""
+    path = folder / "summary.json"
+    path.write_text(to_json(summary) + "\n", encoding="utf-8")
+    return path
+
+
+def picture_sections(plots: Sequence[Path], video: Path | None) -> list[tuple[str, str]]:
+    """Return the report's sections for a film and plots."""
+    from surefoot.viz.report import film, paragraph, picture
+
+    sections = []
+    if video is not None:
+        note = paragraph("Arrows: ground forces as the world reports them; amber: the push.")
+        sections.append(("Film", film(video) + note))
+    sections += [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), picture(p)) for p in plots]
+    return sections
