@@ -17,7 +17,6 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
 
-
 SMALL = 30
 """Number of contacts up to which velocities and residuals are computed in one compiled call."""
 

@@ -61,7 +61,14 @@ def _iterate(
             r1 = RELAXATION * x[i + 1] + (1.0 - RELAXATION) * z[i + 1]
             r2 = RELAXATION * x[i + 2] + (1.0 - RELAXATION) * z[i + 2]
             p, q, r = project_any(
-                r0 + y[i] / rho, r1 + y[i + 1] / rho, r2 + y[i + 2] / rho, mu[k], low[k], high[k], facets, inner
+                r0 + y[i] / rho,
+                r1 + y[i + 1] / rho,
+                r2 + y[i + 2] / rho,
+                mu[k],
+                low[k],
+                high[k],
+                facets,
+                inner,
             )
             dual = max(dual, rho * abs(p - z[i]), rho * abs(q - z[i + 1]), rho * abs(r - z[i + 2]))
             y[i] += rho * (r0 - p)
@@ -85,9 +92,7 @@ def gap_any(
         p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
         if coulomb and low[k] > -np.inf:
             r += shift_any(p, q, mu[k], facets, inner)
-        a, b, c = project_any(
-            x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k], facets, inner
-        )
+        a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k], facets, inner)
         gap += (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
         size += x * x + y * y + z * z
     return math.sqrt(gap), math.sqrt(size)
@@ -114,9 +119,14 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     eta = PROXIMAL * largest
     rho = 0.1 * largest
     z = start_forces(problem, warm_start) / D
-    x, y = z.copy(), -(G @ z + g)
-    if coulomb:
-        y = np.where(np.arange(size) % 3 == 2, np.minimum(y, 0.0), y) if warm_start is not None else 0.0 * y
+    x, y = z.copy(), np.zeros(size)
+    if warm_start is not None:
+        u = (G @ z + g).reshape(-1, 3)
+        if coulomb:
+            u[:, 2] = np.maximum(u[:, 2], 0.0) + np.where(
+                low > -np.inf, problem.mu * np.hypot(u[:, 0], u[:, 1]), 0.0
+            )
+        y = -u.ravel()
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time
     step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0

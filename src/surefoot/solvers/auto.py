@@ -1,9 +1,11 @@
 """The default solver: it chooses, combines and keeps to its time.
 
-Small problems (up to 40 contacts): one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
-out who sticks, slides or takes off, with Newton steps, which finish. Larger ones: the same alternation on
-3x3 blocks with a sparse factorisation. Whatever these leave unsolved is handed, best forces first, to ADMM
-(degenerate problems) until the time is up. The status is that of the best forces found.
+Exact cones, up to 40 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find out
+who sticks, slides or takes off, with Newton steps, which finish. Larger problems: the same alternation on 3x3
+blocks with a sparse factorisation. What these leave unsolved is handed on, best forces first: to ADMM for
+Coulomb's law and to an interior point for the convex law, where redundant contacts make sweeps crawl. Pyramids:
+ADMM, then Lemke's method (Coulomb) or a QP solver (convex). The forces returned are the best that any of them
+found; the status is theirs.
 """
 
 from __future__ import annotations
@@ -11,36 +13,90 @@ from __future__ import annotations
 import math
 import time
 
+import numpy as np
+
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.residuals import certificate
 from surefoot.contact.solution import Status
+from surefoot.errors import SurefootError
 from surefoot.solvers.newton import run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
 from surefoot.solvers.nsgs import prepare_blocks, run_blocks
-from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, Settings, mismatch, register, registry, start_forces
 
 SMALL = 40
 """Number of contacts up to which the compiled dense alternation is used."""
 ROUNDS = 8
+CONES: dict[str, tuple[tuple[str, int | None], ...]] = {
+    "coulomb": (("admm", 4000), ("interior_point", None), ("admm", None)),
+    "convex": (("interior_point", None), ("admm", 4000), ("clarabel", None)),
+}
+PYRAMIDS: dict[str, tuple[tuple[str, int | None], ...]] = {
+    "coulomb": (("admm", 2000), ("lemke", None), ("admm", None)),
+    "convex": (("admm", 2000), ("daqp", None), ("admm", None)),
+}
+"""Who is asked next, and for at most how many iterations (None: as many as it likes)."""
 
 
-@register("auto", bilateral=True)
+@register("auto", bilateral=True, polyhedral=True)
 def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law, exact or on pyramids; an iteration is a sweep or a Newton step."""
+    """Solve either law, exact or on pyramids; an iteration is one of whatever method ran."""
+    if problem.facets is not None:
+        return _hand_on(problem, settings, warm_start, 0, PYRAMIDS[problem.law])
     forces = start_forces(problem, warm_start)
+    start = time.perf_counter()
+    limit = settings.max_iterations
     if problem.contacts <= SMALL:
         norm = problem.norm
         sweeps, steps, relative = run_dense(
             problem.G, problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.law == "convex",
-            1.0 / norm if norm > 0.0 else 1.0, settings.tol, ROUNDS, 3, forces,
+            1.0 / norm if norm > 0.0 else 1.0, settings.tol, ROUNDS if limit is None else min(limit, ROUNDS), 3,
+            forces,
         )  # fmt: skip
         done = sweeps + steps
-        if relative <= settings.tol:
-            return Answer(forces.reshape(-1, 3), done)
-        return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)
-    end = time.perf_counter() + settings.max_time
-    done, relative = alternate(problem, settings, end, forces)
-    return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)
+    else:
+        end = start + settings.max_time
+        done, relative = alternate(problem, settings, end, forces)
+    if relative <= settings.tol:
+        return Answer(forces.reshape(-1, 3), done)
+    return _hand_on(problem, settings, forces.reshape(-1, 3), done, CONES[problem.law], start)
+
+
+def _hand_on(
+    problem: ContactProblem,
+    settings: Settings,
+    forces: FloatArray | None,
+    done: int,
+    names: tuple[tuple[str, int | None], ...],
+    start: float | None = None,
+) -> Answer:
+    """Try solvers in turn, each with its own bound on iterations, from the best forces so far."""
+    start = time.perf_counter() if start is None else start
+    best = np.zeros((problem.contacts, 3)) if forces is None else forces
+    best_gap = certificate(problem, best)[1][0]
+    stop, entries = Status.STALLED, registry()
+    for name, bound in names:
+        left = settings.max_time - (time.perf_counter() - start)
+        if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
+            stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
+            break
+        if name not in entries or mismatch(entries[name], problem) is not None:
+            continue
+        if settings.max_iterations is not None:
+            bound = min(bound or settings.max_iterations, settings.max_iterations - done)
+        try:
+            answer = entries[name].function(problem, Settings(settings.tol, bound, left), best)
+        except SurefootError:  # an optional package that is not installed
+            continue
+        done, stop = done + answer.iterations, answer.stop
+        found = np.ascontiguousarray(answer.forces, dtype=np.float64)
+        gap = certificate(problem, found)[1][0]
+        if gap < best_gap:
+            best, best_gap = found, gap
+        if best_gap <= settings.tol or stop is Status.INFEASIBLE:
+            break
+    return Answer(best, done, stop)
 
 
 @register("newton", bilateral=True)

@@ -77,7 +77,10 @@ def _program(problem: ContactProblem) -> _Program:
     blocks[3 * np.arange(m) + 2, place[3 * k + 1]] = 1.0
     rows, ends = [blocks], [np.zeros(3 * m)]
     lower = on & ~held & (~rough | (problem.normal_min > 0.0))
-    for which, sign, bound in ((lower, 1.0, problem.normal_min), (on & np.isfinite(problem.normal_max), -1.0, problem.normal_max)):
+    for which, sign, bound in (
+        (lower, 1.0, problem.normal_min),
+        (on & np.isfinite(problem.normal_max), -1.0, problem.normal_max),
+    ):
         i = np.flatnonzero(which)
         row = np.zeros((i.size, columns.size))
         row[np.arange(i.size), place[3 * i + 2]] = sign

@@ -12,9 +12,7 @@ from surefoot.kernels import inline_kernel, kernel
 
 
 @inline_kernel
-def project(
-    x: float, y: float, z: float, mu: float, low: float, high: float
-) -> tuple[float, float, float]:
+def project(x: float, y: float, z: float, mu: float, low: float, high: float) -> tuple[float, float, float]:
     """Return the nearest admissible force of one contact; low = -inf marks a bilateral one."""
     if low == -math.inf:
         return x, y, z

@@ -90,7 +90,13 @@ def _solve(begin: IntArray, where: IntArray, entries: FloatArray, b: FloatArray)
 
 
 def newton_sparse(
-    problem: ContactProblem, blocks: Blocks, local: FloatArray, tol: float, limit: int, end: float, forces: FloatArray
+    problem: ContactProblem,
+    blocks: Blocks,
+    local: FloatArray,
+    tol: float,
+    limit: int,
+    end: float,
+    forces: FloatArray,
 ) -> tuple[int, float]:
     """Take Newton steps from flat forces, updated in place and never worse; return steps and relative gap."""
     n = problem.contacts

@@ -37,7 +37,9 @@ def prepare_dense(G: FloatArray) -> FloatArray:
     local = np.empty((n, 13))
     for k in range(n):
         i = 3 * k
-        prepare(G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local[k])
+        prepare(
+            G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local[k]
+        )
     return local
 
 

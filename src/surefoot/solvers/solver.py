@@ -77,6 +77,8 @@ _MODULES = (
     "nsgs",
     "admm",
     "interior_point",
+    "staggered",
+    "lemke",
     "external",
 )
 _loaded = False
@@ -127,7 +129,7 @@ def registry() -> dict[str, SolverEntry]:
 def solver_names(problem: ContactProblem | None = None) -> tuple[str, ...]:
     """Return the names of all solvers, or of those that take a problem's law, cones and bounds."""
     entries = registry().values()
-    return tuple(sorted(e.name for e in entries if problem is None or _mismatch(e, problem) is None))
+    return tuple(sorted(e.name for e in entries if problem is None or mismatch(e, problem) is None))
 
 
 def solve(
@@ -219,13 +221,13 @@ def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
     if name not in entries:
         raise SolverNotFound(unknown_name("solver", name, entries))
     entry = entries[name]
-    reason = _mismatch(entry, problem)
+    reason = mismatch(entry, problem)
     if reason is not None:
         raise ProblemError(f"{name} {reason}; solvers that do: {', '.join(solver_names(problem)) or 'none'}")
     return entry
 
 
-def _mismatch(entry: SolverEntry, problem: ContactProblem) -> str | None:
+def mismatch(entry: SolverEntry, problem: ContactProblem) -> str | None:
     """Return why a solver does not take a problem, or None."""
     if problem.law not in entry.laws:
         return f"does not solve law={problem.law!r}"

@@ -1,0 +1,74 @@
+"""Mehrotra's predictor-corrector for monotone LCPs.
+
+Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIOPT 2, 1992; S. J. Wright,
+"Primal-Dual Interior-Point Methods", 1997, chapter 8. Limits: PSD matrices (not necessarily symmetric); on
+others it may stall, and says so.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import scipy.linalg
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.lcp import LCP
+from surefoot.contact.solution import Status
+from surefoot.solvers.lcp import LcpAnswer, register_lcp
+from surefoot.solvers.solver import Settings
+
+
+@register_lcp("interior_point")
+def solve_interior_point(problem: LCP, settings: Settings) -> LcpAnswer:
+    """Solve a monotone LCP by a primal-dual interior-point method."""
+    scale = max(float(np.abs(problem.M).max()), 1e-300)
+    M, q = problem.M / scale, problem.q / scale
+    limit = 200 if settings.max_iterations is None else settings.max_iterations
+    end = time.perf_counter() + settings.max_time
+    start = max(float(np.abs(q).max()), 1e-3)
+    z, w = np.full(q.size, start), np.full(q.size, start)
+    best, best_residual, since = np.zeros(q.size), problem.residual(np.zeros(q.size)), 0
+    for done in range(1, limit + 1):
+        with np.errstate(all="ignore"):
+            z, w = _advance(M, q, z, w)
+        if not (np.isfinite(z).all() and np.isfinite(w).all()):
+            return LcpAnswer(best, done, Status.STALLED)
+        since += 1
+        for candidate in (z, np.where(z > w, z, 0.0)):
+            residual = problem.residual(candidate)
+            if residual < best_residual:
+                since = 0 if residual < 0.9 * best_residual else since
+                best, best_residual = candidate.copy(), residual
+        if best_residual <= settings.tol:
+            return LcpAnswer(best, done)
+        if since > 40:
+            return LcpAnswer(best, done, Status.STALLED)
+        if time.perf_counter() > end:
+            return LcpAnswer(best, done, Status.MAX_TIME)
+    return LcpAnswer(best, limit)
+
+
+def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Take one predictor-corrector step."""
+    gap = float(z @ w) / z.size
+    slack = w - M @ z - q
+    lu = scipy.linalg.lu_factor(M + np.diag(w / z), check_finite=False)
+
+    def direction(target: FloatArray) -> tuple[FloatArray, FloatArray]:
+        dz = scipy.linalg.lu_solve(lu, slack + target / z, check_finite=False)
+        return dz, M @ dz - slack
+
+    dz, dw = direction(-z * w)
+    length = min(_longest(z, dz), _longest(w, dw))
+    after = float((z + length * dz) @ (w + length * dw)) / z.size
+    sigma = (after / gap) ** 3
+    dz, dw = direction(sigma * gap - z * w - dz * dw)
+    length = min(1.0, 0.995 * min(_longest(z, dz), _longest(w, dw)))
+    return z + length * dz, w + length * dw
+
+
+def _longest(x: FloatArray, dx: FloatArray) -> float:
+    """Return the longest step that keeps x >= 0, at most 2."""
+    down = dx < 0.0
+    return min(2.0, float((-x[down] / dx[down]).min())) if down.any() else 2.0

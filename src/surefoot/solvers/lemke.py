@@ -1,0 +1,174 @@
+"""Lemke's complementary pivoting with lexicographic ratio tests.
+
+A covering variable z0 makes the start feasible; each pivot brings in the complement of what left, until z0
+leaves (a solution) or nothing can (a ray). Ties are broken lexicographically by the rows of the inverse basis,
+so that no basis comes twice. The answer is computed anew from the final basis, not from the tableau.
+
+Source: R. W. Cottle, J.-S. Pang, R. E. Stone, "The Linear Complementarity Problem", 2009, algorithms 4.4.1 and
+4.4.5, theorem 4.4.12 (copositive-plus: a ray proves infeasibility); Stewart and Trinkle 1996 for friction.
+
+Limits: a dense tableau, O(n²) a pivot, and the number of pivots can be exponential (Murty's examples). Outside
+the classes that it processes (copositive-plus, P, E0 under conditions ...) a ray proves nothing.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact.lcp import LCP, stewart_trinkle
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solution import Status
+from surefoot.kernels import kernel
+from surefoot.solvers.lcp import LcpAnswer, register_lcp
+from surefoot.solvers.solver import Answer, Settings, register
+
+PIVOT = 1e-8
+"""Entries below this, relative to the largest of the entering column, are no pivots."""
+TIE = 1e-9
+"""Ratios closer than this, relatively, are ties: redundant contacts make many, and the tableau has rounding."""
+DONE, RAY, MORE = 0, 1, 2
+
+
+@kernel
+def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int) -> int:
+    """Return the row of the lexicographic minimum ratio, -1 for a ray; z0 (number 2n) wins every tie."""
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, abs(T[i, column]))
+    best = -1
+    for i in range(n):
+        pivot = T[i, column]
+        if pivot <= PIVOT * largest or pivot <= 1e-13:
+            continue
+        if best < 0:
+            best = i
+            continue
+        other = T[best, column]
+        scale = abs(T[i, 2 * n + 1]) / pivot + abs(T[best, 2 * n + 1]) / other
+        difference = T[i, 2 * n + 1] / pivot - T[best, 2 * n + 1] / other
+        if abs(difference) <= TIE * scale:
+            difference = 0.0
+            if basis[i] == 2 * n:
+                difference = -1.0
+            elif basis[best] == 2 * n:
+                difference = 1.0
+            else:
+                for j in range(n):
+                    difference = T[i, j] / pivot - T[best, j] / other
+                    if abs(difference) > 1e-12 * (abs(T[i, j] / pivot) + abs(T[best, j] / other)):
+                        break
+        if difference < 0.0:
+            best = i
+    return best
+
+
+@kernel
+def _pivot(T: FloatArray, row: int, column: int) -> None:
+    """Make a column of the tableau a unit vector."""
+    inverse = 1.0 / T[row, column]
+    for j in range(T.shape[1]):
+        T[row, j] *= inverse
+    T[row, column] = 1.0
+    for i in range(T.shape[0]):
+        factor = T[i, column]
+        if i != row and factor != 0.0:
+            for j in range(T.shape[1]):
+                T[i, j] -= factor * T[row, j]
+            T[i, column] = 0.0
+
+
+@kernel
+def _run(T: FloatArray, basis: IntArray, entering: int, limit: int) -> tuple[int, int, int]:
+    """Pivot until done, a ray, or `limit` pivots; return the outcome, the pivots and the next entering variable."""
+    n = T.shape[0]
+    for count in range(limit):
+        row = _leaving_row(T, entering, basis, n)
+        if row < 0:
+            return RAY, count, entering
+        leaving = basis[row]
+        _pivot(T, row, entering)
+        basis[row] = entering
+        if leaving == 2 * n:
+            return DONE, count + 1, entering
+        entering = leaving + n if leaving < n else leaving - n
+    return MORE, limit, entering
+
+
+def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
+    """Return z from the equations of the final basis, or from the tableau if they are singular."""
+    n = problem.size
+    z = np.zeros(n)
+    active = basis[(basis >= n) & (basis < 2 * n)] - n
+    if active.size == 0:
+        return z
+    rows = np.ones(n, dtype=bool)
+    rows[basis[basis < n]] = False
+    held = np.flatnonzero(rows)
+    tableau = np.zeros(n)
+    for i, b in enumerate(basis):
+        if n <= b < 2 * n:
+            tableau[b - n] = T[i, -1]
+    if held.size != active.size:
+        return np.maximum(tableau, 0.0)
+    try:
+        z[active] = np.linalg.solve(problem.M[np.ix_(held, active)], -problem.q[held])
+    except np.linalg.LinAlgError:
+        return np.maximum(tableau, 0.0)
+    better = problem.residual(np.maximum(z, 0.0)) <= problem.residual(np.maximum(tableau, 0.0))
+    return np.maximum(z if better else tableau, 0.0)
+
+
+@register_lcp("lemke")
+def solve_lemke(problem: LCP, settings: Settings) -> LcpAnswer:
+    """Solve an LCP by Lemke's method; an iteration is a pivot."""
+    n, q = problem.size, problem.q
+    if (q >= 0.0).all():
+        return LcpAnswer(np.zeros(n), 0)
+    limit = 50 * n + 1000 if settings.max_iterations is None else settings.max_iterations
+    size = max(float(np.abs(problem.M).max()), 1e-300)
+    T = np.hstack([np.eye(n), -problem.M / size, -np.ones((n, 1)), q[:, None] / float(np.abs(q).max())])
+    basis = np.arange(n)
+    row = int(n - 1 - np.argmin(q[::-1]))  # ties go to the last row, the lexicographically least
+    _pivot(T, row, 2 * n)
+    basis[row] = 2 * n
+    entering, pivots, outcome = row + n, 1, MORE
+    end = time.perf_counter() + settings.max_time
+    while outcome == MORE and pivots < limit:
+        outcome, used, entering = _run(T, basis, entering, min(200, limit - pivots))
+        pivots += used
+        if outcome == MORE and time.perf_counter() > end:
+            return LcpAnswer(_from_basis(problem, basis, T), pivots, Status.MAX_TIME)
+    if outcome == RAY:
+        return _ray(problem, T, basis, entering, pivots)
+    stop = Status.STALLED if outcome == DONE else Status.MAX_ITERATIONS
+    return LcpAnswer(_from_basis(problem, basis, T), pivots, stop)
+
+
+def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: int) -> LcpAnswer:
+    """Return the secondary ray's direction in z, and whether it proves infeasibility."""
+    n = problem.size
+    direction = np.zeros(2 * n + 1)
+    direction[entering] = 1.0
+    for i, b in enumerate(basis):
+        direction[b] = -T[i, entering]
+    z, slack = np.maximum(direction[n : 2 * n], 0.0), np.flatnonzero(direction[n : 2 * n] > 1e-12)
+    message = f"Lemke's method left along a ray in z{slack.tolist()}"
+    return LcpAnswer(_from_basis(problem, basis, T), pivots, Status.INFEASIBLE, z, message)
+
+
+@register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
+def solve_friction(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Solve Coulomb's law on pyramids as the LCP of Stewart and Trinkle, by Lemke's method; no warm start."""
+    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1)
+    top = float(trace.max(initial=0.0)) or 1.0
+    D = np.repeat(1.0 / np.sqrt(np.where(trace > 1e-12 * top, trace, top)), 3)  # leaves cones as they are
+    scaled = problem.replace(G=D[:, None] * problem.G * D[None, :], g=D * problem.g)
+    friction = stewart_trinkle(scaled)
+    if friction.lcp.size == 0:
+        return Answer(np.zeros((problem.contacts, 3)), 0)
+    found = solve_lemke(friction.lcp, settings)
+    stop = Status.STALLED if found.stop is Status.INFEASIBLE else found.stop
+    return Answer(D.reshape(-1, 3) * friction.forces(found.z), found.iterations, stop)

@@ -1,0 +1,76 @@
+"""Staggered: Coulomb's law as a fixed point of convex problems.
+
+With the De Saxcé shift s = mu ||u_t|| frozen, the contact laws are those of a convex program; solving it gives
+the next s. Each convex program is solved by Gauss-Seidel with Newton steps, warm-started, and only as
+accurately as the outer iteration deserves.
+
+Source: V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, "A formulation of the linear discrete Coulomb friction
+problem via convex optimization", ZAMM 91(2), 2011 (existence by this fixed point); F. Cadoux, PhD thesis, 2009.
+
+Limits: linear convergence, and none where mu and the coupling of normal and tangential motion are large (the
+step in s is then shortened, which helps and proves nothing). For the convex law s = 0 and one pass is enough.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solution import Status
+from surefoot.solvers.auto import alternate
+from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.solver import Answer, Settings, register, start_forces
+
+MAX_ITERATIONS = 500
+
+
+@register("staggered", bilateral=True)
+def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Solve either law by a sequence of convex problems; an iteration is one of them."""
+    forces = start_forces(problem, warm_start)
+    end = time.perf_counter() + settings.max_time
+    coulomb = problem.law == "coulomb"
+    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+    laws = problem.mu, problem.normal_min, problem.normal_max, step, not coulomb
+    free = step * float(np.linalg.norm(problem.g))
+    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
+    held = problem.normal_min == -np.inf
+    convex = problem.replace(law="convex")
+    shift = _shift(problem, forces, held) if coulomb else np.zeros(problem.contacts)
+    relax, last, done, stop = 1.0, math.inf, 0, Status.MAX_ITERATIONS
+    best, best_gap, since = forces.copy(), math.inf, 0
+    for done in range(1, limit + 1):
+        convex.g = problem.g.copy()
+        convex.g[2::3] += shift
+        tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
+        alternate(convex, Settings(tol, None, settings.max_time), end, forces, rounds=8)
+        velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
+        gap, size = natural_gap(forces, velocities, *laws)
+        relative = gap / max(size, free, 1e-300)
+        since += 1
+        if relative < best_gap:
+            since = 0 if relative < 0.9 * best_gap else since
+            best, best_gap = forces.copy(), relative
+        if relative <= settings.tol or not coulomb:
+            break
+        if time.perf_counter() > end:
+            stop = Status.MAX_TIME
+            break
+        if since > 60:
+            stop = Status.STALLED
+            break
+        if relative > 0.9 * last:
+            relax = max(0.7 * relax, 0.1)
+        last = relative
+        shift = (1.0 - relax) * shift + relax * _shift(problem, forces, held)
+    return Answer(best.reshape(-1, 3), done, stop)
+
+
+def _shift(problem: ContactProblem, forces: FloatArray, held: FloatArray) -> FloatArray:
+    """Return mu ||u_t|| of every contact, zero for bilateral ones."""
+    u = problem.velocity(forces.reshape(-1, 3))
+    return np.where(held, 0.0, problem.mu * np.hypot(u[:, 0], u[:, 1]))
