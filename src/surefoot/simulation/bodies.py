@@ -1,0 +1,64 @@
+"""Simple rigid bodies for the rigid world: a ball and a box, as robots without joints."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.errors import MissingExtra, ProblemError
+from surefoot.robot import Foot, Robot
+
+
+def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:
+    """Return a homogeneous ball of `mass` [kg] and `radius` [m]; it touches with its whole surface.
+
+    >>> ball(2.0, 0.1).mass
+    2.0
+    """
+    m, r = _positive("mass", mass), _positive("radius", radius)
+    return _body("ball", m, np.full(3, 0.4 * m * r * r), np.zeros((1, 3)), r)
+
+
+def box(
+    mass: float = 1.0, size: tuple[float, float, float] = (0.2, 0.2, 0.2), rounding: float = 0.0
+) -> Robot:
+    """Return a homogeneous box of `mass` [kg] and edge lengths `size` [m].
+
+    It touches with its eight corners, which are spheres of radius `rounding` [m] inside the box.
+    """
+    m, edges = _positive("mass", mass), finite_array("size", size, (3,))
+    radius = real_number("rounding", rounding, low=0.0)
+    if (edges <= 2.0 * radius).any():
+        raise ProblemError(f"size must be above twice the rounding ({2.0 * radius:g}), got {edges.min():g}")
+    squares = edges**2
+    corners = (0.5 * edges - radius) * np.array(list(product((1.0, -1.0), repeat=3)))
+    return _body("box", m, m / 12.0 * (squares.sum() - squares), corners, radius)
+
+
+def _body(name: str, mass: float, moments: FloatArray, centres: FloatArray, radius: float) -> Robot:
+    """Return a free body with the given contact spheres, standing on z = 0 in its nominal pose."""
+    try:
+        import pinocchio
+    except ImportError as error:
+        raise MissingExtra("pin", "robot") from error
+    model: Any = pinocchio.Model()
+    joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root_joint")
+    inertia = pinocchio.Inertia(mass, np.zeros(3), np.diag(moments))
+    model.appendBodyToJoint(joint, inertia, pinocchio.SE3.Identity())
+    frame = model.addBodyFrame(name, joint, pinocchio.SE3.Identity(), 0)
+    nominal = np.array(pinocchio.neutral(model))
+    nominal[2] = radius - centres[:, 2].min()
+    empty = pinocchio.GeometryModel()
+    body = Robot(name, model, empty, empty, (), nominal, True)
+    body.feet = (Foot(name, frame, centres, radius),)
+    return body
+
+
+def _positive(name: str, value: float) -> float:
+    number = real_number(name, value, low=0.0)
+    if not 0.0 < number < np.inf:
+        raise ProblemError(f"{name} must be positive and finite, got {number:g}")
+    return number

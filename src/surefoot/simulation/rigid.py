@@ -1,0 +1,286 @@
+"""A rigid world: hard contacts with exact Coulomb friction, one contact problem per time step.
+
+Semi-implicit Euler on velocities with impulses, after Moreau and Jean [1]_::
+
+    v⁺ = v + M⁻¹ (dt (τ - h) + Jᵀ λ),      u = J v⁺,      q⁺ = q ⊕ dt v⁺
+
+with (λ, u) obeying Signorini, Coulomb and maximum dissipation exactly (`surefoot.solve`). The order in
+dt is one. An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit the ground
+within the step stops at the surface and does not go below it. Impulses never do positive work where the
+restitution is zero and positions are not pulled by velocities.
+
+Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
+the ground; a sphere on curved ground sees the tangent plane below its centre.
+
+References
+----------
+.. [1] J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; M. Jean, "The
+   non-smooth contact dynamics method", CMAME 177, 1999.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.contact import ContactProblem, ContactSolution
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.robot import Robot
+from surefoot.simulation import rigid_step
+from surefoot.simulation.world import ContactReading
+from surefoot.solvers import solve
+from surefoot.spatial import rotation_from_quaternion
+from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
+
+Stabilisation = Literal["projection", "baumgarte", "none"]
+STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
+
+REACH = 1e-3
+"""Contacts that free motion brings closer than this enter the contact problem [m]."""
+SLOP = 1e-6
+"""Penetration that the projection leaves alone [m]."""
+PULL = 0.2
+"""Share of a penetration that Baumgarte's term takes back per step."""
+PROJECTIONS = 3
+"""Most projections of one step; each is a Newton step on the gaps."""
+
+
+class RigidWorld:
+    """A robot or a simple body on a terrain; see `surefoot.simulation.world.World` for the methods.
+
+    Parameters
+    ----------
+    robot
+        From `load_robot`, or a body of `simulation.bodies`.
+    terrain
+        None for flat ground.
+    mu
+        Friction of the ground.
+    dt
+        Length of a step [s].
+    payload
+        Point mass fixed to the base's origin [kg], unknown to any controller.
+    restitution
+        Newton's coefficient of restitution of impacts, 0 to 1.
+    stabilisation
+        What undoes penetration: "projection" moves the robot out by the least motion in the metric of M and
+        leaves its velocity alone, "baumgarte" asks for a separating velocity (which adds energy), "none"
+        lets it be.
+    solver, tol
+        For `surefoot.solve`.
+
+    Attributes
+    ----------
+    solution
+        `ContactSolution` of the last step (impulses [N s]), None before the first and without contacts.
+    unsolved
+        Steps so far whose contact problem was left above the tolerance.
+    worst_residual
+        Largest natural map residual so far.
+
+    Raises
+    ------
+    ProblemError
+        For a value out of range or an unknown stabilisation.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        terrain: Terrain | None = None,
+        mu: float = 0.6,
+        dt: float = 1e-3,
+        payload: float = 0.0,
+        *,
+        restitution: float = 0.0,
+        stabilisation: Stabilisation = "projection",
+        solver: str = "auto",
+        tol: float = 1e-8,
+    ) -> None:
+        if stabilisation not in STABILISATIONS:
+            raise ProblemError(unknown_name("stabilisation", stabilisation, STABILISATIONS))
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
+        self.terrain = FlatTerrain() if terrain is None else terrain
+        self.restitution = real_number("restitution", restitution, low=0.0, high=1.0)
+        self.stabilisation, self.solver, self.tol = stabilisation, solver, tol
+        self.set_friction(mu)
+        self.model = _loaded_model(robot, real_number("payload", payload, low=0.0))
+        self.data = self.model.createData()
+        self._place_feet()
+        self.reset(robot.nominal)
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._steps * self.dt
+
+    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
+        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        self._q = self.robot.configuration(q)
+        self._v = np.zeros(self.model.nv) if v is None else np.array(v, dtype=np.float64)
+        self._steps = self.unsolved = 0
+        self.worst_residual = 0.0
+        self.solution: ContactSolution | None = None
+        self._impulses = np.zeros((self._count, 3))
+        self._kinematics()
+        self._velocities = (self._J @ self._v).reshape(-1, 3)
+
+    def state(self) -> tuple[FloatArray, FloatArray]:
+        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        return self._q.copy(), self._v.copy()
+
+    def set_friction(self, mu: float) -> None:
+        """Change the friction of the ground everywhere, from the next step on."""
+        self.mu = real_number("mu", mu, low=0.0)
+
+    def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes."""
+        self._kinematics()
+        if self.stabilisation == "projection":
+            self._project()
+        effort = self._effort(torques, push)
+        free = rigid_step.free_velocity(self._upper, effort, self._v, self.dt, self._L)
+        near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
+        self._v = self._collide(free, near)
+        self._velocities = (self._J @ self._v).reshape(-1, 3)
+        self._q = np.array(self._integrate(self.model, self._q, self.dt * self._v))
+        self._steps += 1
+
+    def contacts(self) -> ContactReading:
+        """Return what the ground did during the last step.
+
+        Forces are impulses over dt; velocities are those at the end of the step, which the contact laws
+        tie to the impulses (and with which the contacts move during it); gaps and positions are those
+        at its start.
+        """
+        return ContactReading(
+            self._impulses / self.dt, self._gaps.copy(), self._velocities.copy(), self._points.copy()
+        )
+
+    def energy(self) -> float:
+        """Return kinetic plus potential energy [J], zero potential at z = 0."""
+        import pinocchio
+
+        return float(pinocchio.computeMechanicalEnergy(self.model, self.data, self._q, self._v))
+
+    def contact_work(self) -> float:
+        """Return the work of the ground's impulses during the last step [J].
+
+        λᵀ (u⁺ + u⁻) / 2 with u⁻ the velocity without them; never positive without restitution and
+        Baumgarte's term.
+        """
+        if self.solution is None:
+            return 0.0
+        impulses = self.solution.forces.ravel()
+        power = float(np.sum(self._impulses * self._velocities))
+        return power - 0.5 * float(impulses @ self.solution.problem.G @ impulses)
+
+    def _effort(self, torques: FloatArray, push: FloatArray | None) -> FloatArray:
+        """Return τ - h: motors, push, Coriolis and gravity terms: (nv,)."""
+        effort = -self._bias(self.model, self.data, self._q, self._v)
+        base = self.robot.base_dof
+        effort[base:] += torques
+        if push is not None and base:
+            effort[:3] += rotation_from_quaternion(self._q[3:7]).T @ push
+        return np.asarray(effort)
+
+    def _kinematics(self) -> None:
+        """Bring placements, mass matrix, gaps and contact Jacobian up to the present configuration."""
+        data = self.data
+        self._jacobians(self.model, data, self._q)
+        self._upper = self._crba(self.model, data, self._q)
+        centres = self._centres
+        for rows, joint, offsets in self._carried:
+            pose = data.oMi[joint]
+            centres[rows] = offsets @ pose.rotation.T + pose.translation
+        if self._plane is not None:
+            self._gaps = centres @ self._plane[:, 2] - self._radii
+        else:
+            self._gaps = self.terrain.gap(centres) - self._radii
+            for k, centre in enumerate(centres):
+                self._frames[k] = self.terrain.frame(centre[:2])
+        self._points = centres - self._radii[:, None] * self._frames[:, :, 2]
+        rigid_step.contact_rows(data.J, self._support, self._points, self._frames, self._J)
+
+    def _collide(self, free: FloatArray, near: Any) -> FloatArray:
+        """Return v⁺ after the impulses of the near contacts."""
+        warm = self._impulses[near]
+        self._impulses[:] = 0.0
+        if not near.size:
+            self.solution = None
+            return free
+        pull = PULL if self.stabilisation == "baumgarte" else 0.0
+        Y, G, g = rigid_step.assemble(
+            self._J, self._L, self._v, free, self._gaps, near, self.dt, self.restitution,
+            2.0 * self.dt * 9.81, pull,
+        )  # fmt: skip
+        problem = ContactProblem(G, g, self.mu)
+        self.solution = solve(problem, self.solver, self.tol, warm_start=warm)
+        residual = self.solution.residuals.natural_map
+        self.unsolved += not self.solution.solved
+        self.worst_residual = max(self.worst_residual, residual)
+        self._impulses[near] = self.solution.forces
+        return rigid_step.apply_impulses(self._L, Y, self.solution.forces.ravel(), free)
+
+    def _project(self) -> None:
+        """Move the robot out of the ground where it is in by more than `SLOP`.
+
+        Minimises ||dq||_M subject to gap + J_n dq >= 0: a frictionless contact problem in positions.
+        """
+        for _ in range(PROJECTIONS):
+            if self._gaps.min(initial=0.0) >= -SLOP:
+                return
+            rest = np.zeros(self.model.nv)
+            near = np.flatnonzero(self._gaps < REACH)
+            rigid_step.free_velocity(self._upper, rest, rest, 1.0, self._L)
+            Y, G, g = rigid_step.assemble(
+                self._J, self._L, rest, rest, self._gaps, near, 1.0, 0.0, np.inf, 1.0
+            )
+            pushes = solve(ContactProblem(G, g, 0.0), self.solver, 1e-6).forces
+            step = rigid_step.apply_impulses(self._L, Y, pushes.ravel(), rest)
+            self._q = np.array(self._integrate(self.model, self._q, step))
+            self._kinematics()
+
+    def _place_feet(self) -> None:
+        """Lay out the contact spheres: who carries them, and the arrays that every step reuses."""
+        import pinocchio
+
+        robot, model = self.robot, self.model
+        self._jacobians, self._crba = pinocchio.computeJointJacobians, pinocchio.crba
+        self._bias, self._integrate = pinocchio.nonLinearEffects, pinocchio.integrate
+        self.contact_foot = np.array(
+            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
+        )
+        self._count = n = len(self.contact_foot)
+        self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
+        self._carried: list[tuple[slice, int, FloatArray]] = []
+        self._support = np.zeros((n, model.nv), dtype=np.bool_)
+        start = 0
+        for foot in robot.feet:
+            frame = model.frames[foot.frame]
+            joint, rows = int(frame.parentJoint), slice(start, start + len(foot.centres))
+            offsets = np.array([frame.placement.act(c) for c in foot.centres])
+            self._carried.append((rows, joint, offsets))
+            start = rows.stop
+            while joint > 0:
+                first = model.joints[joint].idx_v
+                self._support[rows, first : first + model.joints[joint].nv] = True
+                joint = int(model.parents[joint])
+        self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        self._plane = self.terrain.frame([0.0, 0.0]) if isinstance(self.terrain, SlopeTerrain) else None
+        if self._plane is not None:
+            self._frames[:] = self._plane
+        self._J, self._L = np.zeros((3 * n, model.nv)), np.zeros((model.nv, model.nv))
+
+
+def _loaded_model(robot: Robot, payload: float) -> Any:
+    """Return a copy of the robot's model with a point mass at the base's origin."""
+    import pinocchio
+
+    model = robot.model.copy()
+    if payload > 0.0 and robot.floating:
+        load = pinocchio.Inertia(payload, np.zeros(3), 1e-3 * payload * np.eye(3))
+        model.inertias[1] = model.inertias[1] + load
+    return model
