@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +11,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.progress import progress_bar
 from surefoot.errors import ProblemError, unknown_name
 
 WORLDS = ("mujoco",)
@@ -83,7 +81,7 @@ def stand(
         return 1
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
     controller = setup.controller(mu, allocation)
-    with _progress(console.is_terminal and not as_json, "standing", duration) as tell:
+    with progress_bar(console.is_terminal and not as_json, "standing", duration) as tell:
         log = run_standing(setup.world(world, mu, payload), controller, setup.q, scenario, tell)
     summary = _write(setup, log, statics, folder, video, console)
     if as_json:
@@ -188,7 +186,7 @@ def _write(
     plots, note = run_files.write_plots(log, folder)
     film = None
     if video and summary["outcome"] != "interrupted":
-        with _progress(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
+        with progress_bar(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
             film, film_note = run_files.write_film(log, setup.robot, setup.terrain, folder, tell)
         note = "; ".join(text for text in (note, film_note) if text)
     stand_output.print_summary(console, summary)
@@ -207,18 +205,3 @@ def _write(
     console.print(headline, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
     console.print(f"report: {folder / 'report.html'}", soft_wrap=True, highlight=False)
     return summary
-
-
-@contextmanager
-def _progress(shown: bool, label: str, total: float) -> Iterator[Callable[[float], None] | None]:
-    """Show a progress bar on stderr while the context lasts, and yield the function that moves it."""
-    if not shown:
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    columns = (TextColumn(label), BarColumn(), TextColumn("{task.percentage:.0f} %"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(label, total=total if math.isfinite(total) else None)
-        yield lambda done: bar.update(task, completed=done)

@@ -209,7 +209,8 @@ def limit_command(
             share = fastest / speed
             notes.append(
                 f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
-                f"this gait can do: slowed to ({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
+                f"this gait can do: slowed to {100.0 * share:.0f} %, "
+                f"({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
             )
             row *= share
     return VelocityCommand(command.times, values), notes

@@ -185,6 +185,8 @@ def _facts(
         "normal_min": settings.normal_min * weight,
         "normal_max": settings.normal_max * weight,
         "mu_controller": settings.mu,
+        "gait": getattr(controller.schedule, "name", "schedule"),
+        "notes": list(controller.notes),
         "duration": scenario.duration,
         "outcome": outcome,
         "wall_time": wall,

@@ -40,7 +40,7 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
     # the first millisecond's impact must not squash the rest
     top = max(1.3 * share, 1.1 * float(np.percentile(forces[..., 2], 99.8)))
     axis.set(xlabel="time [s]", ylabel="normal force [N]", ylim=(min(0.0, forces[..., 2].min()), top))
-    _mark_events(axis, log)
+    mark_events(axis, log)
     axis.legend(ncols=3, fontsize=8, loc="best")
     axis.set_title("Normal forces as the world reports them")
     return save(figure, path)
@@ -98,7 +98,7 @@ def draw_base(log: Log, path: Path) -> Path:
     axes[1, 0].set(xlabel="time [s]", ylabel="base turned [deg]")
     axes[1, 0].legend(ncols=4, fontsize=8)
     for axis in axes[:, 0]:
-        _mark_events(axis, log)
+        mark_events(axis, log)
     axes[0, 0].set_title("Base, from where it started")
     return save(figure, path)
 
@@ -123,7 +123,7 @@ def draw_torques(log: Log, path: Path) -> Path:
         for limit in (-100.0, 100.0):
             axis.axhline(limit, color=BAD, lw=0.9, ls="--")
     axis.set(xlabel="time [s]", ylabel="torque [% of limit]", ylim=(-top, top))
-    _mark_events(axis, log)
+    mark_events(axis, log)
     axis.legend(fontsize=8, title="hardest worked joint", title_fontsize=8)
     axis.set_title("Joint torques against the effort limits")
     return save(figure, path)
@@ -156,13 +156,15 @@ def draw_run(log: Log, folder: Path) -> list[Path]:
     ]
 
 
-def _mark_events(axis: Any, log: Log) -> None:
-    """Shade the pushes and mark changes of friction and of the feet that push."""
+def mark_events(axis: Any, log: Log) -> None:
+    """Shade the pushes and mark changes of friction and, unless it walks, of the feet that push."""
     time, pushed = log["time"], np.any(log["push"] != 0.0, axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], pushed.astype(int), [0]])))
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
         axis.axvspan(time[begin], time[end - 1], color=FOOT_COLOURS[3], alpha=0.18, lw=0)
     changes = np.flatnonzero(np.diff(log["mu"]) != 0.0)
     lifted = np.flatnonzero(np.any(np.diff(log["active"].astype(int), axis=0) != 0, axis=1))
+    if "planned" in log.arrays:
+        lifted = lifted[:0]
     for at, colour in [(k, FOOT_COLOURS[5]) for k in changes] + [(k, MUTED) for k in lifted]:
         axis.axvline(time[at], color=colour, lw=0.8, ls=":")

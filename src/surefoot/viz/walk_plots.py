@@ -1,0 +1,138 @@
+"""Plots of a walk: velocity tracking, footfall diagram, use of the cone over time, path."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray
+from surefoot.audit import contact_use
+from surefoot.simulation.log import Log
+from surefoot.simulation.walk_summary import heading_velocity, touching
+from surefoot.spatial import GRAVITY
+from surefoot.viz.plots import (
+    MOST_POINTS,
+    draw_cone_use,
+    draw_normal_forces,
+    draw_step_times,
+    draw_torques,
+    foot_forces,
+    mark_events,
+)
+from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
+
+FOOTFALL_SPAN = 3.0
+"""Length of the footfall diagram [s]: the end of the run."""
+
+
+def draw_velocity(log: Log, path: Path) -> Path:
+    """Draw the base's velocity in its heading frame against the commanded one."""
+    figure, axes = new_figure(3, 1, size=(8.0, 5.6), sharex=True)
+    every = max(1, len(log) // MOST_POINTS)
+    thin, measured = slice(None, None, every), heading_velocity(log)
+    for k, label in enumerate(("forward [m/s]", "left [m/s]", "yaw rate [rad/s]")):
+        axis = axes[k, 0]
+        axis.plot(log["time"][thin], measured[thin, k], color=FOOT_COLOURS[k], lw=0.9, label="measured")
+        axis.plot(log["time"][thin], log["command"][thin, k], color=INK, lw=1.1, ls="--", label="commanded")
+        span = max(float(np.abs(log["command"][:, k]).max()), 0.1)
+        low, high = np.percentile(measured[:, k], [0.2, 99.8])
+        middle = log["command"][:, k]
+        axis.set(
+            ylabel=label, ylim=(min(low, middle.min()) - 0.3 * span, max(high, middle.max()) + 0.3 * span)
+        )
+        mark_events(axis, log)
+    axes[0, 0].legend(ncols=2, fontsize=8)
+    axes[2, 0].set_xlabel("time [s]")
+    axes[0, 0].set_title("Velocity of the base in its heading frame")
+    return save(figure, path)
+
+
+def draw_footfalls(log: Log, path: Path) -> Path:
+    """Draw when each foot carried (bars) and when the gait wanted it to (outline), at the run's end."""
+    names = log.facts["feet"]
+    figure, axes = new_figure(size=(8.0, 0.45 * len(names) + 1.2))
+    axis = axes[0, 0]
+    recent = _end(log)
+    time, down, planned = recent["time"], touching(recent), recent["planned"]
+    for k, name in enumerate(names):
+        row = len(names) - 1 - k
+        axis.broken_barh(_spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
+        for begin, length in _spans(time, planned[:, k]):
+            axis.plot([begin, begin + length], [row - 0.42] * 2, color=INK, lw=1.4, solid_capstyle="butt")
+    axis.set(yticks=range(len(names)), xlabel="time [s]", ylim=(-0.7, len(names) - 0.4))
+    axis.set_yticklabels(names[::-1])
+    axis.set_xlim(time[0], time[-1])
+    axis.grid(axis="y", visible=False)
+    axis.set_title("Footfalls: bars measured, dark lines planned")
+    return save(figure, path)
+
+
+def draw_cone_time(log: Log, path: Path) -> Path:
+    """Draw the used share of every foot's friction cone over time, measured; and the commanded worst."""
+    figure, axes = new_figure(size=(8.0, 3.4))
+    axis, every = axes[0, 0], max(1, len(log) // MOST_POINTS)
+    threshold = 0.05 * log.facts["mass"] * GRAVITY
+    use = contact_use(foot_forces(log), log["mu"], threshold)
+    # the highest of each short interval, so that thinning hides nothing
+    count = len(log) // every
+    blocks = use[: count * every].reshape(count, every, -1).max(axis=1)
+    time = log["time"][: count * every : every]
+    for k, name in enumerate(log.facts["feet"]):
+        axis.plot(time, blocks[:, k], color=FOOT_COLOURS[k % 8], lw=0.7, alpha=0.8, label=name)
+    axis.axhline(1.0, color=BAD, lw=0.9, ls="--")
+    axis.set(xlabel="time [s]", ylabel=r"$\|f_t\|\,/\,\mu f_n$", ylim=(0.0, 1.1))
+    mark_events(axis, log)
+    axis.legend(ncols=4, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+    axis.set_title("Use of the friction cone by feet that carry more than 5 % of the weight")
+    return save(figure, path)
+
+
+def draw_path(log: Log, path: Path) -> Path:
+    """Draw the base's path from above and from the side, with every footfall."""
+    figure, axes = new_figure(2, 1, size=(8.0, 4.6))
+    every = max(1, len(log) // MOST_POINTS)
+    down = touching(log)
+    owner = np.asarray(log.facts["contact_foot"])
+    for row, axis, label in ((1, axes[0, 0], "y [m]"), (2, axes[1, 0], "z [m]")):
+        axis.plot(log["q"][::every, 0], log["q"][::every, row], color=INK, lw=1.0)
+        for k in range(len(log.facts["feet"])):
+            begins = np.flatnonzero(down[1:, k] & ~down[:-1, k]) + 1
+            place = log["contact_positions"][begins][:, np.flatnonzero(owner == k)[0]]
+            axis.scatter(place[:, 0], place[:, row], s=6, color=FOOT_COLOURS[k % 8], lw=0)
+        axis.set_ylabel(label)
+        axis.set_aspect("equal", adjustable="datalim")
+    axes[1, 0].set_xlabel("x [m]")
+    axes[0, 0].set_title("Path of the base and footfalls, from above and from the side")
+    return save(figure, path)
+
+
+def draw_walk(log: Log, folder: Path) -> list[Path]:
+    """Draw every plot of a walk into a folder and return their paths."""
+    return [
+        draw_velocity(log, folder / "velocity.png"),
+        draw_footfalls(log, folder / "footfalls.png"),
+        draw_cone_time(log, folder / "cone_over_time.png"),
+        draw_cone_use(log, folder / "cone_use.png"),
+        draw_normal_forces(_end(log), folder / "normal_forces.png"),
+        draw_path(log, folder / "path.png"),
+        draw_torques(log, folder / "torques.png"),
+        draw_step_times(log, folder / "step_times.png"),
+    ]
+
+
+def _end(log: Log) -> Log:
+    """Return the last `FOOTFALL_SPAN` seconds of a log."""
+    recent = log["time"] >= log["time"][-1] - FOOTFALL_SPAN
+    return Log({name: array[recent] for name, array in log.arrays.items()}, log.facts)
+
+
+def _spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:
+    """Return (begin, length) of the runs where a flag is set."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]])))
+    last = len(time) - 1
+    return [
+        (float(time[a]), float(time[min(b, last)] - time[a]))
+        for a, b in zip(edges[::2], edges[1::2], strict=True)
+    ]
