@@ -27,7 +27,7 @@ __all__ = ["BodyReference", "BodyState", "ConvexMpc", "HorizonProgram", "MpcPlan
 
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved."""
-PATIENCE = 12
+PATIENCE = 16
 """Newton steps before the force weight is lowered in stages, see `surefoot.solvers.mpc_newton`."""
 _BOUNDS = ("mu", "normal_min", "normal_max")
 
@@ -87,7 +87,7 @@ class ConvexMpc:
     normal_min: ArrayLike = 0.0
     normal_max: ArrayLike = math.inf
     weights: MpcWeights = field(default_factory=MpcWeights)
-    tol: float = 1e-3
+    tol: float = 1e-2
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
@@ -110,21 +110,15 @@ class ConvexMpc:
         self._weights = self.weights.matrix()
         self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
         self._K = np.ascontiguousarray(np.linalg.inv(self._P))
-        self._y = np.zeros(6 * self.horizon)
-        self._warm = False
+        self._points = np.full((self.horizon, self.feet, 3), np.nan)
 
     def reset(self) -> None:
         """Forget the previous plan."""
-        self._warm = False
+        self._points[:] = np.nan
 
     def shift(self, elapsed: float) -> None:
         """Move the remembered plan forward by the time since it was made [s], for the next warm start."""
-        y = self._y.reshape(self.horizon, 6)
-        at = np.clip(np.arange(self.horizon) + elapsed / self.dt, 0, self.horizon - 1)
-        low = np.minimum(at.astype(np.int64), self.horizon - 1)
-        high = np.minimum(low + 1, self.horizon - 1)
-        share = (at - low)[:, None]
-        self._y = ((1.0 - share) * y[low] + share * y[high]).ravel()
+        self._points = mpc_model.advance(self._points, max(elapsed / self.dt, 0.0))
 
     def solve(
         self,
@@ -167,16 +161,18 @@ class ConvexMpc:
             raise ProblemError("frames must be right-handed rotations (3, 3); those of contacts are not all")
         if verdict == mpc_model.NOT_FINITE:
             return self._share_weight(given)
-        y, force = self._y.copy(), np.empty((program.step.size, 3))
+        step, foot = program.step, program.foot
+        point, force = self._points[step, foot], np.empty((step.size, 3))
         count, error = newton(
-            self._K, self._P, program.q, program.step, program.M, program.bounds, program.centre, program.rho,
-            self.tol, PATIENCE, self.max_iterations, self._warm, y, force,
+            self._K, self._P, program.q, step, program.M, program.bounds, program.centre, program.rho,
+            self.tol, PATIENCE, self.max_iterations, point, force,
         )  # fmt: skip
         if not math.isfinite(error):
             return self._share_weight(given)
-        self._y, self._warm = y, True
+        self._points[:] = np.nan
+        self._points[step, foot] = point
         forces, world, moved, turn = mpc_model.finish(
-            program.step, program.foot, program.M, force, program.drift, given.frames, program.heading,
+            step, foot, program.M, force, program.drift, given.frames, program.heading,
             given.ref_motion, self.dt,
         )  # fmt: skip
         status = Status.SOLVED if error <= self.tol else Status.MAX_ITERATIONS
@@ -252,7 +248,7 @@ class ConvexMpc:
     def _share_weight(self, given: _Given) -> MpcPlan:
         """Return the plan of last resort: the weight shared by the feet in contact, flagged INVALID."""
         N, n = given.contacts.shape
-        self._warm = False
+        self.reset()
         standing = np.maximum(given.contacts.sum(axis=1, keepdims=True), 1)
         normal = np.clip(self.mass * GRAVITY / standing, given.bounds[..., 1], given.bounds[..., 2])
         forces = np.zeros((N, n, 3))

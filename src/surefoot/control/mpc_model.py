@@ -270,6 +270,31 @@ def gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float)
 
 
 @kernel
+def advance(points: FloatArray, steps: float) -> FloatArray:
+    """Return what is known per step and foot (N, n, 3), NaN for nothing, seen `steps` later.
+
+    In between two steps it is interpolated, beside nothing the one known value is taken, and the last step
+    stands for all that come after it.
+    """
+    N, n = points.shape[:2]
+    out = np.empty_like(points)
+    for k in range(N):
+        at = min(k + steps, N - 1.0)
+        low = int(at)
+        high = min(low + 1, N - 1)
+        share = at - low
+        for i in range(n):
+            a, b = points[low, i], points[high, i]
+            if math.isnan(b[0]):
+                out[k, i] = a
+            elif math.isnan(a[0]):
+                out[k, i] = b
+            else:
+                out[k, i] = (1.0 - share) * a + share * b
+    return out
+
+
+@kernel
 def finish(
     step: IntArray, foot: IntArray, M: FloatArray, force: FloatArray, drift: FloatArray, frames: FloatArray,
     heading: FloatArray, reference: FloatArray, dt: float,

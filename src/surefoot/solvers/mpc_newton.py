@@ -14,8 +14,8 @@ in f::
 
     ||f - f*|| <= sqrt(Fᵀ P F / ρ)
 
-so that every answer carries a bound on its own error, in newtons. The multipliers vary smoothly in time,
-also across a change of contacts: this is what is kept as the warm start.
+so that every answer carries a bound on its own error, in newtons. A warm start is a guess of the points
+c - Mᵀ y / ρ (not of y, which has to be known far better): it tells which contacts stick, slide or lift.
 
 References
 ----------
@@ -109,9 +109,9 @@ def add_outer(V: FloatArray, at: int, m: FloatArray, x: float, y: float, z: floa
 @kernel
 def assemble(
     V: FloatArray, K: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, point: FloatArray,
-    force: FloatArray, rho: float, free: bool,
+    force: FloatArray, rho: float,
 ) -> None:  # fmt: skip
-    """Fill the upper triangle of V with P⁻¹ + M Π' Mᵀ / ρ; `free` takes the identity for Π'."""
+    """Fill the upper triangle of V with P⁻¹ + M Π' Mᵀ / ρ, Π' the projections' Jacobian at the points."""
     N = K.shape[1]
     V[:] = 0.0
     for k in range(N):
@@ -125,10 +125,10 @@ def assemble(
         mu, low, high = bounds[i, 0], bounds[i, 1], bounds[i, 2]
         t = math.sqrt(u * u + v * v)
         held = z <= low or z >= high
-        if free or t <= mu * z:
+        if t <= mu * z:
             add_outer(V, at, M[i], root, 0.0, 0.0)
             add_outer(V, at, M[i], 0.0, root, 0.0)
-            if free or not held:
+            if not held:
                 add_outer(V, at, M[i], 0.0, 0.0, root)
         elif z > 0.0:
             a, b = u / t, v / t
@@ -137,6 +137,47 @@ def assemble(
             if not held:
                 s = root / math.sqrt(1.0 + mu * mu)
                 add_outer(V, at, M[i], a * mu * s, b * mu * s, s)
+
+
+@kernel
+def begin(
+    K: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, centre: FloatArray,
+    rho: float, point: FloatArray, force: FloatArray, V: FloatArray, y: FloatArray,
+) -> None:  # fmt: skip
+    """Fill y with the multipliers of the program linearised at guessed points; the points become those of y.
+
+    A guess says which contacts stick, slide or are unloaded; if it is right, this is already a Newton step
+    from the solution's own pieces. Guesses at the wanted forces, inside the cones, ignore the cones.
+    """
+    N = K.shape[1]
+    for j in range(6):
+        for k in range(N):
+            total = 0.0
+            for m in range(N):
+                total += K[j, k, m] * q[6 * m + j]
+            y[6 * k + j] = total
+    for i in range(step.size):
+        mu, low, high = bounds[i, 0], bounds[i, 1], bounds[i, 2]
+        x, w, z = project_truncated(point[i, 0], point[i, 1], point[i, 2], mu, low, high)
+        force[i, 0], force[i, 1], force[i, 2] = x, w, z
+        p, r, s = centre[i, 0] - point[i, 0], centre[i, 1] - point[i, 1], centre[i, 2] - point[i, 2]
+        t = math.sqrt(point[i, 0] ** 2 + point[i, 1] ** 2)
+        if z <= low or z >= high:
+            s = 0.0
+        if t <= mu * z:
+            x, w, z = x + p, w + r, z + s
+        elif z > 0.0:
+            a, b = point[i, 0] / t, point[i, 1] / t
+            across = mu * z / t * (a * r - b * p)
+            along = 0.0 if z <= low or z >= high else (mu * (a * p + b * r) + s) / (1.0 + mu * mu)
+            x, w, z = x - b * across + a * mu * along, w + a * across + b * mu * along, z + along
+        at = 6 * step[i]
+        for j in range(6):
+            y[at + j] += M[i, 0, j] * x + M[i, 1, j] * w + M[i, 2, j] * z
+    assemble(V, K, step, M, bounds, point, force, rho)
+    factor(V)
+    solve_factored(V, y)
+    place(step, M, centre, y, rho, point)
 
 
 @inline_kernel
@@ -250,7 +291,7 @@ def descend(
     for count in range(limit):
         if not error > goal or (idle > 4 and best < ROUNDING * goal):
             return count, error
-        assemble(V, K, step, M, bounds, point, force, rho, False)
+        assemble(V, K, step, M, bounds, point, force, rho)
         factor(V)
         for i in range(q.size):
             d[i] = -F[i]
@@ -287,7 +328,7 @@ def descend(
 @kernel
 def newton(
     K: FloatArray, P: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray,
-    centre: FloatArray, rho: float, tol: float, patience: int, limit: int, warm: bool, y: FloatArray,
+    centre: FloatArray, rho: float, tol: float, patience: int, limit: int, point: FloatArray,
     force: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Solve the horizon's program; return the Newton steps and the bound on the forces' error [N].
@@ -316,24 +357,27 @@ def newton(
         Wanted bound on the error [N].
     patience, limit
         Bounds on the steps of the first attempt, and of all.
-    warm
-        Whether y holds a start.
-    y, force
-        (6 N,) and (contacts, 3); results, written in place.
+    point
+        (contacts, 3) a guess of the points whose projections are the forces, NaN where there is none;
+        those of the answer on return.
+    force
+        (contacts, 3) result.
     """
-    V, point = np.empty((q.size, q.size)), np.empty((step.size, 3))
-    if not warm:
-        unconstrained(K, q, step, M, bounds, centre, rho, point, force, V, y)
-    place(step, M, centre, y, rho, point)
-    total, error = descend(K, P, q, step, M, bounds, rho, tol * tol, patience, y, point, force, V)
-    if error <= tol * tol or total < patience:
+    V, y = np.empty((q.size, q.size)), np.empty(q.size)
+    for i in range(step.size):
+        if math.isnan(point[i, 0] + point[i, 1] + point[i, 2]):
+            point[i] = centre[i]
+    begin(K, q, step, M, bounds, centre, rho, point, force, V, y)
+    first = min(patience, limit)
+    total, error = descend(K, P, q, step, M, bounds, rho, tol * tol, first, y, point, force, V)
+    if error <= tol * tol or total < first or total >= limit:
         return total, math.sqrt(error)
     size = 0.0
     for i in range(step.size):
         size = max(size, abs(centre[i, 2]))
     raised = rho * RAISE
-    unconstrained(K, q, step, M, bounds, centre, raised, point, force, V, y)
-    place(step, M, centre, y, raised, point)
+    point[:] = centre
+    begin(K, q, step, M, bounds, centre, raised, point, force, V, y)
     while raised > rho and total < limit:
         count, error = descend(
             K,
@@ -355,24 +399,7 @@ def newton(
         for i in range(q.size):
             y[i] *= lowered / raised
         raised = lowered
+    for i in range(q.size):  # only if the limit ended the stages early: the points stay, y follows
+        y[i] *= rho / raised
     count, error = descend(K, P, q, step, M, bounds, rho, tol * tol, limit - total, y, point, force, V)
     return total + count, math.sqrt(error)
-
-
-@kernel
-def unconstrained(
-    K: FloatArray, q: FloatArray, step: IntArray, M: FloatArray, bounds: FloatArray, centre: FloatArray,
-    rho: float, point: FloatArray, force: FloatArray, V: FloatArray, y: FloatArray,
-) -> None:  # fmt: skip
-    """Fill y with the multipliers of the program without cones."""
-    assemble(V, K, step, M, bounds, point, force, rho, True)
-    factor(V)
-    place(step, M, centre, q, rho, point)
-    y[:] = 0.0
-    for i in range(step.size):
-        at = 6 * step[i]
-        for j in range(6):
-            y[at + j] += M[i, 0, j] * point[i, 0] + M[i, 1, j] * point[i, 1] + M[i, 2, j] * point[i, 2]
-    solve_factored(V, y)
-    for i in range(q.size):
-        y[i] += q[i]
