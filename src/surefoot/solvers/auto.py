@@ -28,15 +28,23 @@ from surefoot.solvers.solver import Answer, Settings, mismatch, register, regist
 SMALL = 40
 """Number of contacts up to which the compiled dense alternation is used."""
 ROUNDS = 8
-CONES: dict[str, tuple[tuple[str, int | None], ...]] = {
-    "coulomb": (("admm", 4000), ("interior_point", None), ("admm", None)),
-    "convex": (("interior_point", None), ("admm", 4000), ("clarabel", None)),
+CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
+    "coulomb": (
+        ("admm", 600, True),
+        ("admm", 1500, False),
+        ("staggered", 100, True),
+        ("interior_point", None, False),
+        ("admm", None, True),
+        ("nsgs", None, True),
+    ),
+    "convex": (("interior_point", None, False), ("admm", 4000, True), ("clarabel", None, False)),
 }
-PYRAMIDS: dict[str, tuple[tuple[str, int | None], ...]] = {
-    "coulomb": (("admm", 2000), ("lemke", None), ("admm", None)),
-    "convex": (("admm", 2000), ("daqp", None), ("admm", None)),
+PYRAMIDS: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
+    "coulomb": (("admm", 2000, True), ("lemke", None, False), ("admm", None, True)),
+    "convex": (("admm", 2000, True), ("daqp", None, False), ("admm", None, True)),
 }
-"""Who is asked next, and for at most how many iterations (None: as many as it likes)."""
+"""Who is asked next, for at most how many iterations (None: its own limit), and whether from the best forces
+so far: a bad guess can hold a method back, so some start afresh."""
 
 
 @register("auto", bilateral=True, polyhedral=True)
@@ -68,7 +76,7 @@ def _hand_on(
     settings: Settings,
     forces: FloatArray | None,
     done: int,
-    names: tuple[tuple[str, int | None], ...],
+    names: tuple[tuple[str, int | None, bool], ...],
     start: float | None = None,
 ) -> Answer:
     """Try solvers in turn, each with its own bound on iterations, from the best forces so far."""
@@ -76,7 +84,7 @@ def _hand_on(
     best = np.zeros((problem.contacts, 3)) if forces is None else forces
     best_gap = certificate(problem, best)[1][0]
     stop, entries = Status.STALLED, registry()
-    for name, bound in names:
+    for name, bound, warm in names:
         left = settings.max_time - (time.perf_counter() - start)
         if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
@@ -86,7 +94,7 @@ def _hand_on(
         if settings.max_iterations is not None:
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
-            answer = entries[name].function(problem, Settings(settings.tol, bound, left), best)
+            answer = entries[name].function(problem, Settings(settings.tol, bound, left), best if warm else None)
         except SurefootError:  # an optional package that is not installed
             continue
         done, stop = done + answer.iterations, answer.stop
