@@ -17,6 +17,8 @@ CONE_LIMIT = 1.0 + 1e-3
 """Highest use of the friction cone that counts as inside."""
 LOADED_SHARE = 1e-3
 """A contact counts as loaded above this share of m g; below it the use of its cone is noise."""
+LEAST_FRICTION = 1e-4
+"""Friction below this counts as this much: simulators know no exact zero."""
 SLIDING_SPEED = 1e-2
 """Speed from which a contact counts as sliding [m/s]."""
 
@@ -65,15 +67,12 @@ class Laws:
 def contact_use(forces: ArrayLike, mu: ArrayLike, threshold: float) -> FloatArray:
     """Return ||f_t|| / (mu f_n) of (T, p, 3) forces, zero where f_n is at most `threshold` [N]: (T, p).
 
-    `mu` is (T,), the friction of the ground at each time. Friction without grip (mu = 0) gives
-    infinity, unless there is no tangential force either.
+    `mu` is (T,), the friction of the ground at each time, taken as `LEAST_FRICTION` at least.
     """
     f = np.asarray(forces, dtype=np.float64)
-    tangential = np.hypot(f[..., 0], f[..., 1])
-    limit = np.asarray(mu, dtype=np.float64)[:, None] * f[..., 2]
-    share = np.divide(tangential, limit, out=np.full_like(limit, np.inf), where=limit > 0.0)
-    share[tangential == 0.0] = 0.0
-    return np.where(f[..., 2] > threshold, share, 0.0)
+    limit = np.maximum(np.asarray(mu, dtype=np.float64), LEAST_FRICTION)[:, None] * f[..., 2]
+    loaded = f[..., 2] > max(threshold, 0.0)
+    return np.divide(np.hypot(f[..., 0], f[..., 1]), limit, out=np.zeros_like(limit), where=loaded)
 
 
 def check_laws(

@@ -134,10 +134,7 @@ class StandingController:
         frictions = np.full(len(self.point_foot), self.mu)
         self.allocation = allocation or ExactAllocation(frictions, self.wrench_weights, FORCE_WEIGHT)
         self._integral = np.zeros(6)
-        self._bounds_of: tuple[Target | None, tuple[FloatArray, FloatArray]] = (
-            None,
-            (np.zeros(0), np.zeros(0)),
-        )
+        self._bounds_of: tuple[bytes, tuple[FloatArray, FloatArray]] = (b"", (np.zeros(0), np.zeros(0)))
         self._grasp = np.zeros((6, 3 * len(self.point_foot)))
 
     def _set_points(self, q: FloatArray) -> None:
@@ -246,14 +243,15 @@ class StandingController:
 
         While nothing changes the same arrays come back, so that an allocation can see that.
         """
-        if target is self._bounds_of[0]:
+        key = target.stance.tobytes() + target.load.tobytes()
+        if key == self._bounds_of[0]:
             return self._bounds_of[1]
         foot = self.point_foot
         on = target.stance[foot]
         high = np.where(on, self.normal_max * np.maximum(target.load[foot], 1e-3), 0.0)
         low = np.where(on, self.normal_min * self._share, 0.0)
         bounds = (np.minimum(low, high), high)
-        self._bounds_of = (target, bounds)
+        self._bounds_of = (key, bounds)
         return bounds
 
     def _attained(self, error: FloatArray) -> bool:

@@ -19,18 +19,19 @@ DRIFT_LIMIT, TILT_LIMIT = 0.1, np.radians(10.0)
 
 
 def slips(log: Log) -> FloatArray:
-    """Return how far each contact point has slid since it last touched down: (T, p) [m], zero in the air.
+    """Return how far each contact point has slid since it was last told to push: (T, p) [m].
 
-    Integrates the velocity of the foot's material at the contact, so that rolling is no slip.
+    Integrates the velocity of the foot's material at the contact while loaded, so that rolling is no
+    slip and a foot that hops while it slides is not forgiven; zero for a foot in the air on purpose.
     """
-    loaded = _loaded(log)
-    travel = np.cumsum(np.where(loaded[..., None], log["contact_velocities"][..., :2], 0.0), axis=0)
+    travel = np.cumsum(np.where(_loaded(log)[..., None], log["contact_velocities"][..., :2], 0.0), axis=0)
     travel *= log.facts["dt"]
-    before = np.vstack([np.zeros((1, loaded.shape[1]), dtype=bool), loaded[:-1]])
+    active = np.asarray(log["active"])
+    before = np.vstack([np.zeros((1, active.shape[1]), dtype=bool), active[:-1]])
     steps = np.arange(len(log))[:, None]
-    since = np.maximum.accumulate(np.where(loaded & ~before, steps, 0), axis=0)
+    since = np.maximum.accumulate(np.where(active & ~before, steps, 0), axis=0)
     start = np.take_along_axis(travel, np.repeat(since[..., None], 2, axis=2), axis=0)
-    return np.where(loaded, np.linalg.norm(travel - start, axis=-1), 0.0)
+    return np.where(active, np.linalg.norm(travel - start, axis=-1), 0.0)
 
 
 def _loaded(log: Log) -> BoolArray:
