@@ -7,7 +7,7 @@ from typing import cast
 
 import typer
 
-from surefoot.cli import bench, cone, stand
+from surefoot.cli import bench, cone, stand, walk
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -22,6 +22,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("stand")(stand.stand)
+app.command("walk")(walk.walk)
 app.command("cone")(cone.cone)
 app.add_typer(bench.app, name="bench")
 

@@ -1,4 +1,4 @@
-"""Option values with a form of their own: pushes, ice, lifts, facets, lists of feet."""
+"""Option values with a form of their own: pushes, ice, lifts, velocities, terrains, facets, lists of feet."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TypeVar
 from surefoot.control.standing_plan import Lift
 from surefoot.errors import ProblemError
 from surefoot.simulation.standing import Ice, Push
+from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
 
 T = TypeVar("T")
 
@@ -89,3 +90,34 @@ def names(text: str | None) -> list[str] | None:
 def each(parse: Callable[[str], T], texts: list[str] | None) -> list[T]:
     """Return the parsed values of a repeatable option."""
     return [parse(text) for text in texts or []]
+
+
+def velocity(text: str) -> tuple[float, float, float]:
+    """Return forward, left [m/s] and yaw rate [rad/s] of "VX,VY,WZ"; missing ones are zero.
+
+    >>> velocity("0.5")
+    (0.5, 0.0, 0.0)
+    """
+    parts = text.split(",")
+    if not 1 <= len(parts) <= 3:
+        raise ProblemError(f"--velocity {text!r} is not of the form VX,VY,WZ, e.g. 0.5,0,0.2")
+    x, y, turn = ([number("--velocity", p) for p in parts] + [0.0, 0.0])[:3]
+    return x, y, turn
+
+
+TERRAINS = "flat, slope:DEG"
+
+
+def terrain(text: str) -> Terrain:
+    """Return the terrain of "flat" or "slope:DEG".
+
+    >>> terrain("slope:15")
+    SlopeTerrain(15)
+    """
+    kind, _, rest = text.partition(":")
+    values = [number("--terrain", part) for part in rest.split(",")] if rest else []
+    if kind == "flat" and not values:
+        return FlatTerrain()
+    if kind == "slope" and len(values) == 1:
+        return SlopeTerrain(values[0])
+    raise ProblemError(f"--terrain {text!r} is not one of: {TERRAINS}")

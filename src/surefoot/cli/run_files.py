@@ -18,6 +18,10 @@ CAPTIONS = {
     "base": "Base",
     "torques": "Joint torques",
     "step_times": "Controller step",
+    "velocity": "Velocity",
+    "footfalls": "Footfalls",
+    "cone_over_time": "Use of the cones over time",
+    "path": "Path",
 }
 
 
@@ -38,12 +42,14 @@ def write_film(
         return None, "no video: interrupted"
 
 
-def write_plots(log: Log, folder: Path) -> tuple[list[Path], str]:
-    """Return the plots' paths, and one line that says why there are none."""
+def write_plots(
+    log: Log, folder: Path, draw: Callable[[Log, Path], list[Path]] | None = None
+) -> tuple[list[Path], str]:
+    """Return the plots' paths, and one line that says why there are none; `draw` is that of a stand."""
     from surefoot.viz.plots import draw_run
 
     try:
-        return draw_run(log, folder), ""
+        return (draw or draw_run)(log, folder), ""
     except SurefootError as error:
         return [], str(error)
 

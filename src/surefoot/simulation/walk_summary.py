@@ -35,7 +35,9 @@ def heading_velocity(log: Log) -> FloatArray:
 def commanded_excess(log: Log) -> FloatArray:
     """Return how far commanded forces lie outside the controller's cones: (T, p) [N], zero inside."""
     f = log["forces_commanded"]
-    return np.maximum(np.hypot(f[..., 0], f[..., 1]) - log.facts["mu_controller"] * f[..., 2], 0.0)
+    return np.asarray(
+        np.maximum(np.hypot(f[..., 0], f[..., 1]) - log.facts["mu_controller"] * f[..., 2], 0.0)
+    )
 
 
 def touching(log: Log) -> BoolArray:

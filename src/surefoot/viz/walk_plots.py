@@ -21,7 +21,7 @@ from surefoot.viz.plots import (
     foot_forces,
     mark_events,
 )
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
+from surefoot.viz.style import BAD, FOOT_COLOURS, INK, new_figure, save
 
 FOOTFALL_SPAN = 3.0
 """Length of the footfall diagram [s]: the end of the run."""
