@@ -4,10 +4,11 @@ Semi-implicit Euler on velocities with impulses, after Moreau and Jean [1]_::
 
     v⁺ = v + M⁻¹ (dt (τ - h) + Jᵀ λ),      u = J v⁺,      q⁺ = q ⊕ dt v⁺
 
-with (λ, u) obeying Signorini, Coulomb and maximum dissipation exactly (`surefoot.solve`). The order in
-dt is one. An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit the ground
-within the step stops at the surface and does not go below it. Impulses never do positive work where the
-restitution is zero and positions are not pulled by velocities.
+with a floating base's linear velocity in world axes, whatever axes v has, and with (λ, u) obeying Signorini,
+Coulomb and maximum dissipation exactly (`surefoot.solve`). The order in dt is one. An open contact enters
+with u_n + gap / dt >= 0, so that a foot that would hit the ground within the step stops at the surface and
+does not go below it. Impulses never do positive work where the restitution is zero and positions are not
+pulled by velocities.
 
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
 the ground; a sphere on curved ground sees the tangent plane below its centre.
@@ -141,11 +142,11 @@ class RigidWorld:
         if self.stabilisation == "projection":
             self._project()
         effort = self._effort(torques, push)
-        free = rigid_step.free_velocity(self._upper, effort, self._v, self.dt, self._L)
+        free = rigid_step.free_velocity(self._upper, effort, self._v, self.dt, self._floating, self._L)
         near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
         self._v = self._collide(free, near)
         self._velocities = (self._J @ self._v).reshape(-1, 3)
-        self._q = np.array(self._integrate(self.model, self._q, self.dt * self._v))
+        self._advance()
         self._steps += 1
 
     def contacts(self) -> ContactReading:
@@ -224,6 +225,16 @@ class RigidWorld:
         self._impulses[near] = self.solution.forces
         return rigid_step.apply_impulses(self._L, Y, self.solution.forces.ravel(), free)
 
+    def _advance(self) -> None:
+        """Move along v⁺: the base straight on in the world while it turns, the joints by their own steps."""
+        step, start = self.dt * self._v, self._q[:3]
+        if self._floating:
+            path = rigid_step.turn_base(self.data.oMi[1].rotation, self._v, self.dt)
+            step[:3] = 0.0
+        self._q = np.array(self._integrate(self.model, self._q, step))
+        if self._floating:
+            self._q[:3] = start + path
+
     def _project(self) -> None:
         """Move the robot out of the ground where it is in by more than `SLOP`.
 
@@ -234,7 +245,7 @@ class RigidWorld:
                 return
             rest = np.zeros(self.model.nv)
             near = np.flatnonzero(self._gaps < REACH)
-            rigid_step.free_velocity(self._upper, rest, rest, 1.0, self._L)
+            rigid_step.free_velocity(self._upper, rest, rest, 1.0, False, self._L)
             Y, G, g = rigid_step.assemble(
                 self._J, self._L, rest, rest, self._gaps, near, 1.0, 0.0, np.inf, 1.0
             )
@@ -248,6 +259,7 @@ class RigidWorld:
         import pinocchio
 
         robot, model = self.robot, self.model
+        self._floating = robot.floating
         self._jacobians, self._crba = pinocchio.computeJointJacobians, pinocchio.crba
         self._bias, self._integrate = pinocchio.nonLinearEffects, pinocchio.integrate
         self.contact_foot = np.array(

@@ -47,16 +47,47 @@ def solve_upper(L: FloatArray, x: FloatArray) -> None:
 
 @kernel
 def free_velocity(
-    upper: FloatArray, effort: FloatArray, v: FloatArray, dt: float, L: FloatArray
+    upper: FloatArray, effort: FloatArray, v: FloatArray, dt: float, floating: bool, L: FloatArray
 ) -> FloatArray:
-    """Return v + dt M⁻¹ effort, and leave the Cholesky factor of M in L."""
+    """Return the velocity after dt without contacts, and leave the Cholesky factor of M in L.
+
+    A floating base's velocity keeps the axes that the base has now: v̇ is the rate of the components in
+    axes that turn along, so ω x v is added to it. Otherwise a spinning body would gain (ω dt)² / 2 of its
+    speed per step.
+    """
     factorise(upper, L)
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
+    if floating:
+        out[0] += v[4] * v[2] - v[5] * v[1]
+        out[1] += v[5] * v[0] - v[3] * v[2]
+        out[2] += v[3] * v[1] - v[4] * v[0]
     for i in range(out.size):
         out[i] = v[i] + dt * out[i]
     return out
+
+
+@kernel
+def turn_base(rotation: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    """Return the (3,) path of the base over dt in world axes, and turn v's linear part to the new base axes.
+
+    `rotation` (3, 3) is the base's orientation at the start, in whose axes v comes; the base turns by
+    exp(dt ω).
+    """
+    path = np.empty(3)
+    for i in range(3):
+        path[i] = dt * (rotation[i, 0] * v[0] + rotation[i, 1] * v[1] + rotation[i, 2] * v[2])
+    x, y, z = -dt * v[3], -dt * v[4], -dt * v[5]
+    angle = math.sqrt(x * x + y * y + z * z)
+    s = 1.0 - angle * angle / 6.0 if angle < 1e-4 else math.sin(angle) / angle
+    c = 0.5 - angle * angle / 24.0 if angle < 1e-4 else (1.0 - math.cos(angle)) / (angle * angle)
+    a, b, d = v[0], v[1], v[2]
+    p, q, r = y * d - z * b, z * a - x * d, x * b - y * a
+    v[0] = a + s * p + c * (y * r - z * q)
+    v[1] = b + s * q + c * (z * p - x * r)
+    v[2] = d + s * r + c * (x * q - y * p)
+    return path
 
 
 @kernel

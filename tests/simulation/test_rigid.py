@@ -1,0 +1,293 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pinocchio
+import pytest
+
+import surefoot as sf
+from surefoot.simulation.bodies import ball, box
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
+
+NONE = np.zeros(0)
+
+
+def on_slope(body: sf.Robot, degrees: float, lift: float = 0.0) -> np.ndarray:
+    """The body's nominal pose laid onto a slope through the origin."""
+    rotation = rotation_about([0, 1, 0], -math.radians(degrees))
+    q = body.nominal.copy()
+    q[:3] = rotation @ [0.0, 0.0, body.nominal[2] + lift]
+    q[3:7] = quaternion_from_rotation(rotation)
+    return q
+
+
+def run(world: RigidWorld, seconds: float, push=None) -> list[tuple[np.ndarray, np.ndarray]]:
+    states = []
+    for _ in range(round(seconds / world.dt)):
+        world.step(NONE, push)
+        states.append(world.state())
+    return states
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.5, 0.9])
+def test_block_sticks_up_to_the_friction_angle(mu):
+    body = box(2.0, (0.3, 0.3, 0.1))
+    limit = math.degrees(math.atan(mu))
+    world = RigidWorld(body, sf.SlopeTerrain(limit - 0.2), mu=mu)
+    world.reset(on_slope(body, limit - 0.2))
+    q, v = run(world, 0.3)[-1]
+    assert np.abs(v).max() < 1e-9
+    assert np.abs(q[:3] - on_slope(body, limit - 0.2)[:3]).max() < 1e-9
+    assert world.unsolved == 0
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2, 0.5])
+def test_block_slides_with_the_closed_form_acceleration(mu):
+    degrees = math.degrees(math.atan(mu)) + 8.0
+    theta = math.radians(degrees)
+    body = box(2.0, (0.3, 0.3, 0.1))
+    world = RigidWorld(body, sf.SlopeTerrain(degrees), mu=mu)
+    world.reset(on_slope(body, degrees))
+    states = run(world, 0.3)
+    along = -(math.sin(theta) - mu * math.cos(theta)) * GRAVITY  # -x of the body is downhill
+    assert states[-1][1][0] == pytest.approx(0.3 * along, rel=1e-6)
+    assert np.abs(states[-1][1][[1, 2, 3, 4, 5]]).max() < 1e-7
+    assert np.abs(world.contacts().gaps[world.contacts().forces[:, 2] > 0]).max() < 1e-8  # no lift-off
+
+
+@pytest.mark.parametrize(("speed", "mu"), [(2.0, 0.5), (1.0, 0.2), (3.0, 0.8)])
+def test_sliding_distance(speed, mu):
+    body = box(2.0, (0.4, 0.4, 0.1))
+    world = RigidWorld(body, mu=mu)
+    world.reset(body.nominal, np.array([speed, 0, 0, 0, 0, 0]))
+    states = run(world, speed / (mu * GRAVITY) + 0.1)
+    assert states[-1][0][0] == pytest.approx(speed**2 / (2 * mu * GRAVITY), rel=5e-3)
+    assert max(abs(q[2] - 0.05) for q, _ in states) < 1e-8
+    assert np.abs(states[-1][1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.7, 1.0])
+def test_ball_bounces_with_its_restitution(e):
+    body = ball(0.5, 0.1)
+    world = RigidWorld(body, restitution=e)
+    q = body.nominal.copy()
+    q[2] += 0.3
+    world.reset(q)
+    before = after = None
+    for _ in range(600):
+        _, last = world.state()
+        world.step(NONE)
+        if world.contacts().forces[0, 2] > 0:
+            before, after = last[2], world.state()[1][2]
+            break
+    assert before == pytest.approx(-math.sqrt(2 * GRAVITY * 0.3), abs=2 * GRAVITY * world.dt)
+    assert after == pytest.approx(-e * before, abs=1e-9 if e else 2.5)  # e = 0: what is left of the gap
+    heights = [s[0][2] - 0.1 for s in run(world, 0.45)]
+    assert min(heights) > -1e-9
+    if e in (0.3, 0.7):
+        assert max(heights) == pytest.approx(e**2 * 0.3, abs=3e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.4, 0.8])
+def test_box_tips_at_the_right_angle(ratio):
+    """A box of width b and height h tips over its lower edge when tan(slope) > b / h."""
+    body = box(1.0, (0.2 * ratio, 0.2, 0.2))
+    limit = math.degrees(math.atan(ratio))
+    turned = []
+    for degrees in (limit - 0.3, limit + 0.3):
+        world = RigidWorld(body, sf.SlopeTerrain(degrees), mu=2.0)
+        world.reset(on_slope(body, degrees))
+        turned.append(abs(run(world, 0.4)[-1][1][4]))
+    assert turned[0] < 1e-6
+    assert turned[1] > 0.05
+
+
+@pytest.mark.parametrize("share", [0.98, 1.02])
+def test_box_is_pushed_over_beyond_half_its_width(share):
+    """A push F at half the height tips the box when F h / 2 > m g b / 2."""
+    body = box(1.5, (0.1, 0.1, 0.3))
+    world = RigidWorld(body, mu=1.0)
+    world.reset(body.nominal)
+    push = np.array([share * 1.5 * GRAVITY * 0.1 / 0.3, 0.0, 0.0])
+    q, v = run(world, 0.3, push)[-1]
+    assert (abs(v[4]) > 0.02) == (share > 1.0)
+    if share < 1.0:
+        assert np.abs(q - body.nominal).max() < 1e-9
+
+
+def test_sliding_ball_ends_rolling_at_five_sevenths():
+    body = ball(1.0, 0.1)
+    world = RigidWorld(body, mu=0.3)
+    world.reset(body.nominal, np.array([2.0, 0, 0, 0, 0, 0]))
+    run(world, 0.5)
+    q, v = world.state()
+    speed = pinocchio.SE3(pinocchio.XYZQUATToSE3(q)).rotation @ v[:3]
+    assert speed[0] == pytest.approx(2.0 * 5 / 7, rel=1e-6)
+    assert np.abs(world.contacts().velocities).max() < 1e-9  # rolls: its lowest point rests
+    when = 2 * 2.0 / (7 * 0.3 * GRAVITY)
+    exact = 2.0 * when - 0.5 * 0.3 * GRAVITY * when**2 + 2.0 * 5 / 7 * (0.5 - when)
+    assert q[0] == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize("case", ["slide", "tumble"])
+def test_first_order_in_dt(case):
+    """Halving dt halves the error, against the closed form and against Runge-Kutta of a body in flight."""
+    errors = []
+    for dt in (4e-3, 2e-3, 1e-3, 5e-4):
+        if case == "slide":
+            body = box(2.0, (0.4, 0.4, 0.1))
+            world = RigidWorld(body, mu=0.4, dt=dt)
+            world.reset(body.nominal, np.array([3.0, 0, 0, 0, 0, 0]))
+            q = run(world, 0.4)[-1][0]
+            errors.append(abs(q[0] - (3.0 * 0.4 - 0.5 * 0.4 * GRAVITY * 0.4**2)))
+        else:
+            body = box(1.0, (0.1, 0.2, 0.4))
+            start, spin = body.nominal.copy(), np.array([1.0, 0, 3.0, 2.0, 3.0, 5.0])
+            start[2] = 5.0
+            world = RigidWorld(body, dt=dt)
+            world.reset(start, spin)
+            q = run(world, 0.4)[-1][0]
+            errors.append(np.abs(q - tumbled(body, start, spin, 0.4)).max())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(np.abs(orders - 1.0) < 0.1)
+
+
+def tumbled(body, q, v, seconds):
+    """A free body by Runge-Kutta in the world's axes, apart from Pinocchio's integration."""
+    inertia = np.array(body.model.inertias[1].inertia)
+    x = q[:3] + v[:3] * seconds - [0, 0, 0.5 * GRAVITY * seconds**2]  # starts level: body axes = world axes
+
+    def rate(y):
+        quaternion, w = y[:4], y[4:]
+        a, b, c, s = quaternion
+        cross = np.array([[s, -c, b], [c, s, -a], [-b, a, s], [-a, -b, -c]])
+        return np.concatenate([0.5 * cross @ w, np.linalg.solve(inertia, -np.cross(w, inertia @ w))])
+
+    y, h = np.concatenate([q[3:7], v[3:]]), 1e-4
+    for _ in range(round(seconds / h)):
+        k1 = rate(y)
+        k2 = rate(y + 0.5 * h * k1)
+        k3 = rate(y + 0.5 * h * k2)
+        k4 = rate(y + h * k3)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return np.concatenate([x, y[:4] / np.linalg.norm(y[:4])])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_ground_never_feeds_energy_to_a_tumbling_box(seed):
+    rng = np.random.default_rng(seed)
+    body = box(1.0, (0.1, 0.2, 0.3))
+    q = pinocchio.integrate(body.model, body.nominal, np.array([0, 0, 0.4, *rng.normal(size=3)]))
+    world = RigidWorld(body, mu=0.5)
+    world.reset(q, np.concatenate([rng.normal(size=3), 6.0 * rng.normal(size=3)]))
+    start, energies, works = world.energy(), [], []
+    for _ in range(1500):
+        world.step(NONE)
+        works.append(world.contact_work())
+        energies.append(world.energy())
+    assert max(works) < 1e-12
+    assert sum(works) < -0.5 * start
+    assert max(energies) < start
+    assert max(np.diff(energies[1000:])) < 1e-9  # at rest in the end
+    assert world.contacts().gaps.min() > -1e-5
+
+
+@pytest.mark.parametrize("stabilisation", ["projection", "baumgarte", "none"])
+def test_stabilisation_undoes_a_penetration(stabilisation):
+    body = box(1.0, (0.2, 0.2, 0.2))
+    world = RigidWorld(body, stabilisation=stabilisation)
+    q = body.nominal.copy()
+    q[2] -= 0.002
+    world.reset(q)
+    run(world, 0.1)
+    deepest = world.contacts().gaps.min()
+    if stabilisation == "none":
+        assert deepest == pytest.approx(-0.002, rel=1e-6)
+    else:
+        assert deepest > -1e-5
+    if stabilisation == "projection":  # moved without a kick
+        assert np.abs(world.state()[1]).max() < 1e-9
+
+
+class Bowl(sf.Terrain):
+    """z = (x² + y²) / (2 R), R = 2 m."""
+
+    def height(self, xy):
+        xy = np.asarray(xy)
+        return (xy**2).sum(axis=-1) / 4.0
+
+    def normal(self, xy):
+        xy = np.asarray(xy)
+        n = np.concatenate([-xy / 2.0, np.ones((*xy.shape[:-1], 1))], axis=-1)
+        return n / np.linalg.norm(n, axis=-1, keepdims=True)
+
+
+def test_ball_rolls_in_a_bowl_like_a_pendulum():
+    """Rolling without slip in a bowl of radius R: frequency sqrt(5 g / (7 (R - r))) for small swings."""
+    body = ball(1.0, 0.05)
+    world = RigidWorld(body, Bowl(), mu=1.0, dt=5e-4)
+    q = body.nominal.copy()
+    normal = Bowl().normal(np.array([0.1, 0.0]))
+    q[:3] = np.array([0.1, 0.0, 0.0025]) + 0.05 * normal
+    world.reset(q)
+    xs = np.array([s[0][0] for s in run(world, 2.5)])
+    crossings = np.flatnonzero((xs[:-1] > 0) & (xs[1:] <= 0))
+    quarter = (crossings[0] + 1) * world.dt
+    assert quarter == pytest.approx(0.5 * math.pi / math.sqrt(5 * GRAVITY / (7 * 1.95)), rel=0.02)
+    assert np.abs(xs).max() < 0.1 * 1.05
+
+
+def test_robot_without_contacts_follows_aba():
+    robot = sf.load_robot("panda")
+    world = RigidWorld(robot)
+    torque = np.linspace(-1, 1, 9)
+    expected = 1e-3 * pinocchio.aba(robot.model, robot.data, robot.nominal, np.zeros(9), torque)
+    world.step(torque)
+    assert np.abs(world.state()[1] - expected).max() < 1e-12
+    assert world.contacts().forces.shape == (0, 3)
+
+
+def test_payload_weighs():
+    robot = sf.load_robot("go2")
+    world = RigidWorld(robot, payload=3.0)
+    world.reset(robot.nominal)
+    world.step(np.zeros(12))
+    bare = RigidWorld(robot)
+    bare.reset(robot.nominal)
+    assert world.energy() > bare.energy() + 2.0 * GRAVITY * robot.nominal[2]
+
+
+def test_reset_repeats_a_run_exactly():
+    robot = sf.load_robot("go2")
+    world, ends = RigidWorld(robot), []
+    for _ in range(2):
+        world.reset(sf.place(robot))
+        for _ in range(100):
+            world.step(np.zeros(12), np.array([20.0, 5.0, 0.0]))
+        ends.append(world.state())
+    assert np.array_equal(ends[0][0], ends[1][0])
+    assert np.array_equal(ends[0][1], ends[1][1])
+    assert world.time == pytest.approx(0.1)
+
+
+def test_ice_lets_a_block_go():
+    body = box(2.0, (0.3, 0.3, 0.1))
+    world = RigidWorld(body, sf.SlopeTerrain(15.0), mu=0.6)
+    world.reset(on_slope(body, 15.0))
+    assert np.abs(run(world, 0.1)[-1][1]).max() < 1e-9
+    world.set_friction(0.0)
+    v = run(world, 0.1)[-1][1]
+    assert v[0] == pytest.approx(-0.1 * GRAVITY * math.sin(math.radians(15.0)), rel=1e-6)
+
+
+def test_bad_input():
+    with pytest.raises(sf.ProblemError, match="unknown stabilisation 'glue'; valid names: baumgarte, none"):
+        RigidWorld(ball(), stabilisation="glue")
+    with pytest.raises(sf.ProblemError, match="restitution must be a number between 0 and 1"):
+        RigidWorld(ball(), restitution=1.2)
+    with pytest.raises(sf.ProblemError, match="mass must be positive"):
+        ball(0.0)
+    with pytest.raises(sf.ProblemError, match="size must be above twice the rounding"):
+        box(1.0, (0.1, 0.1, 0.02), rounding=0.02)

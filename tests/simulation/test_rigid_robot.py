@@ -1,0 +1,68 @@
+"""Robots in the rigid world with the standing controller."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.control.standing import StandingController
+from surefoot.control.standing_plan import StandingPlan
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.spatial import GRAVITY
+
+
+def dropped(name, height, seconds, terrain=None, **settings):
+    """Run the drop; return the world and per-step readings."""
+    ground = sf.FlatTerrain() if terrain is None else terrain
+    robot = sf.load_robot(name)
+    q = sf.place(robot, ground)
+    controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
+    world = RigidWorld(robot, ground, **settings)
+    start = q.copy()
+    start[2] += height
+    world.reset(start)
+    rows = {"normal": [], "gap": [], "excess": [], "work": [], "speed": []}
+    given, begin = 0.0, world.energy()
+    for k in range(round(seconds / world.dt)):
+        q, v = world.state()
+        torques = controller.step(q, v, k * world.dt).torques
+        world.step(torques)
+        reading, after = world.contacts(), world.state()[1]
+        given += world.dt * torques @ (v[6:] + after[6:]) / 2
+        rows["normal"].append(reading.forces[:, 2].sum())
+        rows["gap"].append(reading.gaps.min())
+        rows["excess"].append(world.energy() - begin - given)
+        rows["work"].append(world.contact_work())
+        rows["speed"].append(np.abs(after).max())
+    return world, {key: np.array(values) for key, values in rows.items()}
+
+
+def test_go2_dropped_from_30_cm_comes_to_rest():
+    world, rows = dropped("go2", 0.3, 4.0)
+    weight = world.robot.mass * GRAVITY
+    assert np.abs(rows["normal"][-500:] / weight - 1.0).max() < 5e-3
+    assert rows["gap"].min() > -5e-4
+    assert rows["excess"].max() <= 0.0  # energy beyond what the motors gave: never
+    assert rows["work"].max() < 1e-10
+    assert rows["speed"][-1] < 0.02
+    assert world.unsolved == 0
+
+
+def test_g1_stands_on_eight_corners():
+    world, rows = dropped("g1", 0.02, 1.0)
+    weight = world.robot.mass * GRAVITY
+    assert np.abs(rows["normal"][-100:] / weight - 1.0).max() < 0.05
+    assert rows["gap"].min() > -5e-4
+    assert rows["excess"].max() < 1e-3
+    assert world.worst_residual < 1e-6
+
+
+def test_go2_on_a_slope_holds_by_friction():
+    terrain = sf.SlopeTerrain(15.0)
+    world, rows = dropped("go2", 0.0, 1.0, terrain)
+    forces = world.contacts().forces
+    world_force = terrain.frame([0, 0]) @ forces.sum(axis=0)
+    assert world_force == pytest.approx([0, 0, world.robot.mass * GRAVITY], abs=1.5)
+    assert np.all(np.hypot(forces[:, 0], forces[:, 1]) <= 0.6 * forces[:, 2] + 1e-6)
+    assert rows["gap"].min() > -5e-4

@@ -1,0 +1,133 @@
+"""The compiled arithmetic of a rigid step against plain NumPy and Pinocchio."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio
+import pytest
+
+import surefoot as sf
+from surefoot.robot.dynamics import delassus_dense, mass_matrix
+from surefoot.robot.jacobians import contact_jacobian
+from surefoot.simulation import rigid_step
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.spatial import rotation_about, rotation_from_quaternion
+
+
+@pytest.fixture
+def state():
+    robot, rng = sf.load_robot("go2"), np.random.default_rng(0)
+    q = pinocchio.integrate(robot.model, robot.nominal, 0.3 * rng.normal(size=18))
+    world = RigidWorld(robot, sf.SlopeTerrain(10.0))
+    world.reset(q, rng.normal(size=18))
+    return world, rng
+
+
+def spd(rng, n):
+    A = rng.normal(size=(n, n))
+    return A @ A.T + n * np.eye(n)
+
+
+@pytest.mark.parametrize("n", [1, 6, 18, 35])
+def test_factor_and_solves(n):
+    rng = np.random.default_rng(n)
+    M, x = spd(rng, n), rng.normal(size=n)
+    L, y = np.zeros((n, n)), x.copy()
+    rigid_step.factorise(np.triu(M), L)
+    assert np.allclose(L, np.linalg.cholesky(M), rtol=1e-12, atol=1e-12)
+    rigid_step.solve_lower(L, y)
+    rigid_step.solve_upper(L, y)
+    assert np.allclose(y, np.linalg.solve(M, x), rtol=1e-10)
+
+
+def test_contact_rows_are_the_contact_jacobian(state):
+    world, _ = state
+    q, v = world.state()
+    expected = contact_jacobian(world.robot, q, world.robot.stance(q, terrain=world.terrain))
+    assert np.abs(world._J - expected).max() < 1e-12
+    assert np.abs(world.contacts().velocities.ravel() - expected @ v).max() < 1e-12
+
+
+def test_problem_is_the_delassus_operator_with_the_shifted_free_velocity(state):
+    world, rng = state
+    q, v = world.state()
+    robot, dt, gaps = world.robot, 1e-3, np.array([0.003, -0.002, 0.001, 0.2])
+    effort = rng.normal(size=18)
+    M = mass_matrix(robot, q)
+    free = rigid_step.free_velocity(world._upper, effort, v, dt, False, world._L)
+    assert np.allclose(free, v + dt * np.linalg.solve(M, effort), rtol=1e-10)
+    near = np.array([0, 1, 2])
+    Y, G, g = rigid_step.assemble(world._J, world._L, v, free, gaps, near, dt, 0.0, 0.02, 0.2)
+    whole = delassus_dense(robot, q, robot.stance(q, terrain=world.terrain))
+    assert np.allclose(G, whole[:9, :9], rtol=1e-9, atol=1e-12)
+    expected = (world._J @ free)[:9]
+    expected[2::3] += np.array([1.0, 0.2, 1.0]) * gaps[:3] / dt
+    assert np.allclose(g, expected, rtol=1e-10)
+    impulses = rng.normal(size=9)
+    after = rigid_step.apply_impulses(world._L, Y, impulses, free)
+    assert np.allclose(after, free + np.linalg.solve(M, world._J[:9].T @ impulses), rtol=1e-9)
+
+
+def test_restitution_enters_only_where_the_gap_closes_fast():
+    J, L = np.eye(3), np.eye(3)
+    near = np.array([0])
+    for speed, gap, expected in (
+        (-2.0, 0.0, -1.0),
+        (-0.01, 0.0, 0.0),
+        (-2.0, 0.01, 10.0),
+        (-2.0, 0.001, -1.0),
+    ):
+        v = np.array([0.0, 0.0, speed])
+        _, _, g = rigid_step.assemble(J, L, v, v, np.array([gap]), near, 1e-3, 0.5, 0.02, 0.0)
+        assert g[2] - speed == pytest.approx(expected)
+
+
+def test_near_ground_takes_what_may_touch():
+    J = np.vstack([np.eye(3)] * 3)
+    v = np.array([0.0, 0.0, -3.0])
+    gaps = np.array([0.0, 0.0035, 0.02])
+    assert list(rigid_step.near_ground(J, v, v, gaps, 1e-3, 1e-3)) == [0, 1]
+    assert rigid_step.near_ground(J, -v, -v, gaps, 1e-3, 1e-3).size == 0  # all on their way up
+    assert list(rigid_step.near_ground(J, v, -v, gaps, 1e-3, 1e-3)) == [0, 1]  # pushed up, still counted
+
+
+def test_free_velocity_keeps_a_spinning_body_on_a_straight_line():
+    v = np.array([1.0, 2.0, 3.0, 4.0, -5.0, 6.0])
+    drag = -np.concatenate(
+        [np.cross(v[3:], v[:3]), np.zeros(3)]
+    )  # what Pinocchio's v̇ of a free point mass is
+    out = rigid_step.free_velocity(np.eye(6), drag, v, 1e-3, True, np.zeros((6, 6)))
+    assert np.allclose(out, v, atol=1e-15)
+
+
+@pytest.mark.parametrize("spin", [[1e-6, 0, 0], [2.0, -3.0, 5.0], [400.0, 900.0, -300.0]])
+def test_turn_base_is_a_rotation_of_axes(spin):
+    dt = 1e-3
+    start = rotation_about([0.6, 0.0, 0.8], 1.1)
+    v = np.array([1.0, -2.0, 0.5, *spin])
+    turned = v.copy()
+    path = rigid_step.turn_base(start, turned, dt)
+    angle = float(np.linalg.norm(spin))
+    end = start @ rotation_about(np.array(spin) / angle, angle * dt)
+    assert np.allclose(path, dt * start @ v[:3], rtol=1e-12)
+    assert np.allclose(end @ turned[:3], start @ v[:3], rtol=1e-12)
+    assert np.array_equal(turned[3:], v[3:])
+
+
+def test_flight_of_a_robot_without_gravity_keeps_its_centre_on_course(state):
+    """Linear momentum of a robot with waving legs over 0.2 s, to first order in dt."""
+    world, _ = state
+    q, v = world.state()
+    q[2] += 5.0
+    world.reset(q, v)
+    R = rotation_from_quaternion(q[3:7])
+    assert np.linalg.det(R) == pytest.approx(1.0)
+    from surefoot.robot.centroidal import momentum
+
+    before = momentum(world.robot, q, v)
+    for _ in range(200):
+        world.step(np.zeros(12))
+    after = momentum(world.robot, *world.state())
+    fall = np.array([0, 0, -9.81 * 0.2 * world.robot.mass])
+    assert np.abs(after.linear - before.linear - fall).max() < 0.02 * np.abs(fall).max()
+    assert np.abs(after.angular - before.angular).max() < 0.05
