@@ -58,6 +58,13 @@ class ContactProblem:
         (n,) mask of contacts that hold in all three directions (u = 0, any force); their mu is not used,
         and their normal bounds must be the defaults (the attributes then say -inf and inf).
 
+    Attributes
+    ----------
+    notes
+        What was changed when the problem was read from a file, in words; empty otherwise.
+    reference
+        (n, 3) forces of somebody else's solution that came with a file, or None.
+
     Raises
     ------
     ProblemError
@@ -109,6 +116,7 @@ class ContactProblem:
                 f"{self.normal_max[k]:g} at contact {k}"
             )
         self.notes: tuple[str, ...] = ()
+        self.reference: FloatArray | None = None
         self.compliance = _compliance(compliance, n)
         self._sparse: Any = None
         if sp.issparse(G):
@@ -176,7 +184,7 @@ class ContactProblem:
             "bilateral": self.bilateral,
         }
         problem = ContactProblem(**(arguments | changes))
-        problem.notes = self.notes
+        problem.notes, problem.reference = self.notes, self.reference
         return problem
 
     def __repr__(self) -> str:
