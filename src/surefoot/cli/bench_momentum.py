@@ -18,7 +18,7 @@ def momentum(
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Time the momentum matrix of chains of 10 to 1000 links: Pinocchio, our CCRBA, brute force."""
-    from surefoot.bench.momentum import LINKS, WAYS, time_momentum
+    from surefoot.bench.momentum import LINKS, PINOCCHIO_LINKS, WAYS, time_momentum
 
     timing = time_momentum([n for n in LINKS if n < longest] + [longest])
     if json:
@@ -37,9 +37,14 @@ def momentum(
         table = Table("links", *(f"{way} [µs]" for way in WAYS), "summed / composite", title="A_G of a chain")
         for k, count in enumerate(timing.links):
             times = [timing.seconds[way][k] for way in WAYS]
-            table.add_row(str(count), *(f"{1e6 * t:.1f}" for t in times), f"{times[2] / times[1]:.2f}")
+            table.add_row(
+                str(count),
+                *("-" if t != t else f"{1e6 * t:.1f}" for t in times),
+                f"{times[2] / times[1]:.2f}",
+            )
         table.add_row("grows as", *(f"n^{timing.growth(way):.2f}" for way in WAYS), "")
         console.print(table)
+        console.print(f"Pinocchio stops at {PINOCCHIO_LINKS} links: its Data takes memory like n^3")
         console.print(f"largest relative difference between the three: {timing.disagreement:.1e}")
     if out is not None:
         from surefoot.viz.momentum_plots import plot_timing

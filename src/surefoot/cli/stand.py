@@ -14,7 +14,7 @@ from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 from surefoot.errors import ProblemError, unknown_name
 
-WORLDS = ("mujoco",)
+WORLDS = ("mujoco", "rigid")
 INTERRUPTED = 130
 
 
@@ -103,6 +103,10 @@ class _Setup:
         return StandingController(self.robot, self.plan, self.terrain, self.q, mu, allocation=allocation)
 
     def world(self, name: str, mu: float, payload: float) -> Any:
+        if name == "rigid":
+            from surefoot.simulation.rigid import RigidWorld
+
+            return RigidWorld(self.robot, self.terrain, mu, payload=payload)
         from surefoot.simulation.mujoco import MujocoWorld
 
         return MujocoWorld(self.robot, self.terrain, mu, payload=payload)
