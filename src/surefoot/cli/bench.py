@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from surefoot.cli import bench_momentum
+from surefoot.cli import bench_momentum, bench_statics
 
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
 
@@ -15,3 +15,4 @@ def bench() -> None:
 
 
 app.command("momentum")(bench_momentum.momentum)
+app.command("statics")(bench_statics.statics)

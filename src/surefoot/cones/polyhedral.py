@@ -10,13 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import nnls
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.cones.cone import Cone
+from surefoot.cones.representation import Method, convert, representation_gap
 from surefoot.errors import ProblemError, unknown_name
 
 
 class PolyhedralCone(Cone):
     """The cone {x : halfspaces @ x <= 0} = {rays.T @ beta : beta >= 0}.
+
+    Both representations are given and trusted; `from_rays` and `from_halfspaces` work the other one out,
+    and `representation_gap` compares them. Cones that are not pointed are welcome: no half-spaces at all
+    is the whole space, no rays at all is {0}, and a line is a pair of opposite rays.
 
     Parameters
     ----------
@@ -24,6 +29,11 @@ class PolyhedralCone(Cone):
         (m, dim); rows are outward normals.
     rays
         (r, dim); rows generate the cone.
+
+    Raises
+    ------
+    ProblemError
+        If the two do not have the same dimension, or hold values that are not finite.
     """
 
     def __init__(self, halfspaces: ArrayLike, rays: ArrayLike) -> None:
@@ -36,23 +46,88 @@ class PolyhedralCone(Cone):
             )
         self.dim = self.halfspaces.shape[1]
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}(dim={self.dim}, {len(self.halfspaces)} rows, {len(self.rays)} rays)"
+
+    @classmethod
+    def from_rays(cls, rays: ArrayLike, method: Method = "qhull") -> PolyhedralCone:
+        """Return the cone that the rays (r, dim) generate, redundant rays and rows removed.
+
+        Parameters
+        ----------
+        rays
+            (r, dim); zero rows say nothing.
+        method
+            "qhull", "cdd" or "exact": see `surefoot.cones.representation`.
+
+        Examples
+        --------
+        >>> cone = PolyhedralCone.from_rays([[1, 0, 1], [0, 1, 1], [-1, 0, 1], [0, -1, 1], [0, 0, 1]])
+        >>> cone, bool(cone.contains([0.4, 0.4, 1.0])), bool(cone.contains([0.6, 0.6, 1.0]))
+        (PolyhedralCone(dim=3, 4 rows, 4 rays), True, False)
+        """
+        generators = finite_array("rays", rays, (None, None))
+        halfspaces, kept = convert(generators, method)
+        return PolyhedralCone(halfspaces, generators[kept])
+
+    @classmethod
+    def from_halfspaces(cls, halfspaces: ArrayLike, method: Method = "qhull") -> PolyhedralCone:
+        """Return the cone {x : halfspaces @ x <= 0}, redundant rows removed; see `from_rays`.
+
+        Examples
+        --------
+        >>> PolyhedralCone.from_halfspaces([[0, 0, -1], [0, 0, -2]])
+        PolyhedralCone(dim=3, 1 rows, 5 rays)
+        """
+        rows = finite_array("halfspaces", halfspaces, (None, None))
+        rays, kept = convert(rows, method)
+        return PolyhedralCone(rows[kept], rays)
+
+    def minimal(self, method: Method = "qhull") -> PolyhedralCone:
+        """Return the same cone without redundant rows and rays, worked out from its rays."""
+        return PolyhedralCone.from_rays(self.rays, method)
+
+    def representation_gap(self, samples: int = 0, seed: int = 0) -> float:
+        """Return how far the two representations are apart, as an angle [rad]; zero to rounding is right.
+
+        See `surefoot.cones.representation.representation_gap`.
+        """
+        return representation_gap(self.halfspaces, self.rays, samples, seed)
+
     def project(self, x: ArrayLike) -> FloatArray:
         """Return the nearest point of the cone: (..., dim), by non-negative least squares on the rays."""
         points = self._points(x)
+        if not len(self.rays):
+            return np.zeros_like(points)
+        size = np.linalg.norm(self.rays, axis=1)
+        columns = (self.rays[size > 0.0] / size[size > 0.0, None]).T
         flat = points.reshape(-1, self.dim)
-        out = np.array([self.rays.T @ nnls(self.rays.T, p)[0] for p in flat])
+        out = np.array([columns @ nnls(columns, p)[0] for p in flat]) if columns.size else np.zeros_like(flat)
         return out.reshape(points.shape)
 
     def margin(self, x: ArrayLike) -> FloatArray:
-        """Return the signed distance to the boundary: (...), positive inside."""
+        """Return the signed distance to the boundary: (...), positive inside, infinite in the whole space."""
         points = self._points(x)
-        normals = self.halfspaces / np.linalg.norm(self.halfspaces, axis=1, keepdims=True)
+        size = np.linalg.norm(self.halfspaces, axis=1, keepdims=True)
+        normals = self.halfspaces[size[:, 0] > 0.0] / size[size[:, 0] > 0.0]
+        if not len(normals):
+            return np.full(points.shape[:-1], np.inf)
         slack = -np.max(points @ normals.T, axis=-1)
         outside = slack < 0.0
         if np.any(outside):
-            distance = np.linalg.norm(points - self.project(points), axis=-1)
-            slack = np.where(outside, -distance, slack)
+            distance = np.linalg.norm(points[outside] - self.project(points[outside]), axis=-1)
+            slack = np.array(slack)
+            slack[outside] = -distance
         return np.asarray(slack)
+
+    def contains(self, x: ArrayLike, tol: float = 1e-9) -> BoolArray:
+        """Tell whether x violates no half-space by more than `tol` times max(1, ||x||): (...)."""
+        points = self._points(x)
+        size = np.linalg.norm(self.halfspaces, axis=1, keepdims=True)
+        normals = self.halfspaces / np.where(size > 0.0, size, 1.0)
+        scale = np.maximum(1.0, np.linalg.norm(points, axis=-1))
+        worst = np.max(points @ normals.T, axis=-1, initial=-np.inf)
+        return np.asarray(worst <= tol * scale)
 
     def dual(self) -> PolyhedralCone:
         """Return the dual cone: its rays are minus the half-spaces, its half-spaces minus the rays."""

@@ -32,7 +32,7 @@ FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS = 0, 1, 2, 3
 GAP = 1e-10
 """Gap between margin and certificate at which the search ends, as a share of the load."""
 BAND = 1e-9
-"""A margin above minus this share of the load counts as possible."""
+"""Forces that leave their cones by less than this share of the load count as possible."""
 _ENDLESS_MARGIN = 1e6
 _SQUEEZE = 0.1
 
@@ -118,7 +118,7 @@ def most_margin(
         full[j] = -dual[j - 1] / alpha
     reflect(h, rank, full)
     pull_back(T, pivots, rank, full, y)
-    return (FEASIBLE if t >= -BAND else INFEASIBLE), t, x, y
+    return (FEASIBLE if t * steepest >= -BAND else INFEASIBLE), t, x, y
 
 
 @inline_kernel

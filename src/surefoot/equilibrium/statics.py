@@ -78,7 +78,7 @@ def can_stand(
     >>> bool(verdict), float(verdict.certificate @ verdict.load) < 0.0
     (False, True)
     """
-    about = _point("com", com)
+    about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
     if limits is None and facets is None and not stance.bounded and stance.contacts:
         points = stance.points()
@@ -147,7 +147,7 @@ def friction_needed(
     >>> round(friction_needed(stance, com=[0, 0, 0.3], mass=15.0), 6)  # tan 30 deg
     0.57735
     """
-    about = _point("com", com)
+    about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
     if not stance.contacts:
         return math.inf if float(np.linalg.norm(load)) > 0.0 else 0.0
@@ -215,13 +215,14 @@ def needed_wrench(mass: float, external_wrench: ArrayLike | float = 0.0) -> Floa
     load = np.zeros(6)
     load[2] = mass * GRAVITY
     if not (isinstance(external_wrench, (int, float)) and external_wrench == 0.0):
-        load -= finite_array("external_wrench", external_wrench, (6,))
+        load -= _vector("external_wrench", external_wrench, 6)
     return load
 
 
-def _point(name: str, value: ArrayLike) -> FloatArray:
-    """Return a finite (3,) point, at little cost when it is one already."""
-    point = np.array(value, dtype=np.float64) if isinstance(value, (list, tuple, np.ndarray)) else None
-    if point is not None and point.shape == (3,) and math.isfinite(point[0] + point[1] + point[2]):
-        return point
-    return finite_array(name, value, (3,))
+def _vector(name: str, value: ArrayLike, size: int) -> FloatArray:
+    """Return a finite vector, at little cost when it is one already."""
+    if isinstance(value, (list, tuple, np.ndarray)):
+        vector = np.array(value)
+        if vector.dtype == np.float64 and vector.shape == (size,) and math.isfinite(vector.sum()):
+            return vector
+    return finite_array(name, value, (size,))

@@ -134,7 +134,9 @@ class Verdict:
         if self.certificate is None:
             return False
         points = self.stance.points()
-        force = points.grasp_map(self.com).T @ self.certificate
+        grasp = points.grasp_map(self.com)
+        force = grasp.T @ self.certificate
+        scale = float((np.abs(grasp).T @ np.abs(self.certificate)).max(initial=1e-300))
         work = float(self.certificate @ self.load)
         if self.limits is not None and len(self.multipliers):
             force = force + self.stance.corner_map.T @ (self.limits.rows.T @ self.multipliers)
@@ -143,7 +145,6 @@ class Verdict:
                 return False
         z = force.reshape(-1, 3)
         depth = z[:, 2] - points.mu * np.hypot(z[:, 0], z[:, 1])
-        scale = float(np.abs(z).max(initial=0.0)) or float(np.abs(self.certificate).max())
         if self.facets is not None:
             return work < 0.0 and self._pyramids_agree(z, scale, tol)
         return work < 0.0 and bool(np.all(depth >= -tol * scale))

@@ -141,7 +141,7 @@ class PatchContact(Contact):
     def corner_offsets(self) -> FloatArray:
         """(4, 2) places of the corners in the contact frame [m], clockwise from front left."""
         half = np.array([0.5 * self.length, 0.5 * self.width])
-        return half * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
+        return np.asarray(half * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]]))
 
     def corners(self) -> list[PointContact]:
         """Return the four corners as point contacts with the same frame and friction.

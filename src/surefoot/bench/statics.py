@@ -1,0 +1,159 @@
+"""Statics against SciPy's HiGHS, Clarabel and cddlib: whether they agree, and how fast each is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.bench import statics_rivals as rivals
+from surefoot.bench.random_stances import StanceCase, random_case, random_cases
+from surefoot.bench.timing import Timing, one_core, time_calls
+from surefoot.cones.representation import halfspaces_from_rays
+from surefoot.equilibrium import can_stand, com_region
+from surefoot.equilibrium.wrench_cone import wrench_cone
+from surefoot.stance import PatchContact, Stance
+
+BAND = 1e-7
+"""Verdicts may differ where the margin is below this share of the load."""
+
+
+@dataclass
+class Agreement:
+    """How often verdicts agree with an independent solver.
+
+    Attributes
+    ----------
+    rival
+        Who was asked, and with which cones.
+    cases, possible
+        How many questions, and how many of them have forces.
+    agreed, in_band, disagreed
+        Same verdict; different ones with the rival's margin within `BAND` of zero; different ones
+        outside the band.
+    verified
+        How many of our verdicts proved themselves (`Verdict.verify`).
+    worst_margin
+        Largest difference between the margins, as a share of the load, where both are finite.
+    """
+
+    rival: str
+    cases: int = 0
+    possible: int = 0
+    agreed: int = 0
+    in_band: int = 0
+    disagreed: int = 0
+    verified: int = 0
+    worst_margin: float = 0.0
+
+
+def agreement(cases: Sequence[StanceCase], facets: int | None = None) -> Agreement:
+    """Compare verdicts with Clarabel (exact cones) or HiGHS (pyramids of so many facets)."""
+    result = Agreement("Clarabel, exact cones" if facets is None else f"HiGHS, {facets} facets")
+    for case in cases:
+        verdict = can_stand(case.stance, case.com, case.mass, case.external_wrench, facets)
+        scale = float(np.linalg.norm(verdict.load))
+        solve = rivals.clarabel_margin(case) if facets is None else rivals.highs_margin(case, facets)
+        theirs = solve() / scale
+        result.cases += 1
+        result.possible += verdict.feasible
+        result.verified += verdict.verify()
+        if (not math.isnan(theirs) and theirs >= 0.0) == verdict.feasible:
+            result.agreed += 1
+        elif abs(theirs) <= BAND:
+            result.in_band += 1
+        else:
+            result.disagreed += 1
+        ours = verdict.margin / scale
+        if abs(ours) < rivals.CAP and not math.isnan(theirs):
+            result.worst_margin = max(result.worst_margin, abs(ours - theirs))
+    return result
+
+
+@dataclass(frozen=True)
+class Race:
+    """One question timed: who, how long, and how that compares with the first of the same question."""
+
+    question: str
+    who: str
+    timing: Timing
+    ratio: float
+
+
+def races(count: int = 200, seed: int = 1) -> list[Race]:
+    """Time every question on the same instances, one core, matrices of the rivals built beforehand."""
+    rng = np.random.default_rng(seed)
+    feet = [random_case(rng, "tilted", contacts=4) for _ in range(count)]
+    soles = [_two_soles(rng) for _ in range(max(10, count // 10))]
+    flat = [random_case(rng, "flat", contacts=4) for _ in range(max(10, count // 10))]
+    out: list[Race] = []
+    with one_core():
+        out += _race("can it stand, 4 points", _stand_racers(feet))
+        out += _race("CoM region to 1 mm, 4 points", _region_racers(feet[: len(soles)]))
+        out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
+        out += _race("wrench cone, 4 points on rough ground, 8 facets", _cone_racers(feet[: len(soles)]))
+        out += _race("wrench cone, 4 points on flat ground, 8 facets", _cone_racers(flat))
+    return out
+
+
+_Racers = list[tuple[str, Callable[[Any], Any], list[Any]]]
+
+
+def _race(question: str, racers: _Racers) -> list[Race]:
+    times = [(who, time_calls(call, items, warm_up=5)) for who, call, items in racers]
+    first = times[0][1].median
+    return [Race(question, who, timing, timing.median / first) for who, timing in times]
+
+
+def _stand_racers(cases: list[StanceCase]) -> _Racers:
+    def call(solve: Callable[[], Any]) -> Any:
+        return solve()
+
+    return [
+        ("surefoot, exact cones", lambda c: can_stand(c.stance, c.com, c.mass, c.external_wrench), cases),
+        (
+            "surefoot, 8 facets",
+            lambda c: can_stand(c.stance, c.com, c.mass, c.external_wrench, facets=8),
+            cases,
+        ),
+        ("Clarabel, exact cones", call, [rivals.clarabel_margin(c) for c in cases]),
+        ("SciPy HiGHS, 8 facets", call, [rivals.highs_feasible(c) for c in cases]),
+    ]
+
+
+def _region_racers(cases: list[StanceCase]) -> _Racers:
+    def call(solve: Callable[[], Any]) -> Any:
+        return solve()
+
+    return [
+        ("surefoot, exact cones, certified gap", lambda c: com_region(c.stance, c.mass, tol=1e-3), cases),
+        ("SciPy HiGHS, 32 LPs of 8 facets", call, [rivals.highs_region(c.stance, c.mass) for c in cases]),
+    ]
+
+
+def _cone_racers(cases: list[StanceCase]) -> _Racers:
+    def call(solve: Callable[[], Any]) -> Any:
+        return solve()
+
+    rays = [wrench_cone(c.stance, c.com, facets=8).rays for c in cases]
+    return [
+        ("surefoot, rays to half-spaces", halfspaces_from_rays, rays),
+        ("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays]),
+        ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
+    ]
+
+
+def _two_soles(rng: np.random.Generator) -> StanceCase:
+    """Return a humanoid's stance: two soles on ground that tilts under each."""
+    feet = []
+    for side in (1.0, -1.0):
+        normal = np.array([*rng.normal(size=2) * 0.2, 1.0])
+        place = np.array([rng.uniform(-0.1, 0.1), 0.1 * side, rng.uniform(0.0, 0.1)])
+        feet.append(PatchContact(place, 0.2, 0.1, normal / np.linalg.norm(normal), rng.uniform(0.4, 0.9)))
+    return StanceCase(Stance(feet), np.array([0.0, 0.0, 0.8]), 35.0, np.zeros(6), "patches")
+
+
+__all__ = ["Agreement", "Race", "agreement", "races", "random_cases"]

@@ -1,0 +1,259 @@
+"""Rays to half-spaces and back, redundancy removed, for cones of any shape.
+
+By duality one direction is enough: the rays of {x : A x <= 0} are the half-space normals of the cone that
+the rows of A generate. A cone is split into its linear hull, its lineality space (the directions
+that it holds both ways) and a pointed rest; a section of the rest is a polytope, and Qhull finds its
+facets. cddlib (double description), also in exact rationals, is an independent second way.
+
+Every decision is made on rays of length one in whitened coordinates, so that neither the length of a
+ray nor the unit of a component matters.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, Literal
+
+import numpy as np
+from scipy.optimize import linprog, nnls
+from scipy.spatial import ConvexHull, QhullError
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.errors import MissingExtra, ProblemError, unknown_name
+
+Method = Literal["qhull", "cdd", "exact"]
+METHODS = ("qhull", "cdd", "exact")
+
+_FLAT = 1e-9
+"""Singular values and section heights below this share count as zero."""
+
+
+def halfspaces_from_rays(rays: FloatArray, method: Method = "qhull") -> FloatArray:
+    """Return irredundant half-spaces of the cone that the rays generate.
+
+    Parameters
+    ----------
+    rays
+        (r, dim), of any length; none at all generate the cone {0}.
+    method
+        "qhull" (SciPy), "cdd" (cddlib in floating point) or "exact" (cddlib in rationals, with the
+        floats taken as they are).
+
+    Returns
+    -------
+    FloatArray
+        (m, dim) with m >= 0: rows of length one, outward; an equation is a pair of opposite rows. The
+        whole space has no rows.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown method.
+    MissingExtra
+        If cddlib is asked for and not installed.
+
+    Examples
+    --------
+    >>> rows = halfspaces_from_rays(np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
+    >>> sorted(rows.round(9).tolist())
+    [[-1.0, -0.0], [0.0, -1.0]]
+    """
+    return convert(rays, method)[0]
+
+
+def rays_from_halfspaces(halfspaces: FloatArray, method: Method = "qhull") -> FloatArray:
+    """Return irredundant rays of the cone {x : halfspaces @ x <= 0}: (r, dim), of length one.
+
+    See `halfspaces_from_rays`; a direction that the cone holds both ways is a pair of opposite rays.
+    """
+    return convert(halfspaces, method)[0]
+
+
+def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, IntArray]:
+    """Return the half-spaces of cone(rays), and which rays suffice to generate it.
+
+    Where the cone is not pointed, the generators of its lineality space are all kept.
+    """
+    if method not in METHODS:
+        raise ProblemError(unknown_name("method", method, METHODS))
+    V, index = _directions(rays)
+    dim = rays.shape[1]
+    if not len(V):
+        return np.vstack([np.eye(dim), -np.eye(dim)]), index
+    if method != "qhull":
+        return _unit_rows(_cddlib(V, exact=method == "exact")), index
+    column = np.abs(V).max(axis=0)
+    column[column == 0.0] = 1.0
+    W = _unit_rows(V / column)
+    _, singular, basis = np.linalg.svd(W, full_matrices=True)
+    rank = int(np.sum(singular > _FLAT * singular[0]))
+    whiten = basis[:rank].T / singular[:rank]
+    X = _unit_rows(W @ whiten)
+    facets, kept = _facets(X)
+    flat = basis[rank:]
+    H = np.vstack([facets @ whiten.T, flat, -flat]) / column
+    return _unit_rows(H) + 0.0, index[kept]
+
+
+def _directions(rays: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the rays at length one, without zeros, and their indices."""
+    size = np.abs(rays).max(axis=1, initial=0.0)
+    index = np.flatnonzero(size > 0.0)
+    return _unit_rows(rays[index] / size[index, None]), index
+
+
+def _unit_rows(rows: FloatArray) -> FloatArray:
+    """Return rows divided by their lengths."""
+    return np.asarray(rows / np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None])
+
+
+def _facets(X: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return facet normals and needed generators of cone(X), X of full rank with rows of length one."""
+    section = _section(X)
+    if section is not None:
+        return _pointed_facets(X, section)
+    lineal = lineality(X)
+    if not np.any(lineal):  # too thin to tell: flat within the tolerance
+        lineal = np.ones(len(X), dtype=np.bool_)
+    _, singular, basis = np.linalg.svd(X[lineal], full_matrices=True)
+    rank = int(np.sum(singular > _FLAT * singular[0]))
+    rest = basis[rank:]
+    needed = list(np.flatnonzero(lineal))
+    if not len(rest):
+        return np.zeros((0, X.shape[1])), np.array(needed, dtype=np.int64)
+    others = np.flatnonzero(~lineal)
+    Y = X[others] @ rest.T
+    alive = np.linalg.norm(Y, axis=1) > _FLAT
+    facets, kept = _facets(_unit_rows(Y[alive]))
+    needed.extend(others[alive][kept])
+    return facets @ rest, np.array(sorted(needed), dtype=np.int64)
+
+
+def _section(X: FloatArray) -> FloatArray | None:
+    """Return c with X @ c > 0 for every row, well inside, or None if the cone is not pointed."""
+    c = X.mean(axis=0)
+    length = float(np.linalg.norm(c))
+    if length > 0.1 and float((X @ c).min()) > 0.05 * length * length:
+        return np.asarray(c / length)
+    rows, dim = X.shape
+    result = linprog(
+        np.array([*np.zeros(dim), -1.0]),
+        A_ub=np.hstack([-X, np.ones((rows, 1))]),
+        b_ub=np.zeros(rows),
+        bounds=[(-1.0, 1.0)] * dim + [(None, 1.0)],
+        method="highs",
+    )
+    if result.status != 0 or result.x is None:
+        return None
+    c = result.x[:dim]
+    if float((X @ c).min()) <= _FLAT:
+        return None
+    return np.asarray(c / np.linalg.norm(c))
+
+
+def lineality(X: FloatArray) -> BoolArray:
+    """Tell which rows of X lie in the lineality space of cone(X), that is whose opposite is in it too."""
+    rows, dim = X.shape
+    # maximise sum(s), s <= beta, 0 <= s <= 1, X' beta = 0: s is 1 on the rows of the space, else 0
+    result = linprog(
+        np.concatenate([-np.ones(rows), np.zeros(rows)]),
+        A_eq=np.hstack([X.T, X.T]),
+        b_eq=np.zeros(dim),
+        bounds=[(0.0, 1.0)] * rows + [(0.0, None)] * rows,
+        method="highs",
+    )
+    if result.x is None:
+        return np.zeros(rows, dtype=np.bool_)
+    return np.asarray(result.x[:rows] > 0.5)
+
+
+def _pointed_facets(X: FloatArray, section: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return facets and extreme rays of a pointed cone of full dimension through its section."""
+    dim = X.shape[1]
+    if dim == 1:
+        return -np.sign(X[:1]), np.array([0], dtype=np.int64)
+    points = X / (X @ section)[:, None]
+    plane = np.linalg.svd(section[None])[2][1:]
+    q = points @ plane.T
+    if dim == 2:
+        low, high = int(np.argmin(q)), int(np.argmax(q))
+        facets = np.array([plane[0] - q[high, 0] * section, q[low, 0] * section - plane[0]])
+        return _unit_rows(facets), np.unique([low, high])
+    try:
+        hull = ConvexHull(q, qhull_options="Qx" if dim > 5 else "")
+    except QhullError:
+        hull = ConvexHull(q, qhull_options="QJ")
+    facets = _unit_rows(hull.equations[:, :-1] @ plane + hull.equations[:, -1:] * section)
+    return _distinct(facets), np.asarray(hull.vertices, dtype=np.int64)
+
+
+def _distinct(rows: FloatArray) -> FloatArray:
+    """Drop rows that repeat another one: Qhull splits a facet into simplices with equal normals."""
+    mark = rows @ np.sin(np.arange(1.0, rows.shape[1] + 1.0))
+    order = np.argsort(mark)
+    mark, rows = mark[order], rows[order]
+    keep = np.ones(len(rows), dtype=np.bool_)
+    near = 1
+    while near < len(rows):
+        close = mark[near:] - mark[:-near] < 1e-9
+        if not close.any():
+            break
+        same = np.flatnonzero(close)
+        gap = np.abs(rows[same + near] - rows[same]).max(axis=1)
+        keep[same[gap < 1e-9] + near] = False
+        near += 1
+    return np.asarray(rows[keep])
+
+
+def _cddlib(V: FloatArray, exact: bool) -> FloatArray:
+    """Return the half-spaces of cone(V) by cddlib's double description method."""
+    try:
+        if exact:
+            import cdd.gmp as cdd
+        else:
+            import cdd
+        from cdd import RepType
+    except ImportError as error:
+        raise MissingExtra("pycddlib", "cdd") from error
+    rows: list[list[Any]]
+    if exact:
+        rows = [[Fraction(0), *(Fraction(float(v)) for v in ray)] for ray in V]
+    else:
+        rows = [[0.0, *ray] for ray in V.tolist()]
+    generators = cdd.matrix_from_array(rows, rep_type=RepType.GENERATOR)
+    found = cdd.copy_inequalities(cdd.polyhedron_from_matrix(generators))
+    array = np.array([[float(v) for v in row[1:]] for row in found.array]).reshape(-1, V.shape[1])
+    equal = [array[k] for k in sorted(found.lin_set)]
+    out = np.vstack([-array, *(e[None] for e in equal)]) if equal else -array
+    return np.asarray(out[np.abs(out).max(axis=1, initial=0.0) > 0.0])
+
+
+def representation_gap(halfspaces: FloatArray, rays: FloatArray, samples: int = 0, seed: int = 0) -> float:
+    """Return how far two representations are from describing the same cone, as an angle [rad].
+
+    Zero to rounding where they agree. Checked both ways: every ray against every half-space; every ray
+    of the half-spaces, worked out afresh, and `samples` random points of {x : halfspaces @ x <= 0}, by
+    their distance from the cone of the rays (non-negative least squares, which knows nothing of facets).
+
+    Parameters
+    ----------
+    halfspaces, rays
+        (m, dim), (r, dim).
+    samples, seed
+        How many random points to try besides, and their seed.
+    """
+    V, _ = _directions(rays)
+    H, _ = _directions(halfspaces)
+    outside = float((V @ H.T).max(initial=0.0)) if len(V) and len(H) else 0.0
+    tests = [rays_from_halfspaces(halfspaces)]
+    if samples:
+        draws = np.random.default_rng(seed).normal(size=(samples, rays.shape[1]))
+        polar = H.T if len(H) else np.zeros((rays.shape[1], 1))
+        tests.append(np.array([d - polar @ nnls(polar, d)[0] for d in draws]))
+    columns = V.T if len(V) else np.zeros((rays.shape[1], 1))
+    lack = 0.0
+    for x in np.vstack(tests):
+        size = float(np.linalg.norm(x))
+        if size > 1e-9:
+            lack = max(lack, float(nnls(columns, x / size)[1]))
+    return max(outside, lack)
