@@ -15,11 +15,20 @@ if TYPE_CHECKING:
     from surefoot.cones import PolyhedralCone as PolyhedralCone
     from surefoot.cones import ProductCone as ProductCone
     from surefoot.cones import WrenchCone as WrenchCone
+    from surefoot.contact import LCP as LCP
     from surefoot.contact import ContactProblem as ContactProblem
     from surefoot.contact import ContactSolution as ContactSolution
+    from surefoot.contact import Redundancy as Redundancy
     from surefoot.contact import Residuals as Residuals
     from surefoot.contact import Status as Status
+    from surefoot.contact import carry_over as carry_over
+    from surefoot.contact import persisting as persisting
+    from surefoot.contact import read_lcp as read_lcp
+    from surefoot.contact import read_problem as read_problem
+    from surefoot.contact import redundancy as redundancy
     from surefoot.contact import residuals as residuals
+    from surefoot.contact import stewart_trinkle as stewart_trinkle
+    from surefoot.contact import write_problem as write_problem
     from surefoot.control.force_distribution import ForceDistributor as ForceDistributor
     from surefoot.control.force_distribution import distribute as distribute
     from surefoot.equilibrium import ForceLimits as ForceLimits
@@ -40,7 +49,9 @@ if TYPE_CHECKING:
     from surefoot.robot import load_robot as load_robot
     from surefoot.robot import place as place
     from surefoot.robot import robot_names as robot_names
+    from surefoot.solvers import minimum_norm as minimum_norm
     from surefoot.solvers import solve as solve
+    from surefoot.solvers import solve_lcp as solve_lcp
     from surefoot.solvers import solver_names as solver_names
     from surefoot.stance import FlatTerrain as FlatTerrain
     from surefoot.stance import PatchContact as PatchContact
@@ -53,7 +64,22 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone", "WrenchCone"),
-    "contact": ("ContactProblem", "ContactSolution", "Residuals", "Status", "residuals"),
+    "contact": (
+        "LCP",
+        "ContactProblem",
+        "ContactSolution",
+        "Redundancy",
+        "Residuals",
+        "Status",
+        "carry_over",
+        "persisting",
+        "read_lcp",
+        "read_problem",
+        "redundancy",
+        "residuals",
+        "stewart_trinkle",
+        "write_problem",
+    ),
     "control.force_distribution": ("ForceDistributor", "distribute"),
     "equilibrium": (
         "ForceLimits",
@@ -67,7 +93,7 @@ _HOMES = {
     ),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
     "robot": ("Robot", "load_robot", "place", "robot_names"),
-    "solvers": ("solve", "solver_names"),
+    "solvers": ("minimum_norm", "solve", "solve_lcp", "solver_names"),
     "stance": ("FlatTerrain", "PatchContact", "PointContact", "SlopeTerrain", "Stance", "Terrain"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

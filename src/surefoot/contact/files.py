@@ -128,7 +128,11 @@ def from_foreign(
     if dimension == 2:
         matrix, q = _in_space(matrix, q)
         notes.append("planar: given a second tangent that is coupled to nothing")
-        reference = None if reference is None else np.column_stack([reference[:, 1], 0 * reference[:, 0], reference[:, 0]])
+        reference = (
+            None
+            if reference is None
+            else np.column_stack([reference[:, 1], 0 * reference[:, 0], reference[:, 0]])
+        )
     elif reference is not None:
         reference = reference[:, [1, 2, 0]]
     largest = float(abs(matrix).max()) if matrix.nnz else 0.0
@@ -136,7 +140,9 @@ def from_foreign(
     if off > LARGEST_ASYMMETRY:
         raise ProblemError(f"{name}: the matrix is not symmetric (by {off:.0%} of its largest entry)")
     if off > NOTED_ASYMMETRY:
-        notes.append(f"not symmetric as published ({off:.1e} of the largest entry): its symmetric part is used")
+        notes.append(
+            f"not symmetric as published ({off:.1e} of the largest entry): its symmetric part is used"
+        )
     matrix = 0.5 * (matrix + matrix.T)
     sparse = matrix.nnz < 0.3 * q.size**2 and count > 40
     problem = ContactProblem(matrix.tocsr() if sparse else matrix.toarray(), q, mu)
@@ -153,7 +159,9 @@ def _in_space(matrix: Any, q: FloatArray) -> tuple[Any, FloatArray]:
     size = matrix.diagonal().reshape(-1, 2).mean(axis=1)
     rows = np.concatenate([place[entries.row], idle])
     columns = np.concatenate([place[entries.col], idle])
-    full = sp.csr_matrix((np.concatenate([entries.data, size]), (rows, columns)), shape=(3 * count, 3 * count))
+    full = sp.csr_matrix(
+        (np.concatenate([entries.data, size]), (rows, columns)), shape=(3 * count, 3 * count)
+    )
     g = np.zeros(3 * count)
     g[place] = q
     return full, g

@@ -78,7 +78,9 @@ def _read_matrix(numbers: _Numbers) -> FloatArray | sp.csr_matrix:
         rows, columns = numbers.integers(2)
         return numbers.floats(int(rows * columns)).reshape(rows, columns)
     if storage != 1:
-        raise ProblemError(f"{numbers.name}: the matrix storage must be 0 (dense) or 1 (blocks), got {storage}")
+        raise ProblemError(
+            f"{numbers.name}: the matrix storage must be 0 (dense) or 1 (blocks), got {storage}"
+        )
     blocks, block_rows, block_columns = (int(i) for i in numbers.integers(3))
     row_ends = np.concatenate([[0], numbers.integers(block_rows)])
     column_ends = np.concatenate([[0], numbers.integers(block_columns)])

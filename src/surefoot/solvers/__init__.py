@@ -1,5 +1,15 @@
 """Solvers for contact problems: one algorithm per file, joined by `solve`."""
 
+from surefoot.solvers.lcp import LcpSolution, lcp_solver_names, solve_lcp
+from surefoot.solvers.minimum_norm import minimum_norm
 from surefoot.solvers.solver import Settings, solve, solver_names
 
-__all__ = ["Settings", "solve", "solver_names"]
+__all__ = [
+    "LcpSolution",
+    "Settings",
+    "lcp_solver_names",
+    "minimum_norm",
+    "solve",
+    "solve_lcp",
+    "solver_names",
+]

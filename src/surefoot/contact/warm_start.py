@@ -1,0 +1,75 @@
+"""Warm starts across a change of contacts: carry what persisted, start the rest at zero."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, IntArray, finite_array
+from surefoot.errors import ProblemError
+
+
+def persisting(before: Sequence[Hashable], after: Sequence[Hashable]) -> IntArray:
+    """Return, for each contact of `after`, its number in `before`, or -1 if it is new.
+
+    Parameters
+    ----------
+    before, after
+        What each contact is called in the two problems (foot names, pairs of geometry ids, ...).
+
+    Raises
+    ------
+    ProblemError
+        If a name occurs twice.
+
+    Examples
+    --------
+    >>> persisting(["FL", "RR"], ["FR", "RR"]).tolist()
+    [-1, 1]
+    """
+    for names in (before, after):
+        if len(set(names)) != len(names):
+            raise ProblemError(f"a contact name occurs twice in {list(names)!r:.80}")
+    place = {name: k for k, name in enumerate(before)}
+    return np.array([place.get(name, -1) for name in after], dtype=np.int64)
+
+
+def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
+    """Return the forces to start from after contacts came or went.
+
+    Parameters
+    ----------
+    forces
+        (n, 3) forces of the last solution.
+    kept
+        (m,) whole numbers: which contact each new one was, -1 for none; see `persisting`.
+
+    Returns
+    -------
+    FloatArray
+        (m, 3); a contact that is new starts at zero, one that is gone leaves nothing behind.
+
+    Raises
+    ------
+    ProblemError
+        If a number is out of range.
+
+    Examples
+    --------
+    >>> carry_over([[0.0, 0.0, 5.0], [1.0, 0.0, 7.0]], [1, -1]).tolist()
+    [[1.0, 0.0, 7.0], [0.0, 0.0, 0.0]]
+    """
+    old = finite_array("forces", forces, (None, 3))
+    which = np.asarray(kept)
+    if which.ndim != 1 or (which.size and which.dtype.kind not in "iu"):
+        raise ProblemError(f"kept must be a list of whole numbers, got {which.dtype} of shape {which.shape}")
+    if which.size and (which.min() < -1 or which.max() >= len(old)):
+        raise ProblemError(
+            f"kept must lie between -1 and {len(old) - 1}, got {int(which.min())} to {int(which.max())}"
+        )
+    start = np.zeros((which.size, 3))
+    there = which >= 0
+    start[there] = old[which[there]]
+    return start
