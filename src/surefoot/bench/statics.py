@@ -103,7 +103,7 @@ _Racers = list[tuple[str, Callable[[Any], Any], list[Any]]]
 
 
 def _race(question: str, racers: _Racers) -> list[Race]:
-    times = [(who, time_calls(call, items, warm_up=5)) for who, call, items in racers]
+    times = [(who, time_calls(call, items, warm_up=len(items))) for who, call, items in racers]
     first = times[0][1].median
     return [Race(question, who, timing, timing.median / first) for who, timing in times]
 
