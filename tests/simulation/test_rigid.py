@@ -272,6 +272,23 @@ def test_reset_repeats_a_run_exactly():
     assert world.time == pytest.approx(0.1)
 
 
+def test_convex_law_throws_a_sliding_block_up():
+    """The convex law asks for u_n + gap / dt = mu ||u_t||: it kicks the block up by mu v / (1 + mu²), then
+    floats it at a gap of dt mu v. Momentum balance keeps the mean friction, and so the speed, right.
+    """
+    body = box(2.0, (0.3, 0.3, 0.1))
+    world = RigidWorld(body, mu=0.5, law="convex")
+    world.reset(body.nominal, np.array([2.0, 0, 0, 0, 0, 0]))
+    states = run(world, 0.2)
+    kick = (0.5 * 2.0 - 0.25 * GRAVITY * world.dt) / 1.25
+    assert states[0][1][2] == pytest.approx(kick, rel=1e-2)
+    q, v = states[-1]
+    assert q[2] - 0.05 == pytest.approx(world.dt * 0.5 * v[0], rel=0.02)
+    assert v[0] == pytest.approx(2.0 - 0.5 * GRAVITY * 0.2, rel=0.01)
+    with pytest.raises(sf.ProblemError, match="unknown law 'viscous'"):
+        RigidWorld(body, law="viscous")
+
+
 def test_ice_lets_a_block_go():
     body = box(2.0, (0.3, 0.3, 0.1))
     world = RigidWorld(body, sf.SlopeTerrain(15.0), mu=0.6)

@@ -27,6 +27,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.contact import ContactProblem, ContactSolution
+from surefoot.contact.problem import LAWS, Law
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
@@ -69,6 +70,9 @@ class RigidWorld:
         What undoes penetration: "projection" moves the robot out by the least motion in the metric of M and
         leaves its velocity alone, "baumgarte" asks for a separating velocity (which adds energy), "none"
         lets it be.
+    law
+        "coulomb", or "convex" to see what that relaxation does: a sliding contact then separates with
+        mu ||u_t||, and floats at dt mu ||u_t|| over the ground.
     solver, tol
         For `surefoot.solve`.
 
@@ -97,15 +101,18 @@ class RigidWorld:
         *,
         restitution: float = 0.0,
         stabilisation: Stabilisation = "projection",
+        law: Law = "coulomb",
         solver: str = "auto",
         tol: float = 1e-8,
     ) -> None:
         if stabilisation not in STABILISATIONS:
             raise ProblemError(unknown_name("stabilisation", stabilisation, STABILISATIONS))
+        if law not in LAWS:
+            raise ProblemError(unknown_name("law", law, LAWS))
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = FlatTerrain() if terrain is None else terrain
         self.restitution = real_number("restitution", restitution, low=0.0, high=1.0)
-        self.stabilisation, self.solver, self.tol = stabilisation, solver, tol
+        self.stabilisation, self.law, self.solver, self.tol = stabilisation, law, solver, tol
         self.set_friction(mu)
         self.model = _loaded_model(robot, real_number("payload", payload, low=0.0))
         self.data = self.model.createData()
@@ -217,7 +224,7 @@ class RigidWorld:
             self._J, self._L, self._v, free, self._gaps, near, self.dt, self.restitution,
             2.0 * self.dt * 9.81, pull,
         )  # fmt: skip
-        problem = ContactProblem(G, g, self.mu)
+        problem = ContactProblem(G, g, self.mu, law=self.law)
         self.solution = solve(problem, self.solver, self.tol, warm_start=warm)
         residual = self.solution.residuals.natural_map
         self.unsolved += not self.solution.solved
