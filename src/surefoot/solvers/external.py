@@ -114,9 +114,15 @@ def _tolerances(name: str, settings: Settings) -> dict[str, Any]:
     tight = max(1e-2 * settings.tol, 1e-12)
     table: dict[str, dict[str, Any]] = {
         "daqp": {"dual_tol": tight, "primal_tol": tight},
-        "osqp": {"eps_abs": tight, "eps_rel": tight, "polishing": True, "max_iter": 20_000},
+        # no polishing: where no constraint is active OSQP says so on stdout, whatever verbose is
+        "osqp": {"eps_abs": tight, "eps_rel": tight, "polishing": False, "max_iter": 50_000},
+        "highs": {
+            "primal_feasibility_tolerance": max(tight, 1e-10),
+            "dual_feasibility_tolerance": max(tight, 1e-10),
+            "qp_regularization_value": 1e-11,  # its default is what would be seen of the answer
+        },
         "proxqp": {"eps_abs": tight, "eps_rel": 0.0},
-        "piqp": {"eps_abs": tight, "eps_rel": tight},
+        "piqp": {"eps_abs": 0.01 * tight, "eps_rel": 0.01 * tight},
     }
     options = table.get(name, {})
     if settings.max_iterations is not None and name in ("osqp", "proxqp", "piqp"):
@@ -138,19 +144,22 @@ def _solve_qp(
     if on.size == 0:
         return Answer(_spread(problem, on, []), 0)
     C, d = pyramid_rows(problem, on)
+    size, length = max(problem.norm, 1e-300), max(float(np.linalg.norm(g)), 1e-300)
+    unit = length / size  # tolerances are absolute: hand over a problem of size one
+    G, g, d = G / size, g / length, d / unit
     if name == "quadprog":  # its Cholesky factorisation needs a positive definite matrix
-        G = G + 1e-12 * max(problem.norm, 1e-300) * np.eye(G.shape[0])
+        G = G + 1e-12 * np.eye(G.shape[0])
     sparse = name in ("osqp", "highs")
     program = qpsolvers.Problem(sp.csc_matrix(G) if sparse else G, g, C if sparse else C.toarray(), d)
-    start = None if warm_start is None else warm_start[on].ravel()
+    start = None if warm_start is None else warm_start[on].ravel() / unit
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # backends warn through Python; our status says it
             found = qpsolvers.solve_problem(program, name, initvals=start, **_tolerances(name, settings))
     except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError):
         return Answer(_spread(problem, on, None), 0, Status.STALLED)
-    stop = Status.STALLED if found.found else Status.INFEASIBLE
-    return Answer(_spread(problem, on, found.x), int(found.extras.get("iter", 0) or 0), stop)
+    forces = None if found.x is None else unit * np.asarray(found.x)
+    return Answer(_spread(problem, on, forces), int(found.extras.get("iter", 0) or 0), Status.STALLED)
 
 
 def _register_qp(name: str) -> None:
