@@ -24,6 +24,8 @@ MAX_FLIGHT = 0.35
 """Longest time without any foot on the ground that a schedule may ask for [s]."""
 SAME_TIME = 1e-9
 """Events closer than this are one event [s]."""
+SHARE_DIGITS = 6
+"""Phases of a gait are shares of its period, rounded to this many digits."""
 
 
 def mode_number(carrying: ArrayLike) -> int:
@@ -175,8 +177,8 @@ class Gait(ContactSchedule):
             raise ProblemError(f"duty of gait {name} must be above 0 and at most 1, got {share.tolist()}")
         moving = share < 1.0 - SAME_TIME
         events = np.concatenate([[0.0], begin[moving], np.mod(begin + share, 1.0)[moving]])
-        cuts = np.unique(np.round(events, 9))
-        cuts = np.append(cuts[cuts < 1.0 - SAME_TIME], 1.0)
+        cuts = np.unique(np.round(events, SHARE_DIGITS))
+        cuts = np.append(cuts[cuts < 1.0], 1.0)
         middle = 0.5 * (cuts[1:] + cuts[:-1])
         table = np.mod(middle[:, None] - begin, 1.0) < share
         return cls(name, cuts * length, table | ~moving, max_flight=max_flight)
@@ -219,8 +221,8 @@ class Gait(ContactSchedule):
 
     def contacts(self, times: ArrayLike) -> BoolArray:
         """Return which feet carry at (...) times [s]: (..., feet)."""
-        t = np.mod(np.asarray(times, dtype=np.float64), self.period)
-        return np.asarray(self.table[np.searchsorted(self._starts, t + SAME_TIME, side="right") - 1])
+        t = np.mod(np.asarray(times, dtype=np.float64) + SAME_TIME, self.period)
+        return np.asarray(self.table[np.searchsorted(self._starts, t, side="right") - 1])
 
     def phase(self, foot: int, time: float) -> tuple[bool, float, float]:
         """Return whether a foot carries at a time, and when that phase began and will end [s]."""

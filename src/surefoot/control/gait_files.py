@@ -238,5 +238,5 @@ def _parse(text: str) -> Tree:
 def _pairs(words: list[str]) -> list[tuple[str, str]]:
     """Split the words of a line into keys and values; several ``[k] value`` pairs may share a line."""
     if all(re.fullmatch(r"\[\d+\]", w) for w in words[::2]) and len(words) % 2 == 0:
-        return list(zip(words[::2], words[1::2], strict=True))
+        return [(key, value.strip('"')) for key, value in zip(words[::2], words[1::2], strict=True)]
     return [(words[0].strip('"'), " ".join(words[1:]).strip('"'))]
