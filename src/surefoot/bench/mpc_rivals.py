@@ -1,0 +1,308 @@
+"""The MPC step through other solvers: QP solvers with pyramids, and Clarabel with exact cones.
+
+Each rival is given the same program as ours, either condensed (the forces are the only unknowns) or sparse
+(forces and states, with the model as equations), scaled to numbers near one, as matrices ready in its own
+format: only its own update and solve are timed. Workspaces and warm starts are kept from call to call
+wherever its interface allows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from surefoot.arrays import FloatArray
+from surefoot.cones import FrictionPyramid
+from surefoot.control.mpc import ConvexMpc, HorizonProgram
+from surefoot.errors import MissingExtra
+
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+"""What a rival may be set to; it runs at the loosest with which it is accurate enough."""
+
+
+class Matrices(NamedTuple):
+    """min 1/2 zᵀ P z + qᵀ z subject to A z = b, low <= C z <= high; the first 3c entries of z are forces.
+
+    Forces are divided by `scale`. For exact cones C has one row per contact (its normal force) and the
+    cones come on top. `structure` is equal for two programs whose matrices have the same pattern.
+    """
+
+    P: Any
+    q: FloatArray
+    A: Any
+    b: FloatArray
+    C: Any
+    low: FloatArray
+    high: FloatArray
+    mu: FloatArray
+    scale: float
+    structure: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way to run a rival."""
+
+    form: str
+    warm: bool
+    tol: float
+
+    def __str__(self) -> str:
+        return f"{self.form}, {'warm' if self.warm else 'cold'}, tol {self.tol:.0e}"
+
+
+@dataclass
+class Rival:
+    """A solver, its facets (None for exact cones) and how it can be run."""
+
+    solver: str
+    facets: int | None
+    forms: tuple[str, ...]
+    warm: tuple[bool, ...]
+    make: Callable[[Variant], Callable[[Matrices], FloatArray]] = field(repr=False)
+
+    @property
+    def name(self) -> str:
+        """What a table says."""
+        return f"{self.solver}, {'exact cones' if self.facets is None else f'{self.facets} facets'}"
+
+    def variants(self) -> list[Variant]:
+        """Return all ways to run it."""
+        return [Variant(f, w, t) for f in self.forms for w in self.warm for t in TOLERANCES]
+
+    def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Matrices:
+        """Return the program in this rival's format (not timed)."""
+        dense = form == "dense"
+        return matrices(mpc, program, self.facets, sparse=form == "sparse", dense=dense)
+
+
+def rivals() -> list[Rival]:
+    """Return all rivals, fresh.
+
+    Raises
+    ------
+    MissingExtra
+        If the packages of the extra `qp` are not installed.
+    """
+    out = []
+    for facets in (4, 8):
+        out += [
+            Rival("OSQP", facets, ("condensed", "sparse"), (True, False), _osqp),
+            Rival("ProxQP", facets, ("dense", "sparse"), (True, False), _proxqp),
+            Rival("PIQP", facets, ("dense", "sparse"), (False,), _piqp),
+            Rival("DAQP", facets, ("dense",), (True, False), _daqp),
+        ]
+    out.append(Rival("Clarabel", None, ("condensed", "sparse"), (False,), _clarabel))
+    return out
+
+
+def matrices(
+    mpc: ConvexMpc, program: HorizonProgram, facets: int | None, *, sparse: bool, dense: bool
+) -> Matrices:
+    """Return a horizon's program as matrices, condensed or with states; condensed ones dense if wanted."""
+    c = program.step.size
+    scale = max(float(np.abs(program.centre).max(initial=0.0)), 1.0)
+    H, g = program.condensed()
+    unit = 1.0 / (scale * scale * float(np.mean(np.diag(H)))) if c else 1.0
+    if sparse:
+        P, q, A, b = _with_states(mpc, program, scale)
+        structure: tuple[Any, ...] = (facets, tuple(program.step))
+    else:
+        P, q = scale * scale * H, scale * g
+        A, b = np.zeros((0, 3 * c)), np.zeros(0)
+        structure = (facets, c)
+    C, low, high = _cone_rows(program, facets, scale, P.shape[0])
+    if not dense:
+        P = sp.csc_matrix(P) if sparse else _full_csc(P)
+        A, C = sp.csc_matrix(A), sp.csc_matrix(C)
+    else:
+        P, A, C = np.asfortranarray(P), np.asfortranarray(A), np.asfortranarray(C.toarray())
+    return Matrices(P * unit, q * unit, A, b, C, low, high, program.bounds[:, 0], scale, structure)
+
+
+def _full_csc(H: FloatArray) -> Any:
+    """Return a matrix as CSC that keeps its zeros, so that its pattern never changes."""
+    n = H.shape[0]
+    return sp.csc_matrix((H.T.ravel(), np.tile(np.arange(n), n), np.arange(0, n * n + 1, n)), shape=(n, n))
+
+
+def _cone_rows(
+    program: HorizonProgram, facets: int | None, scale: float, columns: int
+) -> tuple[Any, FloatArray, FloatArray]:
+    """Return C, low, high: the inner pyramids' sides and then the normal bound of every contact."""
+    blocks, low, high = [], [], []
+    for mu, least, most in program.bounds:
+        rows = np.array([[0.0, 0.0, 1.0]])
+        if facets is not None:
+            rows = np.vstack([FrictionPyramid(float(mu), facets, "inner").halfspaces, rows])
+        blocks.append(rows)
+        low.append(np.append(np.full(rows.shape[0] - 1, -np.inf), least / scale))
+        high.append(np.append(np.zeros(rows.shape[0] - 1), most / scale))
+    C = sp.block_diag(blocks, format="csc") if blocks else sp.csc_matrix((0, 0))
+    C = sp.hstack([C, sp.csc_matrix((C.shape[0], columns - C.shape[1]))], format="csc")
+    return C, np.concatenate([*low, np.zeros(0)]), np.concatenate([*high, np.zeros(0)])
+
+
+def _with_states(
+    mpc: ConvexMpc, program: HorizonProgram, scale: float
+) -> tuple[Any, FloatArray, Any, FloatArray]:
+    """Return P, q, A, b in forces and errors x_1 ... x_N (six places, six rates each)."""
+    c, N, dt = program.step.size, mpc.horizon, mpc.dt
+    weights = mpc.weights.matrix().ravel()
+    share = np.ones(N)
+    share[-1] = mpc.weights.terminal
+    P = sp.diags(np.concatenate([np.full(3 * c, program.rho * scale**2), np.outer(share, weights).ravel()]))
+    q = np.concatenate([-program.rho * scale * program.centre.ravel(), np.zeros(12 * N)])
+    step = np.block([[np.eye(6), dt * np.eye(6)], [np.zeros((6, 6)), np.eye(6)]])
+    push = np.vstack([0.5 * dt * dt * np.eye(6), dt * np.eye(6)])
+    blocks = -scale * np.einsum("ra,cxa->crx", push, program.M)  # every entry is kept, zero or not
+    rows = 12 * program.step[:, None, None] + np.arange(12)[None, :, None] + np.zeros((1, 1, 3), np.int64)
+    columns = 3 * np.arange(c)[:, None, None] + np.arange(3)[None, None, :] + np.zeros((1, 12, 1), np.int64)
+    forces = sp.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), (12 * N, 3 * c))
+    states = sp.eye(12 * N) - sp.kron(sp.eye(N, k=-1), step)
+    b = program.drift[1:].reshape(N, 12).copy()
+    b[0] += step @ program.drift[0].ravel()
+    return P, q, sp.hstack([forces.tocsc(), states], format="csc"), b.ravel()
+
+
+def _forces(z: Any, m: Matrices) -> FloatArray:
+    """Return the (c, 3) forces of a solution."""
+    return m.scale * np.asarray(z, dtype=np.float64)[: 3 * m.mu.size].reshape(-1, 3)
+
+
+def _stack(m: Matrices) -> tuple[Any, FloatArray, FloatArray]:
+    """Return equations and inequalities as one block of rows with bounds, sparse."""
+    return (
+        sp.vstack([m.A, m.C], format="csc"),
+        np.concatenate([m.b, m.low]),
+        np.concatenate([m.b, m.high]),
+    )
+
+
+def _need(name: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise MissingExtra(name, "qp") from error
+
+
+def _osqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+    osqp = _need("osqp")
+    kept: dict[str, Any] = {}
+
+    def solve(m: Matrices) -> FloatArray:
+        rows, low, high = _stack(m)
+        upper = sp.triu(m.P, format="csc")
+        if kept.get("structure") == m.structure:
+            solver = kept["solver"]
+            solver.update(q=m.q, l=low, u=high, Px=upper.data, Ax=rows.data)
+        else:
+            solver = osqp.OSQP()
+            solver.setup(
+                upper, m.q, rows, low, high, verbose=False, eps_abs=variant.tol, eps_rel=variant.tol,
+                warm_starting=variant.warm, max_iter=20_000, polishing=False, check_termination=10,
+            )  # fmt: skip
+            kept["solver"], kept["structure"] = solver, m.structure
+        return _forces(solver.solve(raise_error=False).x, m)
+
+    return solve
+
+
+def _proxqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+    proxqp = _need("proxsuite").proxqp
+    kept: dict[str, Any] = {}
+    guess = proxqp.InitialGuess
+    start = (
+        guess.WARM_START_WITH_PREVIOUS_RESULT if variant.warm else guess.EQUALITY_CONSTRAINED_INITIAL_GUESS
+    )
+
+    def solve(m: Matrices) -> FloatArray:
+        if variant.warm and kept.get("structure") == m.structure:
+            solver = kept["solver"]
+            solver.update(H=m.P, g=m.q, A=m.A, b=m.b, C=m.C, l=m.low, u=m.high)
+        else:
+            module = proxqp.dense if variant.form == "dense" else proxqp.sparse
+            solver = module.QP(m.q.size, m.b.size, m.low.size)
+            solver.settings.eps_abs, solver.settings.eps_rel = variant.tol, 0.0
+            solver.init(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
+            solver.settings.initial_guess = start if kept else guess.EQUALITY_CONSTRAINED_INITIAL_GUESS
+            kept["solver"], kept["structure"] = solver, m.structure
+        solver.solve()
+        solver.settings.initial_guess = start
+        return _forces(solver.results.x, m)
+
+    return solve
+
+
+def _piqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+    piqp = _need("piqp")
+    kept: dict[str, Any] = {}
+
+    def solve(m: Matrices) -> FloatArray:
+        if kept.get("structure") == m.structure:
+            solver = kept["solver"]
+            solver.update(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
+        else:
+            solver = piqp.DenseSolver() if variant.form == "dense" else piqp.SparseSolver()
+            solver.settings.eps_abs = solver.settings.eps_rel = variant.tol
+            solver.settings.check_duality_gap = False
+            solver.setup(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
+            kept["solver"], kept["structure"] = solver, m.structure
+        solver.solve()
+        return _forces(solver.result.x, m)
+
+    return solve
+
+
+def _daqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+    daqp = _need("daqp")
+    kept: dict[str, Any] = {}
+
+    def solve(m: Matrices) -> FloatArray:
+        H, C = np.ascontiguousarray(m.P), np.ascontiguousarray(m.C)
+        if variant.warm and kept.get("structure") == m.structure:
+            solver = kept["solver"]
+            solver.update(H=H, f=m.q, A=C, bupper=m.high, blower=m.low)
+        else:
+            solver = daqp.Model()
+            solver.setup(H, m.q, C, m.high, m.low)
+            solver.settings = {"primal_tol": variant.tol, "dual_tol": variant.tol}
+            kept["solver"], kept["structure"] = solver, m.structure
+        return _forces(solver.solve()[0], m)
+
+    return solve
+
+
+def _clarabel(variant: Variant) -> Callable[[Matrices], FloatArray]:
+    return lambda m: solve_exact(m, variant.tol)
+
+
+def solve_exact(m: Matrices, tol: float) -> FloatArray:
+    """Return the (c, 3) forces by Clarabel, with the second-order cones where C holds none of their sides."""
+    clarabel = _need("clarabel")
+    c = m.mu.size
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = tol
+    above, below = np.isfinite(m.high), np.isfinite(m.low)
+    rows = [m.A, m.C[above], -m.C[below]]
+    right = [m.b, m.high[above], -m.low[below]]
+    cones = [clarabel.ZeroConeT(m.b.size), clarabel.NonnegativeConeT(int(above.sum() + below.sum()))]
+    if m.low.size == c:  # no pyramids
+        at = np.arange(c)
+        values = np.concatenate([-m.mu, -np.ones(2 * c)])
+        where = np.concatenate([3 * at, 3 * at + 1, 3 * at + 2])
+        which = np.concatenate([3 * at + 2, 3 * at, 3 * at + 1])
+        rows.append(sp.csc_matrix((values, (where, which)), (3 * c, m.q.size)))
+        right.append(np.zeros(3 * c))
+        cones += [clarabel.SecondOrderConeT(3)] * c
+    solver = clarabel.DefaultSolver(
+        sp.triu(m.P, format="csc"), m.q, sp.vstack(rows, format="csc"), np.concatenate(right), cones, options
+    )
+    return _forces(solver.solve().x, m)

@@ -1,0 +1,256 @@
+"""`surefoot bench walk`: the MPC step against other solvers, in the same run and at the same accuracy.
+
+Every method is given the same recorded inputs (`mpc_scenes`). Our time is the whole call from Python,
+building the model included; a rival's time is its own update and solve, its matrices being ready. Each rival
+first runs a stretch of the inputs in all its forms (condensed and sparse, warm and cold) from loose to tight
+tolerances; the fastest form whose forces come within `ACCURACY` of its own exact optimum is then measured on
+all inputs, at a tighter tolerance if it needs one there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.bench import mpc_rivals
+from surefoot.bench.mpc_rivals import Rival, Variant
+from surefoot.bench.mpc_scenes import TICK, MpcInput, MpcScene, choose_scenes, controller, record
+from surefoot.bench.timing import Timing, one_core
+from surefoot.control import mpc_model
+from surefoot.control.mpc import ConvexMpc, HorizonProgram
+
+ACCURACY = 0.1
+"""Distance of all forces of the horizon together to the method's own optimum [N], in 95 of 100 inputs."""
+REFERENCE_TOLERANCE = 1e-11
+TUNING_INPUTS = 25
+PASSES = 3
+"""Each input is timed this often, and the best time counts: the rest is other work on the machine."""
+
+
+@dataclass(frozen=True)
+class MpcRow:
+    """One method on one scene.
+
+    Attributes
+    ----------
+    scene, method, variant
+        Who and how.
+    timing
+        Wall time per call [s].
+    ratio
+        Median time over ours.
+    error
+        95th percentile of the distance to the method's own optimum, all forces together [N].
+    first_error
+        95th percentile of the distance of the first step's forces to the optimum on exact cones [N].
+    violation
+        Largest force outside an exact cone or a normal bound [N].
+    lost
+        Mean share of the friction left unused by contacts that use all of it at the exact optimum; NaN if
+        none does.
+    cost
+        Mean cost above that of the exact optimum, as a share of it.
+    accurate
+        Whether `error` is within `ACCURACY`.
+    """
+
+    scene: str
+    method: str
+    variant: str
+    timing: Timing
+    ratio: float
+    error: float
+    first_error: float
+    violation: float
+    lost: float
+    cost: float
+    accurate: bool
+
+
+@dataclass(frozen=True)
+class WalkBench:
+    """All rows, and the settings they were measured with."""
+
+    rows: list[MpcRow]
+    horizon: int
+    calls: int
+
+
+def measure(
+    names: Sequence[str] | None = None,
+    calls: int = 150,
+    horizon: int = 10,
+    on_progress: Callable[[float], None] | None = None,
+) -> WalkBench:
+    """Measure all methods on the named scenes (all for None).
+
+    Raises
+    ------
+    ProblemError
+        For an unknown scene.
+    MissingExtra
+        If a rival is not installed.
+    """
+    scenes = choose_scenes(names)
+    mpc_rivals.rivals()
+    rows: list[MpcRow] = []
+    for k, scene in enumerate(scenes):
+
+        def show(part: float, before: int = k) -> None:
+            if on_progress is not None:
+                on_progress((before + part) / len(scenes))
+
+        rows += measure_scene(scene, calls, horizon, show)
+    return WalkBench(rows, horizon, calls)
+
+
+def measure_scene(
+    scene: MpcScene, calls: int, horizon: int = 10, on_progress: Callable[[float], Any] | None = None
+) -> list[MpcRow]:
+    """Return our row and all rivals' rows for one scene."""
+    inputs = record(scene, calls, horizon)
+    mpc = controller(scene, horizon, tol=ACCURACY)
+    programs = [mpc.program(*given) for given in inputs]
+    exact = _references(mpc, programs, None)
+    timing, forces = _time(_ours(mpc), list(zip(inputs, programs, strict=True)))
+    rows = [
+        _row(
+            scene, "surefoot, exact cones", "whole call", timing, timing, forces, exact, mpc, programs, exact
+        )
+    ]
+    optima: dict[int | None, list[FloatArray]] = {None: exact}
+    rivals = mpc_rivals.rivals()
+    for k, rival in enumerate(rivals):
+        if rival.facets not in optima:
+            optima[rival.facets] = _references(mpc, programs, rival.facets)
+        own = optima[rival.facets]
+        variant, other, forces = _best(rival, mpc, programs, own)
+        rows.append(_row(scene, rival.name, str(variant), other, timing, forces, own, mpc, programs, exact))
+        if on_progress is not None:
+            on_progress((k + 1) / len(rivals))
+    return rows
+
+
+def _ours(mpc: ConvexMpc) -> Callable[[tuple[MpcInput, HorizonProgram]], FloatArray]:
+    """Return our call; the forces are picked in the program's order (a microsecond of ours too)."""
+
+    def call(item: tuple[MpcInput, HorizonProgram]) -> FloatArray:
+        given, program = item
+        mpc.shift(TICK)
+        return np.asarray(mpc.solve(*given).forces[program.step, program.foot])
+
+    return call
+
+
+def _references(mpc: ConvexMpc, programs: list[HorizonProgram], facets: int | None) -> list[FloatArray]:
+    """Return the optimal forces for a kind of cone, by Clarabel at its tightest."""
+    out = []
+    for program in programs:
+        packed = mpc_rivals.matrices(mpc, program, facets, sparse=False, dense=False)
+        out.append(mpc_rivals.solve_exact(packed, REFERENCE_TOLERANCE))
+    return out
+
+
+def _best(
+    rival: Rival, mpc: ConvexMpc, programs: list[HorizonProgram], optima: list[FloatArray]
+) -> tuple[Variant, Timing, list[FloatArray]]:
+    """Return the fastest accurate way to run a rival, its time and its forces."""
+    first = max(len(programs) // 2 - TUNING_INPUTS // 2, 0)
+    some = slice(first, first + TUNING_INPUTS)
+    trials: list[tuple[bool, float, Variant]] = []
+    for form in rival.forms:
+        packed = [rival.pack(mpc, program, form) for program in programs[some]]
+        for warm in rival.warm:
+            for tol in mpc_rivals.TOLERANCES:
+                variant = Variant(form, warm, tol)
+                timing, forces = _time(rival.make(variant), packed, passes=1)
+                poor = _error(forces, optima[some]) > ACCURACY
+                trials.append((poor, timing.median, variant))
+                if not poor:
+                    break
+    variant = min(trials, key=lambda trial: trial[:2])[2]
+    packed = [rival.pack(mpc, program, variant.form) for program in programs]
+    for tol in mpc_rivals.TOLERANCES[mpc_rivals.TOLERANCES.index(variant.tol) :]:
+        variant = Variant(variant.form, variant.warm, tol)
+        timing, forces = _time(rival.make(variant), packed)
+        if _error(forces, optima) <= ACCURACY:
+            break
+    return variant, timing, forces
+
+
+def _error(forces: list[FloatArray], optima: list[FloatArray]) -> float:
+    """Return the 95th percentile of the distance to the optima [N]."""
+    return _quantile([_distance(f, o) for f, o in zip(forces, optima, strict=True)])
+
+
+def _time(
+    call: Callable[[Any], FloatArray], items: Sequence[Any], passes: int = PASSES
+) -> tuple[Timing, list[FloatArray]]:
+    """Return the time per call (best of some passes) and the forces of the last pass."""
+    seconds = np.full(len(items), np.inf)
+    forces: list[FloatArray] = []
+    clock = time.perf_counter
+    with one_core():
+        for item in items[:10]:
+            call(item)
+        for _ in range(passes):
+            forces = []
+            for k, item in enumerate(items):
+                start = clock()
+                found = call(item)
+                seconds[k] = min(seconds[k], clock() - start)
+                forces.append(found)
+    return Timing.of(seconds), forces
+
+
+def _distance(a: FloatArray, b: FloatArray) -> float:
+    """Return the distance of two sets of forces [N]; infinite for anything that is not finite."""
+    gap = float(np.linalg.norm(a - b))
+    return gap if np.isfinite(gap) else np.inf
+
+
+def _quantile(values: list[float]) -> float:
+    """Return the 95th percentile, by an actual value."""
+    return float(np.quantile(values, 0.95, method="lower")) if values else 0.0
+
+
+def _row(
+    scene: MpcScene, method: str, variant: str, timing: Timing, ours: Timing, forces: list[FloatArray],
+    own: list[FloatArray], mpc: ConvexMpc, programs: list[HorizonProgram], exact: list[FloatArray],
+) -> MpcRow:  # fmt: skip
+    """Return the figures of one method on one scene."""
+    error = _error(forces, own)
+    first, outside, unused, excess = [], [0.0], [], []
+    for f, best, program in zip(forces, exact, programs, strict=True):
+        now = program.step == 0
+        first.append(_distance(f[now], best[now]))
+        mu, low, high = program.bounds.T
+        sideways, normal = np.linalg.norm(f[:, :2], axis=1), f[:, 2]
+        outside.append(float(np.max([sideways - mu * normal, low - normal, normal - high], initial=0.0)))
+        full = np.linalg.norm(best[:, :2], axis=1) >= 0.999 * mu * best[:, 2]
+        full &= (best[:, 2] > 5.0) & (normal > 1.0)
+        unused.append(1.0 - sideways[full] / (mu * normal)[full])
+        least = tracking_cost(mpc, program, best)
+        excess.append((tracking_cost(mpc, program, f) - least) / least)
+    lost = np.concatenate(unused)
+    return MpcRow(
+        scene.name, method, variant, timing, timing.median / ours.median, error, _quantile(first),
+        max(outside), float(lost.mean()) if lost.size else float("nan"), float(np.mean(excess)),
+        error <= ACCURACY,
+    )  # fmt: skip
+
+
+def tracking_cost(mpc: ConvexMpc, program: HorizonProgram, forces: FloatArray) -> float:
+    """Return the whole cost of (c, 3) forces, summed over predicted errors and forces."""
+    accelerations = np.zeros((mpc.horizon, 6))
+    np.add.at(accelerations, program.step, np.einsum("cxa,cx->ca", program.M, forces))
+    errors = mpc_model.predict(program.drift, accelerations, mpc.dt)[1:]
+    share = np.ones(mpc.horizon)
+    share[-1] = mpc.weights.terminal
+    tracking = float(np.einsum("k,sa,ksa->", share, mpc.weights.matrix(), errors**2))
+    return 0.5 * tracking + 0.5 * program.rho * float(np.sum((forces - program.centre) ** 2))
