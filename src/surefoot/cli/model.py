@@ -1,0 +1,188 @@
+"""`surefoot model`: what a robot model says about itself, in one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from surefoot.cli.output import to_json
+from surefoot.errors import ProblemError
+
+
+def model(
+    robot: Annotated[
+        str | None, typer.Argument(help="A known robot (default go2); see --urdf for others.")
+    ] = None,
+    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
+    feet: Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")] = None,
+    fixed_base: Annotated[bool, typer.Option("--fixed-base", help="Bolt the base to the world.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Print masses, joints and limits, feet, ranks of the contact Jacobian and the centroidal inertia."""
+    from surefoot.cli import parsing
+    from surefoot.robot import load_robot
+
+    if urdf is not None and robot is not None:
+        raise ProblemError(f"give either a robot or --urdf, got both {robot!r} and {urdf}")
+    source = str(urdf.absolute()) if urdf is not None else robot or "go2"
+    facts = describe(load_robot(source, parsing.names(feet), fixed_base=fixed_base or None))
+    if as_json:
+        print(to_json(facts))
+    else:
+        _print(facts)
+    return 0
+
+
+def describe(robot: Any) -> dict[str, Any]:
+    """Return the facts about a robot in its nominal pose, as plain values."""
+    import numpy as np
+
+    from surefoot.robot.centroidal import centroidal_inertia, momentum
+    from surefoot.robot.jacobians import contact_jacobian
+
+    q, body = robot.nominal, robot.model
+    stance = robot.stance(q)
+    J = contact_jacobian(robot, q, stance)
+    inertia = centroidal_inertia(robot, q)[3:, 3:]
+    moving = momentum(robot, q, np.zeros(body.nv))
+    singular = np.linalg.svd(J, compute_uv=False) if J.size else np.zeros(0)
+    rank = int((singular > 1e-9 * singular[0]).sum()) if J.size else 0
+    return {
+        "robot": robot.name,
+        "floating_base": robot.floating,
+        "mass": robot.mass,
+        "nq": int(body.nq),
+        "nv": int(body.nv),
+        "joints": _joints(robot),
+        "feet": _feet(robot, stance, J),
+        "frames": [str(f.name) for f in body.frames if f.type.name == "BODY"],
+        "nominal": q,
+        "contact_jacobian": {
+            "rows": J.shape[0],
+            "columns": J.shape[1],
+            "rank": rank,
+            "condition": float(singular[0] / singular[rank - 1]) if rank else None,
+        },
+        "centroidal": {
+            "com": moving.com,
+            "inertia": inertia,
+            "principal_moments": np.linalg.eigvalsh(inertia),
+            "radii_of_gyration": np.sqrt(np.diag(inertia) / moving.mass),
+        },
+    }
+
+
+def _joints(robot: Any) -> list[dict[str, Any]]:
+    """Return every joint with the mass that it carries directly, and its limits."""
+    import numpy as np
+
+    body, out = robot.model, []
+    for index in range(1, body.njoints):
+        joint = body.joints[index]
+        entry: dict[str, Any] = {
+            "name": str(body.names[index]),
+            "parent": str(body.names[body.parents[index]]),
+            "type": joint.shortname().removeprefix("JointModel"),
+            "mass": float(body.inertias[index].mass),
+        }
+        if joint.nq == 1:
+            at, effort = joint.idx_q, robot.effort_limits[joint.idx_v - robot.base_dof]
+            speed = float(body.velocityLimit[joint.idx_v])
+            entry |= {
+                "lower": float(body.lowerPositionLimit[at]),
+                "upper": float(body.upperPositionLimit[at]),
+                "effort": float(effort),
+                "speed": speed if 0.0 < speed < 1e100 else np.inf,
+            }
+        out.append(entry)
+    return out
+
+
+def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
+    """Return every foot with its shape, place and what its own joints can do there."""
+    import numpy as np
+
+    out = []
+    for foot, contact, rows in zip(robot.feet, stance, stance.slices, strict=True):
+        legs = J[rows, robot.base_dof :]
+        out.append(
+            {
+                "name": foot.name,
+                "shape": "patch" if foot.flat else "point",
+                "size": list(foot.size) if foot.flat else [2.0 * foot.radius],
+                "position": contact.position,
+                "rows": contact.dim,
+                "rank": int(np.linalg.matrix_rank(J[rows], tol=1e-9)),
+                "rank_of_its_leg": int(np.linalg.matrix_rank(legs, tol=1e-9)),
+            }
+        )
+    return out
+
+
+def _print(facts: dict[str, Any]) -> None:
+    """Print the facts as tables."""
+    from rich.console import Console
+
+    console = Console()
+    base = "floating base" if facts["floating_base"] else "fixed base"
+    console.print(
+        f"[bold]{facts['robot']}[/bold]: {facts['mass']:.3f} kg, {base}, nq = {facts['nq']}, "
+        f"nv = {facts['nv']}, {len(facts['frames'])} bodies",
+        highlight=False,
+    )
+    console.print(_joint_table(facts["joints"]))
+    if facts["feet"]:
+        console.print(_foot_table(facts["feet"]))
+        J = facts["contact_jacobian"]
+        shape = f"contact Jacobian {J['rows']} x {J['columns']}"
+        console.print(f"{shape}: rank {J['rank']}, condition {J['condition']:.1f}", highlight=False)
+    else:
+        console.print("no feet (name them with --feet)", highlight=False)
+    console.print(_inertia_table(facts["centroidal"]))
+
+
+def _joint_table(joints: list[dict[str, Any]]) -> Any:
+    from rich.table import Table
+
+    title = "Joints: link mass [kg], range [rad], effort [N m], speed [rad/s] (m, N, m/s where they slide)"
+    table = Table(title=title, title_justify="left")
+    table.add_column("joint", no_wrap=True)
+    for name in ("mass", "lower", "upper", "effort", "speed"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for joint in joints:
+        limits = [joint.get(key) for key in ("lower", "upper", "effort", "speed")]
+        cells = ["-" if x is None or abs(x) > 1e100 else f"{x:.2f}" for x in limits]
+        table.add_row(joint["name"], f"{joint['mass']:.3f}", *cells)
+    return table
+
+
+def _foot_table(feet: list[dict[str, Any]]) -> Any:
+    from rich.table import Table
+
+    table = Table(title="Feet, in the nominal pose", title_justify="left")
+    table.add_column("foot", no_wrap=True)
+    for name in ("shape", "size [mm]", "x [m]", "y [m]", "z [m]", "rank", "by its leg"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for foot in feet:
+        size = " x ".join(f"{1e3 * s:.0f}" for s in foot["size"])
+        place = (f"{round(x, 3) + 0.0:.3f}" for x in foot["position"])
+        ranks = (f"{foot['rank']}/{foot['rows']}", f"{foot['rank_of_its_leg']}/{foot['rows']}")
+        table.add_row(foot["name"], foot["shape"], size, *place, *ranks)
+    return table
+
+
+def _inertia_table(centroidal: dict[str, Any]) -> Any:
+    from rich.table import Table
+
+    place = ", ".join(f"{x:.3f}" for x in centroidal["com"])
+    table = Table(
+        title=f"Centroidal inertia, joints locked; centre of mass at ({place}) m", title_justify="left"
+    )
+    for name in ("[kg m²]", "x", "y", "z", "radius of gyration [m]"):
+        table.add_column(name, justify="right")
+    rows = zip("xyz", centroidal["inertia"], centroidal["radii_of_gyration"], strict=True)
+    for axis, row, radius in rows:
+        table.add_row(axis, *(f"{x + 0.0:.4f}" for x in row), f"{radius:.3f}")
+    return table

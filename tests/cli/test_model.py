@@ -1,0 +1,64 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from surefoot.cli.main import main
+from surefoot.robot.catalog import find, robots_folder
+
+
+def facts(capsys, *arguments):
+    assert main(["model", *arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_go2(capsys):
+    found = facts(capsys, "go2")
+    assert found["mass"] == pytest.approx(16.085, abs=1e-3)
+    assert sum(j["mass"] for j in found["joints"]) == pytest.approx(found["mass"], rel=1e-9)
+    assert found["contact_jacobian"] == {
+        "rows": 12, "columns": 18, "rank": 12, "condition": pytest.approx(20, abs=20)
+    }  # fmt: skip
+    assert [f["rank"] for f in found["feet"]] == [3, 3, 3, 3]
+    assert {j["effort"] for j in found["joints"] if "effort" in j} == {23.7, 45.43}
+    assert found["centroidal"]["principal_moments"][0] > 0.05
+
+
+def test_g1_feet_are_patches(capsys):
+    found = facts(capsys, "g1")
+    assert [f["shape"] for f in found["feet"]] == ["patch", "patch"]
+    assert [f["rank_of_its_leg"] for f in found["feet"]] == [6, 6]
+    assert found["contact_jacobian"]["rank"] == 12
+
+
+def test_fixed_arm_without_feet(capsys):
+    found = facts(capsys, "panda")
+    assert found["feet"] == []
+    assert not found["floating_base"]
+    assert found["contact_jacobian"]["rank"] == 0
+
+
+def test_urdf_with_feet(capsys):
+    path = str(robots_folder() / find("solo12").urdf)
+    found = facts(capsys, "--urdf", path, "--feet", "FL_FOOT,HR_FOOT")
+    assert [f["name"] for f in found["feet"]] == ["FL_FOOT", "HR_FOOT"]
+
+
+@pytest.mark.parametrize("name", ["go2", "g1", "ur5"])
+def test_table_shows_everything(capsys, name):
+    assert main(["model", name]) == 0
+    text = capsys.readouterr().out
+    for part in ("Joints: link mass", "effort", "Centroidal inertia", "radius of gyration"):
+        assert part in text
+    assert ("contact Jacobian" in text) == (name != "ur5")
+
+
+def test_wrong_input_is_one_line(capsys):
+    assert main(["model", "dog"]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "unknown robot 'dog'" in error
+    assert main(["model", "go2", "--feet", "paw"]) == 2
+    assert "unknown foot frame" in capsys.readouterr().err
+    assert main(["model", "go2", "--urdf", "x.urdf"]) == 2
