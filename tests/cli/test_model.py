@@ -49,7 +49,7 @@ def test_urdf_with_feet(capsys):
 def test_table_shows_everything(capsys, name):
     assert main(["model", name]) == 0
     text = capsys.readouterr().out
-    for part in ("Joints: link mass", "effort", "Centroidal inertia", "radius of gyration"):
+    for part in ("Joints: link mass [kg]", "effort", "Centroidal inertia", "radius of gyration"):
         assert part in text
     assert ("contact Jacobian" in text) == (name != "ur5")
 

@@ -144,10 +144,11 @@ def _print(facts: dict[str, Any]) -> None:
 
 
 def _joint_table(joints: list[dict[str, Any]]) -> Any:
+    from rich.markup import escape
     from rich.table import Table
 
-    title = "Joints: link mass [kg], range [rad], effort [N m], speed [rad/s] (m, N, m/s where they slide)"
-    table = Table(title=title, title_justify="left")
+    title = "Joints: link mass [kg], range [rad], effort [N m], speed [rad/s]"
+    table = Table(title=escape(title), title_justify="left")
     table.add_column("joint", no_wrap=True)
     for name in ("mass", "lower", "upper", "effort", "speed"):
         table.add_column(name, justify="right", no_wrap=True)
@@ -159,11 +160,12 @@ def _joint_table(joints: list[dict[str, Any]]) -> Any:
 
 
 def _foot_table(feet: list[dict[str, Any]]) -> Any:
+    from rich.markup import escape
     from rich.table import Table
 
-    table = Table(title="Feet, in the nominal pose", title_justify="left")
+    table = Table(title=escape("Feet in the nominal pose: size [mm], place [m]"), title_justify="left")
     table.add_column("foot", no_wrap=True)
-    for name in ("shape", "size [mm]", "x [m]", "y [m]", "z [m]", "rank", "by its leg"):
+    for name in ("shape", "size", "x", "y", "z", "rank", "by its leg"):
         table.add_column(name, justify="right", no_wrap=True)
     for foot in feet:
         size = " x ".join(f"{1e3 * s:.0f}" for s in foot["size"])
@@ -174,13 +176,14 @@ def _foot_table(feet: list[dict[str, Any]]) -> Any:
 
 
 def _inertia_table(centroidal: dict[str, Any]) -> Any:
+    from rich.markup import escape
     from rich.table import Table
 
     place = ", ".join(f"{x:.3f}" for x in centroidal["com"])
     table = Table(
-        title=f"Centroidal inertia, joints locked; centre of mass at ({place}) m", title_justify="left"
+        title=escape(f"Centroidal inertia [kg m²] about ({place}) m, joints locked"), title_justify="left"
     )
-    for name in ("[kg m²]", "x", "y", "z", "radius of gyration [m]"):
+    for name in ("", "x", "y", "z", escape("radius of gyration [m]")):
         table.add_column(name, justify="right")
     rows = zip("xyz", centroidal["inertia"], centroidal["radii_of_gyration"], strict=True)
     for axis, row, radius in rows:
