@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 
 LANCZOS_STEPS = 120
 
@@ -40,7 +40,7 @@ class Blocks:
 
 @kernel
 def checked_mirror(G: FloatArray) -> tuple[float, float, int, int]:
-    """Replace G by its symmetric part; return max |G| (infinite for NaN or infinity), max |G - Gᵀ| and where."""
+    """Replace G by its symmetric part; return max |G| (infinite if not finite), max |G - Gᵀ| and where."""
     scale = gap = 0.0
     row = column = 0
     total = 0.0
@@ -55,6 +55,20 @@ def checked_mirror(G: FloatArray) -> tuple[float, float, int, int]:
     if not abs(total) < np.inf:
         scale = np.inf
     return scale, gap, row, column
+
+
+@kernel
+def vectors_fit(g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray) -> bool:
+    """Tell whether the vectors of a problem are of fitting sizes, finite and in range."""
+    if g.size != 3 * mu.size:
+        return False
+    for i in range(g.size):
+        if not abs(g[i]) < np.inf:
+            return False
+    for k in range(mu.size):
+        if not (0.0 <= mu[k] < np.inf and 0.0 <= low[k] <= high[k] and low[k] < np.inf):
+            return False
+    return True
 
 
 @kernel
@@ -116,6 +130,17 @@ def _start_vector(size: int) -> FloatArray:
     return v / math.sqrt(total)
 
 
+@inline_kernel
+def _all_below(diagonal: FloatArray, off: FloatArray, count: int, sign: float, bound: float) -> bool:
+    """Tell whether all eigenvalues of sign * T are below the bound (T - bound I is negative definite)."""
+    pivot = -1.0
+    for i in range(count):
+        pivot = sign * diagonal[i] - bound - (off[i - 1] ** 2 / pivot if i > 0 else 0.0)
+        if pivot >= 0.0:
+            return False
+    return True
+
+
 @kernel
 def _largest_tridiagonal(diagonal: FloatArray, off: FloatArray, count: int) -> float:
     """Return the largest |eigenvalue| of a symmetric tridiagonal matrix, by bisection on Sturm counts."""
@@ -130,23 +155,17 @@ def _largest_tridiagonal(diagonal: FloatArray, off: FloatArray, count: int) -> f
     best = 0.0
     for sign in (1.0, -1.0):
         low, high = best, bound
-        for _ in range(60):
-            if high - low <= 1e-12 * high:
-                break
+        for i in range(count):
+            low = max(low, sign * diagonal[i])
+        if sign < 0.0 and _all_below(diagonal, off, count, -1.0, best):
+            break
+        while high - low > 1e-11 * high:
             middle = 0.5 * (low + high)
-            below = True  # all eigenvalues of sign * T below the middle: T - middle I negative definite
-            pivot = -1.0
-            for i in range(count):
-                pivot = sign * diagonal[i] - middle - (off[i - 1] ** 2 / pivot if i > 0 else 0.0)
-                if pivot >= 0.0:
-                    below = False
-                    break
-            if below:
+            if _all_below(diagonal, off, count, sign, middle):
                 high = middle
             else:
                 low = middle
-        if low > best:
-            best = high
+        best = high
     return best
 
 
@@ -188,7 +207,7 @@ def spectral_norm(G: FloatArray) -> float:
         diagonal[k] = dot
         length = _orthogonalise(basis, k + 1, w)
         done = k + 1 == most or length <= 1e-14 * abs(dot)
-        if done or (k >= 5 and k % 3 == 2):
+        if done or (k >= 17 and k % 6 == 5):
             value = _largest_tridiagonal(diagonal, off, k + 1)
             if done or value - last <= 1e-10 * value:
                 return value
@@ -213,7 +232,7 @@ def spectral_norm_blocks(starts: IntArray, columns: IntArray, values: FloatArray
         diagonal[k] = np.sum(w * basis[k])
         length = _orthogonalise(basis, k + 1, w)
         done = k + 1 == most or length <= 1e-14 * abs(diagonal[k])
-        if done or (k >= 5 and k % 6 == 5):
+        if done or (k >= 17 and k % 6 == 5):
             value = _largest_tridiagonal(diagonal, off, k + 1)
             if done or value - last <= 1e-10 * value:
                 return value

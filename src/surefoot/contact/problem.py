@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact
 from surefoot.cones import FrictionPyramid
-from surefoot.contact.blocks import Blocks, checked_mirror, dense_blocks, spectral_norm, spectral_norm_blocks
+from surefoot.contact.blocks import (
+    Blocks,
+    checked_mirror,
+    dense_blocks,
+    spectral_norm,
+    spectral_norm_blocks,
+    vectors_fit,
+)
 from surefoot.errors import ProblemError, unknown_name
 
 Law = Literal["coulomb", "convex"]
@@ -93,36 +100,49 @@ class ContactProblem:
         if law not in LAWS:
             raise ProblemError(unknown_name("law", law, LAWS))
         self.law: Law = law
-        self.g = finite_array("g", g, (None,))
-        size = self.g.shape[0]
-        if size % 3:
-            raise ProblemError(f"g must have three entries per contact, got {size}")
-        self.contacts = n = size // 3
-        self.mu = per_contact("mu", mu, n)
-        if np.isinf(self.mu).any():
-            raise ProblemError("mu must be finite, got inf")
-        self.normal_min = per_contact("normal_min", normal_min, n)
-        self.normal_max = per_contact("normal_max", normal_max, n)
+        self._read_vectors(g, mu, normal_min, normal_max)
         self.bilateral: BoolArray | None = None
         if bilateral is not None:
             self._hold(bilateral)
         if facets is not None or fit != "inner":
             FrictionPyramid(0.5, facets if facets is not None else 8, fit)  # its checks are ours
         self.facets, self.fit = facets, fit
-        if (self.normal_min > self.normal_max).any():
-            k = int(np.argmax(self.normal_min > self.normal_max))
+        self.notes: tuple[str, ...] = ()
+        self.reference: FloatArray | None = None
+        self.compliance = _compliance(compliance, self.contacts)
+        self._sparse: Any = None
+        size = self.g.size
+        if not isinstance(G, np.ndarray) and sp.issparse(G):
+            self._sparse = _checked_sparse(G, size, self.compliance)
+        else:
+            self.__dict__["G"] = _checked_dense(G, size, self.compliance)
+
+    def _read_vectors(
+        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
+    ) -> None:
+        """Read the vectors: one compiled check, and the words only where it fails."""
+        self.g = vector = np.array(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
+        self.contacts = n = vector.size // 3
+        mu_, low, high = _filled(mu, n), _filled(normal_min, n), _filled(normal_max, n)
+        fine = vector.ndim == 1 and mu_ is not None and low is not None and high is not None
+        if fine and vectors_fit(vector, mu_, low, high):
+            self.mu, self.normal_min, self.normal_max = mu_, low, high
+            return
+        self.g = finite_array("g", g, (None,))
+        if self.g.size % 3:
+            raise ProblemError(f"g must have three entries per contact, got {self.g.size}")
+        self.mu = per_contact("mu", mu, n)
+        if np.isinf(self.mu).any():
+            raise ProblemError("mu must be finite, got inf")
+        self.normal_min = per_contact("normal_min", normal_min, n)
+        self.normal_max = per_contact("normal_max", normal_max, n)
+        crossed = self.normal_min > self.normal_max
+        if crossed.any():
+            k = int(np.argmax(crossed))
             raise ProblemError(
                 f"normal_min must be <= normal_max, got {self.normal_min[k]:g} > "
                 f"{self.normal_max[k]:g} at contact {k}"
             )
-        self.notes: tuple[str, ...] = ()
-        self.reference: FloatArray | None = None
-        self.compliance = _compliance(compliance, n)
-        self._sparse: Any = None
-        if sp.issparse(G):
-            self._sparse = _checked_sparse(G, size, self.compliance)
-        else:
-            self.__dict__["G"] = _checked_dense(G, size, self.compliance)
 
     def _hold(self, bilateral: ArrayLike) -> None:
         """Read the mask of bilateral contacts."""
@@ -202,7 +222,18 @@ class ContactProblem:
         return float(spectral_norm(self.G))
 
 
-def _compliance(value: ArrayLike, contacts: int) -> FloatArray | None:
+def _filled(value: Any, count: int) -> Any:
+    """Return a number or a (count,) array of floats as a new array, None for anything else."""
+    if isinstance(value, (float, int)):
+        array = np.empty(count)
+        array.fill(value)
+        return array
+    if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.shape == (count,):
+        return value.copy()
+    return None
+
+
+def _compliance(value: Any, contacts: int) -> FloatArray | None:
     """Return R as (3n,), None where it is zero."""
     if isinstance(value, (int, float)) and value == 0.0:
         return None

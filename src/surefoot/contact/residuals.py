@@ -7,7 +7,7 @@ this file imports none of theirs, so that a certificate is an independent opinio
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,6 +51,9 @@ class Residuals:
     penetration_velocity: float
     complementarity: float
     dissipation: float
+
+
+RESIDUAL_NAMES = tuple(f.name for f in fields(Residuals))
 
 
 def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
@@ -224,5 +227,5 @@ def _certify(
                 for b in range(3):
                     total += G[3 * k + a, 3 * j + b] * forces[j, b]
             velocities[k, a] = total
-    a, b, c, d, e = _measure(forces, velocities, free, mu, low, high, step, facets, inner, coulomb)
-    return velocities, a, b, c, d, e
+    found = _measure(forces, velocities, free, mu, low, high, step, facets, inner, coulomb)
+    return velocities, found[0], found[1], found[2], found[3], found[4]

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 import time
+from typing import Any
 
 import numpy as np
 
@@ -94,7 +95,9 @@ def _hand_on(
         if settings.max_iterations is not None:
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
-            answer = entries[name].function(problem, Settings(settings.tol, bound, left), best if warm else None)
+            answer = entries[name].function(
+                problem, Settings(settings.tol, bound, left), best if warm else None
+            )
         except SurefootError:  # an optional package that is not installed
             continue
         done, stop = done + answer.iterations, answer.stop
@@ -135,7 +138,13 @@ def alternate(
     matrix = b.starts, b.columns, b.values
     local = prepare_blocks(*matrix)
     scale = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
-    laws = problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.law == "convex"
+    laws: Any = (
+        problem.g,
+        problem.mu,
+        problem.normal_min,
+        problem.normal_max,
+        problem.law == "convex",
+    )
     done, relative = 0, math.inf
     for _ in range(rounds):
         sweeps, solved = run_blocks(*matrix, *laws, scale, settings.tol, burst, local, forces)

@@ -11,6 +11,7 @@ each contact, which costs one block column; a sparse G is used through its 3x3 b
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 
@@ -186,7 +187,13 @@ def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     sparse = use_blocks(problem)
     b = problem.blocks if sparse else None
     local = prepare_dense(problem.G) if b is None else prepare_blocks(b.starts, b.columns, b.values)
-    laws = problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.law == "convex"
+    laws: Any = (
+        problem.g,
+        problem.mu,
+        problem.normal_min,
+        problem.normal_max,
+        problem.law == "convex",
+    )
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False
     while not solved and done < limit:

@@ -6,14 +6,14 @@ import importlib
 import math
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
-from surefoot.contact.residuals import Residuals, certificate
+from surefoot.contact.residuals import RESIDUAL_NAMES, Residuals, certificate
 from surefoot.contact.solution import ContactSolution, Status
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
@@ -40,8 +40,7 @@ class Settings:
     max_time: float = math.inf
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """What a solver hands back to `solve`: its forces and why it stopped, no claim of success.
 
     `stop` is read only where the residual does not already say SOLVED or ALMOST.
@@ -50,7 +49,7 @@ class Answer:
     forces: FloatArray
     iterations: int
     stop: Status = Status.MAX_ITERATIONS
-    timings: dict[str, float] = field(default_factory=dict)
+    timings: dict[str, float] | None = None
 
 
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
@@ -199,7 +198,8 @@ def certify(
         forces = np.ascontiguousarray(forces, dtype=np.float64)
     forces = forces.reshape(-1, 3)
     velocities, numbers = certificate(problem, forces)
-    found = Residuals(*numbers)
+    found = object.__new__(Residuals)
+    found.__dict__.update(zip(RESIDUAL_NAMES, numbers, strict=True))
     if not math.isfinite(found.natural_map):
         status = Status.INVALID
     elif found.natural_map <= tol:
@@ -210,9 +210,20 @@ def certify(
         status = Status.ALMOST
     else:
         status = answer.stop
-    return ContactSolution(
-        problem, forces, velocities, status, found, name, answer.iterations, solve_time, answer.timings
+    # frozen dataclasses fill field by field through object.__setattr__; this is the same, at once
+    solution = object.__new__(ContactSolution)
+    solution.__dict__.update(
+        problem=problem,
+        forces=forces,
+        velocities=velocities,
+        status=status,
+        residuals=found,
+        solver=name,
+        iterations=answer.iterations,
+        solve_time=solve_time,
+        timings=answer.timings or {},
     )
+    return solution
 
 
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
