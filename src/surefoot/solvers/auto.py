@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from surefoot.contact.solution import Status
 from surefoot.errors import SurefootError
 from surefoot.solvers.newton import run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
-from surefoot.solvers.nsgs import prepare_blocks, run_blocks
+from surefoot.solvers.nsgs import Sweeper
 from surefoot.solvers.solver import Answer, Settings, mismatch, register, registry, start_forces
 
 SMALL = 40
@@ -134,26 +133,18 @@ def alternate(
     rounds: int = 14,
 ) -> tuple[int, float]:
     """Alternate sweeps and Newton steps on the blocks of G; update flat forces in place."""
-    b = problem.blocks
-    matrix = b.starts, b.columns, b.values
-    local = prepare_blocks(*matrix)
-    scale = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
-    laws: Any = (
-        problem.g,
-        problem.mu,
-        problem.normal_min,
-        problem.normal_max,
-        problem.law == "convex",
-    )
+    sweep = Sweeper(problem, forces, blocks=True)
     done, relative = 0, math.inf
     for _ in range(rounds):
-        sweeps, solved = run_blocks(*matrix, *laws, scale, settings.tol, burst, local, forces)
+        sweeps, solved = sweep(settings.tol, burst)
         done += sweeps
-        if solved or time.perf_counter() > end:
+        if solved:
             return done, 0.0
-        steps, relative = newton_sparse(problem, b, local, settings.tol, 30, end, forces)
+        if time.perf_counter() > end:
+            break
+        steps, relative = newton_sparse(problem, problem.blocks, sweep.local, settings.tol, 30, end, forces)
         done += steps
         if relative <= settings.tol or time.perf_counter() > end:
-            return done, relative
+            break
         burst = min(grow * burst, 400)
     return done, relative

@@ -11,7 +11,6 @@ each contact, which costs one block column; a sparse G is used through its 3x3 b
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 
@@ -92,17 +91,22 @@ def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float
 @kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    step: float, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
+    step: float, tol: float, sweeps: int, local: FloatArray,
+    forces: FloatArray, state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success."""
+    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success.
+
+    `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
+    """
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
     free = step * np.sqrt(np.sum(g * g))
-    relax, best, since = 1.0, np.inf, 0
+    relax, best, since = state[0], state[1], int(state[2])
     for count in range(1, sweeps + 1):
         sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
         gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
         relax, best, since = relaxation(gap, relax, best, since)
+        state[0], state[1], state[2] = relax, best, since
         if gap <= tol * max(size, free):
             refresh_dense(G, g, forces, velocities)
             gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
@@ -154,16 +158,21 @@ def sweep_blocks(
 @kernel
 def run_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
-    high: FloatArray, convex: bool, step: float, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
+    high: FloatArray, convex: bool, step: float, tol: float, sweeps: int, local: FloatArray,
+    forces: FloatArray, state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success."""
+    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success.
+
+    `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
+    """
     velocities = block_product(starts, columns, values, forces) + g
     free = step * np.sqrt(np.sum(g * g))
-    relax, best, since = 1.0, np.inf, 0
+    relax, best, since = state[0], state[1], int(state[2])
     for count in range(1, sweeps + 1):
         sweep_blocks(starts, columns, values, local, mu, low, high, convex, relax, forces, velocities)
         gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
         relax, best, since = relaxation(gap, relax, best, since)
+        state[0], state[1], state[2] = relax, best, since
         if gap <= tol * max(size, free):
             velocities = block_product(starts, columns, values, forces) + g
             gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
@@ -184,26 +193,38 @@ def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time
-    sparse = use_blocks(problem)
-    b = problem.blocks if sparse else None
-    local = prepare_dense(problem.G) if b is None else prepare_blocks(b.starts, b.columns, b.values)
-    laws: Any = (
-        problem.g,
-        problem.mu,
-        problem.normal_min,
-        problem.normal_max,
-        problem.law == "convex",
-    )
+    sweep = Sweeper(problem, forces)
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False
     while not solved and done < limit:
-        now = min(chunk, limit - done)
-        if b is None:
-            used, solved = run_dense(problem.G, *laws, step, settings.tol, now, local, forces)
-        else:
-            matrix = b.starts, b.columns, b.values
-            used, solved = run_blocks(*matrix, *laws, step, settings.tol, now, local, forces)
+        used, solved = sweep(settings.tol, min(chunk, limit - done))
         done += used
         if not solved and time.perf_counter() > end:
             return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME)
     return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)
+
+
+class Sweeper:
+    """Gauss-Seidel on one problem's flat forces, call after call; picks the dense or the block form of G."""
+
+    def __init__(self, problem: ContactProblem, forces: FloatArray, blocks: bool | None = None) -> None:
+        self.problem, self.forces = problem, forces
+        self.step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+        self.blocks = problem.blocks if (use_blocks(problem) if blocks is None else blocks) else None
+        b = self.blocks
+        self.local = prepare_dense(problem.G) if b is None else prepare_blocks(b.starts, b.columns, b.values)
+        self.state = np.array([1.0, np.inf, 0.0])
+
+    def __call__(self, tol: float, sweeps: int) -> tuple[int, bool]:
+        """Run up to `sweeps` sweeps; return how many ran, and whether the natural map is below tol."""
+        p, b = self.problem, self.blocks
+        convex = p.law == "convex"
+        if b is None:
+            return run_dense(
+                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, self.step, tol, sweeps, self.local,
+                self.forces, self.state,
+            )  # fmt: skip
+        return run_blocks(
+            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, self.step, tol, sweeps,
+            self.local, self.forces, self.state,
+        )  # fmt: skip
