@@ -10,9 +10,9 @@ contact forces near the wanted ones (those of a model-predictive controller, say
 
 Torques follow from the joints' rows and accelerations from the ground's generalised force on the base, so
 that six numbers are left: the problem becomes force distribution in the metric of the tasks, which
-`ForceDistributor` solves exactly. Where a torque limit then is violated, the whole cone program with
-torque rows is solved by ADMM (`whole_body_limits`), to `LIMIT_TOLERANCE`. Flat feet push at the corners of
-their soles: sums of corner forces in friction cones are exactly the wrenches a sole can give.
+`ForceDistributor` solves exactly. Where a torque limit then is violated, it solves again with the torques
+as rows; if no forces meet them all, the torques are clipped and the command is flagged. Flat feet push at
+the corners of their soles: sums of corner forces in friction cones are exactly the wrenches a sole can give.
 """
 
 from __future__ import annotations
@@ -27,15 +27,11 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.force_distribution import ForceDistributor
-from surefoot.control.whole_body_limits import limited_forces
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
 from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY
 
-LIMIT_TOLERANCE = 1e-3
-"""Residual at which the cone program with torque rows stops, as a share of m g / contact points / 100."""
-LIMIT_ITERATIONS = 400
 TORQUE_SLACK = 0.01
 """Torques beyond their limit by more than this share of it make a step infeasible."""
 
@@ -235,8 +231,9 @@ class WholeBodyController:
         self._turn_weight = w.swing * height**2
         self._force_weight = w.force / robot.mass**2
         self.mu = np.full(count, float(mu))
-        self._low, self._high = np.full(count, normal_min), np.full(count, normal_max)
-        self._distributor = ForceDistributor(self.mu, self._low, self._high, 1.0, self._force_weight)
+        bounds = self.mu, np.full(count, normal_min), np.full(count, normal_max)
+        self._distributor = ForceDistributor(*bounds, 1.0, self._force_weight)
+        self._limited = ForceDistributor(*bounds, 1.0, self._force_weight, torque_limit=self.limits)
         self._stance = np.ones(feet, dtype=bool)
         self._H, self._c = np.zeros((nv, nv)), np.zeros(nv)
         rows = 6 + int(np.where(self._flat, 6, 3).sum())
@@ -293,7 +290,7 @@ class WholeBodyController:
         torques, accelerations = self._recover(forces)
         violation = float((np.abs(torques) - self.limits).max())
         if violation > 0.0:
-            forces = self._within_limits(A, tasks, forces)
+            forces = self._within_limits(A, tasks)
             torques, accelerations = self._recover(forces)
             violation = float((np.abs(torques) - self.limits).max())
         if not math.isfinite(violation) and not np.isfinite(torques).all():
@@ -360,25 +357,18 @@ class WholeBodyController:
             self._stance = stance.copy()
             self._distributor.set_active(stance[self.point_foot])
 
-    def _within_limits(self, A: FloatArray, tasks: Tasks, start: FloatArray) -> FloatArray:
+    def _within_limits(self, A: FloatArray, tasks: Tasks) -> FloatArray:
         """Return the forces that respect the torque limits, as far as that is possible: (p, 3)."""
-        scale = self.robot.mass * GRAVITY / self._count
-        finite = np.isfinite(self.limits)
-        units = np.where(finite, scale / np.where(finite, self.limits, 1.0), 0.0)[:, None]
         slope = self._mass_matrix[6:] @ (self._gain @ self._map[:6]) - self._map[6:]
         offset = self._mass_matrix[6:] @ self._offset + self._nle[6:]
-        limits = np.where(finite, self.limits, 0.0)
-        room = np.where(finite, 0.0, np.inf)[:, None]
-        on = self._stance[self.point_foot]
-        out = np.empty_like(start)
-        limited_forces(
-            A, self._target, self._force_weight, tasks.forces, self.mu,
-            np.where(on, self._low, 0.0), np.where(on, self._high, 0.0), units * slope,
-            (units * (-limits - offset)[:, None] - room).ravel(),
-            (units * (limits - offset)[:, None] + room).ravel(),
-            start, LIMIT_TOLERANCE * scale / 100.0, LIMIT_ITERATIONS, out,
-        )  # fmt: skip
-        return out
+        return self._limited.solve(
+            A,
+            self._target,
+            tasks.forces,
+            self._stance[self.point_foot],
+            jacobian=slope.T,
+            torque_offset=offset,
+        )
 
     def _damping(self) -> WholeBodyCommand:
         """Return the safe command when nothing can be computed: torques that slow the joints, no forces."""

@@ -1,0 +1,376 @@
+"""Whole-body control against Pinocchio (dynamics, contacts) and Clarabel (optimality), and its safety."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import clarabel
+import numpy as np
+import pinocchio
+import pytest
+from scipy import sparse
+
+from surefoot.control import whole_body_kernels as kernels
+from surefoot.control.whole_body import Tasks, Weights, WholeBodyController
+from surefoot.errors import ModelError
+from surefoot.robot import Robot, load_robot
+from surefoot.spatial import rotation_from_normal, skew
+
+GRAVITY = 9.81
+ALIGNED = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+ROBOTS = ("go2", "anymal", "g1")
+
+
+@cache
+def robot_of(name: str) -> Robot:
+    return load_robot(name)
+
+
+def random_case(
+    name: str, seed: int, feet_down: int | None = None
+) -> tuple[Robot, np.ndarray, np.ndarray, Tasks]:
+    """Return a robot, a state near nominal and tasks that no ground can quite fulfil."""
+    robot, rng = robot_of(name), np.random.default_rng(seed)
+    tangent = 0.15 * rng.uniform(-1.0, 1.0, robot.model.nv)
+    q = pinocchio.integrate(robot.model, robot.nominal, tangent)
+    v = 0.5 * rng.normal(size=robot.model.nv)
+    n = len(robot.feet)
+    down = rng.integers(1, n + 1) if feet_down is None else feet_down
+    stance = np.zeros(n, dtype=bool)
+    stance[rng.permutation(n)[:down]] = True
+    normals = np.array([[0.2, 0.2, 1.0]]) * rng.uniform(-1.0, 1.0, (n, 3)) + [0.0, 0.0, 2.0]
+    frames = np.array([rotation_from_normal(m / np.linalg.norm(m), rng.normal(size=3)) for m in normals])
+    points = sum(len(f.centres) for f in robot.feet)
+    tasks = Tasks(
+        stance, 3.0 * rng.normal(size=3), 3.0 * rng.normal(size=3), 5.0 * rng.normal(size=(n, 6)),
+        rng.normal(size=robot.joints), robot.mass * rng.normal(size=(points, 3)), frames, np.zeros(n),
+    )  # fmt: skip
+    return robot, q, v, tasks
+
+
+def contact_jacobians(robot: Robot, q: np.ndarray, tasks: Tasks) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Return the (3p, nv) force Jacobian in contact frames and each foot's (6, nv) at its centre."""
+    data = robot.model.createData()
+    pinocchio.computeJointJacobians(robot.model, data, q)
+    pinocchio.updateFramePlacements(robot.model, data)
+    rows, centres = [], []
+    for k, foot in enumerate(robot.feet):
+        J = pinocchio.getFrameJacobian(robot.model, data, foot.frame, ALIGNED)
+        R, normal = data.oMf[foot.frame].rotation, tasks.frames[k][:, 2]
+        for centre in foot.centres:
+            arm = R @ centre - foot.radius * normal
+            rows.append(tasks.frames[k].T @ (J[:3] - skew(arm) @ J[3:]))
+        arm = R @ foot.centre
+        centres.append(np.vstack([J[:3] - skew(arm) @ J[3:], J[3:]]))
+    return np.vstack(rows), centres
+
+
+def centre_accelerations(robot: Robot, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """Return classical linear and angular acceleration of every foot's centre: (n, 6)."""
+    data = robot.model.createData()
+    pinocchio.forwardKinematics(robot.model, data, q, v, a)
+    pinocchio.updateFramePlacements(robot.model, data)
+    out = []
+    for foot in robot.feet:
+        R = data.oMf[foot.frame].rotation
+        linear = pinocchio.getFrameClassicalAcceleration(robot.model, data, foot.frame, ALIGNED)
+        omega = pinocchio.getFrameVelocity(robot.model, data, foot.frame, ALIGNED).angular
+        arm = R @ foot.centre
+        moved = linear.linear + np.cross(linear.angular, arm) + np.cross(omega, np.cross(omega, arm))
+        out.append(np.concatenate([moved, linear.angular]))
+    return np.array(out)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("seed", range(4))
+def test_torques_accelerations_and_forces_obey_the_equations_of_motion(name: str, seed: int) -> None:
+    robot, q, v, tasks = random_case(name, seed)
+    controller = WholeBodyController(robot, effort_limits=np.full(robot.joints, np.inf))
+    command = controller.step(q, v, tasks)
+    assert command.feasible
+    J, _ = contact_jacobians(robot, q, tasks)
+    needed = pinocchio.rnea(robot.model, robot.model.createData(), q, v, command.accelerations)
+    residual = needed - J.T @ command.forces.ravel()
+    residual[6:] -= command.torques
+    assert np.abs(residual).max() < 1e-8 * robot.mass * GRAVITY
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("seed", range(4))
+def test_carrying_feet_obey_the_contact_constraint(name: str, seed: int) -> None:
+    robot, q, v, tasks = random_case(name, seed)
+    damping = 12.0
+    controller = WholeBodyController(robot, baumgarte=(30.0, damping))
+    tasks = replace(tasks, gaps=np.linspace(-0.01, 0.01, len(robot.feet)))
+    command = controller.step(q, v, tasks)
+    found = centre_accelerations(robot, q, v, command.accelerations)
+    data = robot.model.createData()
+    pinocchio.forwardKinematics(robot.model, data, q, v)
+    pinocchio.updateFramePlacements(robot.model, data)
+    for k in np.flatnonzero(tasks.stance):
+        foot, normal = robot.feet[k], tasks.frames[k][:, 2]
+        twist = pinocchio.getFrameVelocity(robot.model, data, foot.frame, ALIGNED)
+        arm = -foot.radius * normal
+        reach = data.oMf[foot.frame].rotation @ foot.centre + arm
+        slip = twist.linear + np.cross(twist.angular, reach)
+        rolling = found[k, :3] + np.cross(found[k, 3:], arm)
+        assert rolling == pytest.approx(-damping * slip - 30.0 * tasks.gaps[k] * normal, abs=2e-6)
+        if foot.flat:
+            assert found[k, 3:] == pytest.approx(-damping * twist.angular, abs=2e-6)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_rolling_drift_is_the_rate_of_the_contact_velocity(name: str) -> None:
+    robot, q, v, tasks = random_case(name, 9, feet_down=len(robot_of(name).feet))
+    controller = WholeBodyController(robot)
+
+    def slip(t: float) -> np.ndarray:
+        now = controller.update(pinocchio.integrate(robot.model, q, t * v), v)
+        arms = -controller._radii[:, None] * tasks.frames[:, :, 2]
+        return now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
+
+    step = 1e-5
+    rate = (slip(step) - slip(-step)) / (2.0 * step)
+    now = controller.update(q, v)
+    arms = -controller._radii[:, None] * tasks.frames[:, :, 2]
+    assert now.drifts[:, :3] + np.cross(now.drifts[:, 3:], arms) == pytest.approx(rate, abs=1e-6)
+
+
+def oracle(
+    robot: Robot, q: np.ndarray, v: np.ndarray, tasks: Tasks, mu: float, bounds: tuple[float, float],
+    weights: Weights, damping: float, limits: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Solve the problem of the module's header in (a, f) with Clarabel, matrices from Pinocchio."""
+    model, nv = robot.model, robot.model.nv
+    data = model.createData()
+    M = pinocchio.crba(model, data, q)
+    h = pinocchio.rnea(model, data, q, v, np.zeros(nv))
+    Jcom = pinocchio.jacobianCenterOfMass(model, data, q).copy()
+    pinocchio.centerOfMass(model, data, q, v, np.zeros(nv))
+    com_drift = data.acom[0].copy()
+    Jf, centres = contact_jacobians(robot, q, tasks)
+    drift = centre_accelerations(robot, q, v, np.zeros(nv))
+    R = pinocchio.Quaternion(q[3:7]).toRotationMatrix()
+    height = robot.nominal[2]
+    points = np.array([k for k, f in enumerate(robot.feet) for _ in f.centres])
+    p, nx = len(points), nv + 3 * len(points)
+    blocks, wanted = [], []
+
+    def ask(rows: np.ndarray, value: np.ndarray, weight: np.ndarray | float) -> None:
+        root = np.sqrt(np.broadcast_to(weight, (len(rows),)))[:, None]
+        blocks.append(root * rows)
+        wanted.append(root[:, 0] * value)
+
+    def pad(rows: np.ndarray) -> np.ndarray:
+        return np.hstack([rows, np.zeros((len(rows), 3 * p))])
+
+    ask(pad(Jcom), tasks.com_acceleration - com_drift, weights.linear)
+    turn = np.zeros((3, nv))
+    turn[:, 3:6] = np.eye(3)
+    ask(pad(turn), R.T @ tasks.turn_acceleration, weights.angular * height**2)
+    legs = np.zeros(robot.joints, dtype=bool)
+    for J in centres:
+        legs |= np.abs(J[:, 6:]).max(axis=0) > 1e-12
+    ask(pad(np.eye(nv)[6:]), tasks.joints, weights.joints * height**2 * np.where(legs, 1.0, weights.body))
+    E, e = [np.hstack([M[:6], -Jf.T[:6]])], [-h[:6]]
+    omega = {k: J[3:] @ v for k, J in enumerate(centres)}
+    for k, foot in enumerate(robot.feet):
+        J, arm = centres[k], -foot.radius * tasks.frames[k][:, 2]
+        if tasks.stance[k]:
+            rolling = J[:3] - skew(arm) @ J[3:]
+            E.append(pad(rolling))
+            e.append(-drift[k, :3] - np.cross(drift[k, 3:], arm) - damping * rolling @ v)
+            if foot.flat:
+                E.append(pad(J[3:]))
+                e.append(-drift[k, 3:] - damping * omega[k])
+        else:
+            ask(pad(J[:3]), tasks.feet[k, :3] - drift[k, :3], weights.swing)
+            if foot.flat:
+                ask(pad(J[3:]), tasks.feet[k, 3:] - drift[k, 3:], weights.swing * height**2)
+    ask(
+        np.hstack([np.zeros((3 * p, nv)), np.eye(3 * p)]), tasks.forces.ravel(), weights.force / robot.mass**2
+    )
+    A, b = np.vstack(blocks), np.concatenate(wanted)
+    off = ~tasks.stance[points]
+    G, g, cones = [np.vstack(E)], [np.concatenate(e)], [clarabel.ZeroConeT(sum(len(x) for x in e))]
+    for k in range(p):
+        at = nv + 3 * k
+        if off[k]:
+            G.append(np.eye(nx)[at : at + 3])
+            g.append(np.zeros(3))
+            cones.append(clarabel.ZeroConeT(3))
+            continue
+        G.append(-np.vstack([mu * np.eye(nx)[at + 2], np.eye(nx)[at], np.eye(nx)[at + 1]]))
+        g.append(np.zeros(3))
+        cones.append(clarabel.SecondOrderConeT(3))
+        G.append(np.vstack([np.eye(nx)[at + 2], -np.eye(nx)[at + 2]]))
+        g.append(np.array([bounds[1], -bounds[0]]))
+        cones.append(clarabel.NonnegativeConeT(2))
+    if np.isfinite(limits).all():
+        T = np.hstack([M[6:], -Jf.T[6:]])
+        G.append(np.vstack([T, -T]))
+        g.append(np.concatenate([limits - h[6:], limits + h[6:]]))
+        cones.append(clarabel.NonnegativeConeT(2 * robot.joints))
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = 1e-11
+    P = sparse.csc_matrix(np.triu(A.T @ A))
+    solver = clarabel.DefaultSolver(
+        P, -A.T @ b, sparse.csc_matrix(np.vstack(G)), np.concatenate(g), cones, options
+    )
+    answer = solver.solve()
+    assert str(answer.status) in ("Solved", "AlmostSolved"), answer.status
+    x = np.array(answer.x)
+    return x[:nv], x[nv:].reshape(-1, 3)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("seed", range(6))
+def test_the_command_is_optimal(name: str, seed: int) -> None:
+    robot, q, v, tasks = random_case(name, 100 + seed)
+    weight = robot.mass * GRAVITY
+    bounds, mu, weights = (0.01 * weight, 0.8 * weight), 0.5, Weights(force=0.3)
+    free = np.full(robot.joints, np.inf)
+    controller = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), effort_limits=free)
+    command = controller.step(q, v, tasks)
+    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, free)
+    assert command.forces == pytest.approx(f, abs=2e-4 * weight)
+    assert command.accelerations == pytest.approx(a, abs=1e-2)
+
+
+@pytest.mark.parametrize("name", ["go2", "anymal"])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_command_is_optimal_under_torque_limits(name: str, seed: int) -> None:
+    robot, q, v, tasks = random_case(name, 200 + seed, feet_down=3)
+    weight = robot.mass * GRAVITY
+    tasks = replace(tasks, feet=0.1 * tasks.feet)
+    bounds, mu, weights = (0.0, 0.8 * weight), 0.5, Weights(force=0.3)
+    free = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), np.full(robot.joints, np.inf))
+    worst = np.abs(free.step(q, v, tasks).torques)
+    limits = np.full(robot.joints, 0.8 * worst.max())
+    command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
+    assert command.feasible
+    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
+    assert command.forces == pytest.approx(f, abs=2e-4 * weight)
+    assert command.accelerations == pytest.approx(a, abs=1e-2)
+    assert (np.abs(command.torques) <= limits + 1e-12).all()
+
+
+def test_forces_stay_in_their_cones_whatever_is_asked() -> None:
+    for seed in range(30):
+        robot, q, v, tasks = random_case("go2", 300 + seed)
+        wild = replace(tasks, com_acceleration=100.0 * tasks.com_acceleration)
+        command = WholeBodyController(robot, 0.4, 1.0, 120.0).step(q, v, wild)
+        f = command.forces
+        on = tasks.stance
+        assert (np.hypot(f[:, 0], f[:, 1]) <= 0.4 * f[:, 2] + 1e-9).all()
+        assert (f[on, 2] >= 1.0 - 1e-9).all()
+        assert (f[on, 2] <= 120.0 + 1e-9).all()
+        assert (f[~on] == 0.0).all()
+        assert np.isfinite(command.torques).all()
+        assert (np.abs(command.torques) <= robot.effort_limits).all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("where", ["q", "v", "task"])
+def test_input_that_is_not_finite_gives_a_safe_flagged_command(bad: float, where: str) -> None:
+    robot, q, v, tasks = random_case("go2", 1)
+    controller = WholeBodyController(robot)
+    q, v = q.copy(), v.copy()
+    if where == "q":
+        q[9] = bad
+    elif where == "v":
+        v[3] = bad
+    else:
+        tasks = replace(tasks, com_acceleration=np.array([0.0, bad, 0.0]))
+    command = controller.step(q, v, tasks)
+    assert not command.feasible
+    for value in (command.torques, command.forces, command.accelerations):
+        assert np.isfinite(value).all()
+    assert (np.abs(command.torques) <= robot.effort_limits).all()
+
+
+def test_a_robot_too_weak_is_flagged_and_clipped() -> None:
+    robot, q, v, tasks = random_case("go2", 2, feet_down=4)
+    limits = np.full(robot.joints, 0.05)
+    command = WholeBodyController(robot, normal_min=30.0, effort_limits=limits).step(q, v, tasks)
+    assert not command.feasible
+    assert command.violation > 0.05
+    assert (np.abs(command.torques) <= 0.05).all()
+
+
+def test_no_foot_on_the_ground_leaves_the_body_to_gravity() -> None:
+    robot, q, v, tasks = random_case("go2", 3)
+    tasks = replace(tasks, stance=np.zeros(4, dtype=bool))
+    command = WholeBodyController(robot).step(q, v, tasks)
+    data = robot.model.createData()
+    pinocchio.centerOfMass(robot.model, data, q, v, command.accelerations)
+    assert (command.forces == 0.0).all()
+    assert data.acom[0] == pytest.approx([0.0, 0.0, -GRAVITY], abs=1e-8)
+
+
+def test_a_straight_leg_does_no_harm() -> None:
+    robot = robot_of("go2")
+    q = robot.nominal.copy()
+    q[9], q[8] = 0.0, 0.0  # the front left leg stretched out
+    _, _, v, tasks = random_case("go2", 4, feet_down=4)
+    command = WholeBodyController(robot).step(q, v, tasks)
+    assert np.isfinite(command.torques).all()
+    assert (np.abs(command.torques) <= robot.effort_limits).all()
+
+
+def test_the_centre_of_pressure_stays_in_the_soles() -> None:
+    for seed in range(10):
+        robot, q, v, tasks = random_case("g1", 400 + seed, feet_down=2)
+        controller = WholeBodyController(robot, 0.7)
+        command = controller.step(q, v, tasks)
+        for k, foot in enumerate(robot.feet):
+            mine = controller.point_foot == k
+            normal = command.forces[mine, 2]
+            if normal.sum() < 1.0:
+                continue
+            pressure = normal @ foot.centres[:, :2] / normal.sum()
+            assert (pressure >= foot.centres[:, :2].min(axis=0) - 1e-9).all()
+            assert (pressure <= foot.centres[:, :2].max(axis=0) + 1e-9).all()
+
+
+def test_elimination_matches_a_plain_kkt_solve() -> None:
+    rng = np.random.default_rng(7)
+    nv, r = 12, 9
+    root = rng.normal(size=(nv, nv))
+    H, c = root @ root.T + 0.1 * np.eye(nv), rng.normal(size=nv)
+    E, e, w = rng.normal(size=(r, nv)), rng.normal(size=r), rng.normal(size=6)
+    offset, gain, R, target = np.zeros(nv), np.zeros((nv, 6)), np.zeros((6, 6)), np.zeros(6)
+    assert kernels.eliminate(H, c, E, e, offset, gain, R, target)
+    wide = np.concatenate([w, np.zeros(r - 6)])
+    kkt = np.block([[H, E.T], [E, np.zeros((r, r))]])
+    a = np.linalg.solve(kkt, np.concatenate([c, e + wide]))[:nv]
+    assert offset + gain @ w == pytest.approx(a, abs=1e-8)
+    assert R @ R.T == pytest.approx(gain.T @ H @ gain, rel=1e-8)
+
+    def cost(x: np.ndarray) -> float:
+        return float(0.5 * x @ H @ x - c @ x)
+
+    def reduced(y: np.ndarray) -> float:
+        return float(0.5 * np.sum((R.T @ y - target) ** 2))
+
+    assert cost(a) - cost(offset) == pytest.approx(reduced(w) - reduced(np.zeros(6)), rel=1e-7)
+
+
+def test_factorisation_matches_numpy_and_refuses_what_is_not_positive() -> None:
+    rng = np.random.default_rng(8)
+    root = rng.normal(size=(7, 7))
+    A, B = root @ root.T + np.eye(7), rng.normal(size=(7, 3))
+    L, X = A.copy(), B.copy()
+    assert kernels.cholesky(L)
+    kernels.cholesky_solve(L, X)
+    assert np.tril(L) == pytest.approx(np.linalg.cholesky(A))
+    assert np.allclose(X, np.linalg.solve(A, B), rtol=1e-10, atol=1e-10)
+    assert not kernels.cholesky(np.diag([1.0, -1.0]))
+    assert not kernels.cholesky(np.array([[np.nan]]))
+
+
+def test_robots_without_feet_or_with_a_fixed_base_are_refused() -> None:
+    with pytest.raises(ModelError, match="needs a floating base and feet"):
+        WholeBodyController(robot_of("panda"))
