@@ -140,7 +140,8 @@ def _cone_racers(cases: list[StanceCase]) -> _Racers:
 
     rays = [wrench_cone(c.stance, c.com, facets=8).rays for c in cases]
     return [
-        ("surefoot, rays to half-spaces", halfspaces_from_rays, rays),
+        ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
+        ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),
         ("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays]),
         ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
     ]

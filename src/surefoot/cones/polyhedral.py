@@ -58,7 +58,7 @@ class PolyhedralCone(Cone):
         rays
             (r, dim); zero rows say nothing.
         method
-            "qhull", "cdd" or "exact": see `surefoot.cones.representation`.
+            "qhull", "dd", "cdd" or "exact": see `surefoot.cones.representation`.
 
         Examples
         --------

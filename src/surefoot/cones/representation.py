@@ -3,7 +3,8 @@
 By duality one direction is enough: the rays of {x : A x <= 0} are the half-space normals of the cone that
 the rows of A generate. A cone is split into its linear hull, its lineality space (the directions
 that it holds both ways) and a pointed rest; a section of the rest is a polytope, and Qhull finds its
-facets. cddlib (double description), also in exact rationals, is an independent second way.
+facets. Double description is the other way: our own compiled one (the fastest up to a few hundred
+rows), our own in exact rationals, and cddlib's.
 
 Every decision is made on rays of length one in whitened coordinates, so that neither the length of a
 ray nor the unit of a component matters.
@@ -11,18 +12,19 @@ ray nor the unit of a component matters.
 
 from __future__ import annotations
 
-from fractions import Fraction
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
+from scipy.linalg import qr
 from scipy.optimize import linprog, nnls
 from scipy.spatial import ConvexHull, QhullError
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.cones.double_description import polar_rays, polar_rays_exact
 from surefoot.errors import MissingExtra, ProblemError, unknown_name
 
-Method = Literal["qhull", "cdd", "exact"]
-METHODS = ("qhull", "cdd", "exact")
+Method = Literal["qhull", "dd", "cdd", "exact"]
+METHODS = ("qhull", "dd", "cdd", "exact")
 
 _FLAT = 1e-9
 """Singular values and section heights below this share count as zero."""
@@ -36,8 +38,8 @@ def halfspaces_from_rays(rays: FloatArray, method: Method = "qhull") -> FloatArr
     rays
         (r, dim), of any length; none at all generate the cone {0}.
     method
-        "qhull" (SciPy), "cdd" (cddlib in floating point) or "exact" (cddlib in rationals, with the
-        floats taken as they are).
+        "qhull" (SciPy), "dd" (compiled double description), "cdd" (cddlib) or "exact" (double
+        description in rationals, with the floats taken as they are; slow).
 
     Returns
     -------
@@ -80,8 +82,11 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     dim = rays.shape[1]
     if not len(V):
         return np.vstack([np.eye(dim), -np.eye(dim)]), index
-    if method != "qhull":
-        return _unit_rows(_cddlib(V, exact=method == "exact")), index
+    if method == "exact":
+        lines, normals = polar_rays_exact(V)
+        return _unit_rows(np.vstack([lines, -lines, normals])) + 0.0, index
+    if method == "cdd":
+        return _unit_rows(_cddlib(V)), index
     column = np.abs(V).max(axis=0)
     column[column == 0.0] = 1.0
     W = _unit_rows(V / column)
@@ -89,7 +94,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     rank = int(np.sum(singular > _FLAT * singular[0]))
     whiten = basis[:rank].T / singular[:rank]
     X = _unit_rows(W @ whiten)
-    facets, kept = _facets(X)
+    facets, kept = _facets(X, method)
     flat = basis[rank:]
     H = np.vstack([facets @ whiten.T, flat, -flat]) / column
     return _unit_rows(H) + 0.0, index[kept]
@@ -107,11 +112,12 @@ def _unit_rows(rows: FloatArray) -> FloatArray:
     return np.asarray(rows / np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None])
 
 
-def _facets(X: FloatArray) -> tuple[FloatArray, IntArray]:
+def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
     """Return facet normals and needed generators of cone(X), X of full rank with rows of length one."""
     section = _section(X)
     if section is not None:
-        return _pointed_facets(X, section)
+        found = _described(X) if method == "dd" and X.shape[1] > 1 else None
+        return _pointed_facets(X, section) if found is None else found
     lineal = lineality(X)
     if not np.any(lineal):  # too thin to tell: flat within the tolerance
         lineal = np.ones(len(X), dtype=np.bool_)
@@ -124,7 +130,7 @@ def _facets(X: FloatArray) -> tuple[FloatArray, IntArray]:
     others = np.flatnonzero(~lineal)
     Y = X[others] @ rest.T
     alive = np.linalg.norm(Y, axis=1) > _FLAT
-    facets, kept = _facets(_unit_rows(Y[alive]))
+    facets, kept = _facets(_unit_rows(Y[alive]), method)
     needed.extend(others[alive][kept])
     return facets @ rest, np.array(sorted(needed), dtype=np.int64)
 
@@ -205,24 +211,41 @@ def _distinct(rows: FloatArray) -> FloatArray:
     return np.asarray(rows[keep])
 
 
-def _cddlib(V: FloatArray, exact: bool) -> FloatArray:
+def _described(X: FloatArray) -> tuple[FloatArray, IntArray] | None:
+    """Return facets and extreme rays of a pointed cone by compiled double description.
+
+    None where rounding got the better of it, which its own result shows.
+    """
+    dim = X.shape[1]
+    _, _, pivot = qr(X.T, mode="economic", pivoting=True)
+    order = np.concatenate([pivot[:dim], np.setdiff1d(np.arange(len(X)), pivot[:dim])])
+    first = -np.linalg.inv(X[pivot[:dim]]).T
+    _, facets = polar_rays(X, np.ascontiguousarray(first), order)
+    height = X @ facets.T
+    tight = height > -1e-8
+    if not len(facets) or float(height.max()) > 1e-9 or int(tight.sum(axis=0).min()) < dim - 1:
+        return None
+    # a ray is extreme unless another one is tight on every facet that it is tight on
+    touches = tight.astype(np.float64)
+    together = touches @ touches.T
+    own = np.diag(together)
+    covered = together >= own[:, None] - 0.5
+    np.fill_diagonal(covered, False)
+    twin = covered & covered.T
+    redundant = (covered & ~twin).any(axis=1) | np.tril(twin, -1).any(axis=1) | (own < dim - 1.5)
+    return facets, np.flatnonzero(~redundant)
+
+
+def _cddlib(V: FloatArray) -> FloatArray:
     """Return the half-spaces of cone(V) by cddlib's double description method."""
     try:
-        if exact:
-            import cdd.gmp as cdd
-        else:
-            import cdd
-        from cdd import RepType
+        import cdd
     except ImportError as error:
         raise MissingExtra("pycddlib", "cdd") from error
-    rows: list[list[Any]]
-    if exact:
-        rows = [[Fraction(0), *(Fraction(float(v)) for v in ray)] for ray in V]
-    else:
-        rows = [[0.0, *ray] for ray in V.tolist()]
-    generators = cdd.matrix_from_array(rows, rep_type=RepType.GENERATOR)
+    rows = [[0.0, *ray] for ray in V.tolist()]
+    generators = cdd.matrix_from_array(rows, rep_type=cdd.RepType.GENERATOR)
     found = cdd.copy_inequalities(cdd.polyhedron_from_matrix(generators))
-    array = np.array([[float(v) for v in row[1:]] for row in found.array]).reshape(-1, V.shape[1])
+    array = np.array([row[1:] for row in found.array]).reshape(-1, V.shape[1])
     equal = [array[k] for k in sorted(found.lin_set)]
     out = np.vstack([-array, *(e[None] for e in equal)]) if equal else -array
     return np.asarray(out[np.abs(out).max(axis=1, initial=0.0) > 0.0])

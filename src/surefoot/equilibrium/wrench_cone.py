@@ -56,7 +56,7 @@ def wrench_cone(
     about: ArrayLike = (0.0, 0.0, 0.0),
     facets: int = 8,
     fit: Literal["inner", "outer"] = "inner",
-    method: Method = "qhull",
+    method: Method = "dd",
     most_rows: int = MOST_ROWS,
 ) -> PolyhedralCone:
     """Return all wrenches that a stance's contact forces can give the robot, as a polyhedral cone.
@@ -70,7 +70,7 @@ def wrench_cone(
     facets, fit
         Sides of the friction pyramids, inside or around the cones.
     method
-        "qhull", "cdd" or "exact".
+        "dd", "qhull", "cdd" or "exact": see `surefoot.cones.representation`.
     most_rows
         Half-spaces that may be expected at most: see `wrench_cone_size`.
 
