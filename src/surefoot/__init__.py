@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from surefoot.equilibrium import com_region as com_region
     from surefoot.equilibrium import friction_needed as friction_needed
     from surefoot.equilibrium import support_polygon as support_polygon
+    from surefoot.equilibrium import wrench_cone as wrench_cone
     from surefoot.equilibrium import zmp_region as zmp_region
     from surefoot.errors import MissingExtra as MissingExtra
     from surefoot.errors import ModelError as ModelError
@@ -54,11 +55,15 @@ if TYPE_CHECKING:
     from surefoot.solvers import solve_lcp as solve_lcp
     from surefoot.solvers import solver_names as solver_names
     from surefoot.stance import FlatTerrain as FlatTerrain
+    from surefoot.stance import HeightfieldTerrain as HeightfieldTerrain
     from surefoot.stance import PatchContact as PatchContact
     from surefoot.stance import PointContact as PointContact
     from surefoot.stance import SlopeTerrain as SlopeTerrain
+    from surefoot.stance import StairsTerrain as StairsTerrain
     from surefoot.stance import Stance as Stance
     from surefoot.stance import Terrain as Terrain
+    from surefoot.stance import read_stance as read_stance
+    from surefoot.stance import write_stance as write_stance
 
 __version__ = "0.1.0"
 
@@ -89,12 +94,24 @@ _HOMES = {
         "com_region",
         "friction_needed",
         "support_polygon",
+        "wrench_cone",
         "zmp_region",
     ),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
     "robot": ("Robot", "load_robot", "place", "robot_names"),
     "solvers": ("minimum_norm", "solve", "solve_lcp", "solver_names"),
-    "stance": ("FlatTerrain", "PatchContact", "PointContact", "SlopeTerrain", "Stance", "Terrain"),
+    "stance": (
+        "FlatTerrain",
+        "HeightfieldTerrain",
+        "PatchContact",
+        "PointContact",
+        "SlopeTerrain",
+        "StairsTerrain",
+        "Stance",
+        "Terrain",
+        "read_stance",
+        "write_stance",
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -5,6 +5,7 @@ from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.equilibrium.verdict import Verdict
+from surefoot.equilibrium.wrench_cone import wrench_cone, wrench_cone_size
 
 __all__ = [
     "ForceLimits",
@@ -14,5 +15,7 @@ __all__ = [
     "com_region",
     "friction_needed",
     "support_polygon",
+    "wrench_cone",
+    "wrench_cone_size",
     "zmp_region",
 ]

@@ -1,7 +1,23 @@
 """Who touches what, where, and with which friction."""
 
 from surefoot.stance.contact import Contact, PatchContact, PointContact
+from surefoot.stance.files import StanceQuestion, read_stance, write_stance
+from surefoot.stance.heightfield import HeightfieldTerrain
+from surefoot.stance.stairs import StairsTerrain
 from surefoot.stance.stance import Stance
 from surefoot.stance.terrain import FlatTerrain, SlopeTerrain, Terrain
 
-__all__ = ["Contact", "FlatTerrain", "PatchContact", "PointContact", "SlopeTerrain", "Stance", "Terrain"]
+__all__ = [
+    "Contact",
+    "FlatTerrain",
+    "HeightfieldTerrain",
+    "PatchContact",
+    "PointContact",
+    "SlopeTerrain",
+    "StairsTerrain",
+    "Stance",
+    "StanceQuestion",
+    "Terrain",
+    "read_stance",
+    "write_stance",
+]

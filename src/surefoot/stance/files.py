@@ -1,0 +1,169 @@
+"""Stances as YAML: contacts, robot mass and centre of mass in one readable file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.spatial import rotation_from_normal
+from surefoot.stance.contact import Contact, PatchContact, PointContact
+from surefoot.stance.stance import Stance
+
+_TOP = ("name", "mass", "com", "external_wrench", "mu", "contacts")
+_CONTACT = ("name", "position", "normal", "mu", "heading", "normal_min", "normal_max", "length", "width")
+
+
+@dataclass(frozen=True)
+class StanceQuestion:
+    """A stance and what it has to carry, as a stance file says it.
+
+    Attributes
+    ----------
+    name
+        Title for tables and pictures.
+    stance, mass, com
+        Contacts, mass [kg], (3,) centre of mass in world axes [m].
+    external_wrench
+        (6,) [force; moment about the centre of mass] on the robot besides gravity [N, N m].
+    """
+
+    name: str
+    stance: Stance
+    mass: float
+    com: FloatArray
+    external_wrench: FloatArray = field(default_factory=lambda: np.zeros(6))
+
+
+def read_stance(path: str | Path) -> StanceQuestion:
+    """Read a stance file; docs/stance-files.md describes it.
+
+    Raises
+    ------
+    ProblemError
+        Naming the file and the entry at fault: a key that is unknown or missing, a normal that is not of
+        length one, a value that is not a number.
+    """
+    import yaml
+
+    source = Path(path)
+    try:
+        content = yaml.safe_load(source.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not text"
+        raise ProblemError(f"cannot read {source}: {reason}") from error
+    except yaml.YAMLError as error:
+        raise ProblemError(f"{source} is not YAML: {' '.join(str(error).split())}") from error
+    try:
+        return stance_from_dict(content, source.stem)
+    except ProblemError as error:
+        raise ProblemError(f"{source}: {error}") from error
+
+
+def stance_from_dict(content: Any, name: str = "stance") -> StanceQuestion:
+    """Return the question that the parsed YAML stands for; see `read_stance`."""
+    top = _mapping("the file", content, _TOP, required=("mass", "com"))
+    mu = real_number("mu", top.get("mu", 0.6), low=0.0)
+    entries = top.get("contacts", [])
+    if not isinstance(entries, list):
+        raise ProblemError(f"contacts must be a list, got {entries!r:.60}")
+    contacts = [_contact(f"contacts[{k}]", entry, mu) for k, entry in enumerate(entries)]
+    mass = real_number("mass", top["mass"])
+    if not 0.0 < mass < math.inf:
+        raise ProblemError(f"mass must be positive and finite [kg], got {mass:g}")
+    return StanceQuestion(
+        str(top.get("name", name)),
+        Stance(contacts),
+        mass,
+        finite_array("com", top["com"], (3,)),
+        finite_array("external_wrench", top.get("external_wrench", [0.0] * 6), (6,)),
+    )
+
+
+def write_stance(question: StanceQuestion, path: str | Path) -> Path:
+    """Write a stance file that reads back the same; refuse to overwrite.
+
+    Raises
+    ------
+    ProblemError
+        If the file exists or cannot be written.
+    """
+    import yaml
+
+    target = Path(path)
+    text = yaml.safe_dump(stance_to_dict(question), sort_keys=False, default_flow_style=None, width=100)
+    try:
+        with target.open("x", encoding="utf-8") as stream:
+            stream.write(text)
+    except OSError as error:
+        raise ProblemError(f"cannot write {target}: {error.strerror}") from error
+    return target
+
+
+def stance_to_dict(question: StanceQuestion) -> dict[str, Any]:
+    """Return what `write_stance` writes, without what is default."""
+    out: dict[str, Any] = {
+        "name": question.name,
+        "mass": float(question.mass),
+        "com": question.com.tolist(),
+    }
+    if np.any(question.external_wrench):
+        out["external_wrench"] = question.external_wrench.tolist()
+    out["contacts"] = [_contact_entry(c) for c in question.stance]
+    return out
+
+
+def _contact_entry(contact: Contact) -> dict[str, Any]:
+    entry: dict[str, Any] = {"name": contact.name} if contact.name else {}
+    entry["position"] = contact.position.tolist()
+    entry["normal"] = contact.normal.tolist()
+    entry["mu"] = contact.mu
+    heading = contact.rotation_world_contact[:, 0]
+    if not np.array_equal(contact.rotation_world_contact, rotation_from_normal(contact.normal)):
+        entry["heading"] = heading.tolist()
+    if isinstance(contact, PatchContact):
+        entry["length"], entry["width"] = contact.length, contact.width
+    if contact.normal_min > 0.0:
+        entry["normal_min"] = contact.normal_min
+    if contact.normal_max < math.inf:
+        entry["normal_max"] = contact.normal_max
+    return entry
+
+
+def _contact(where: str, entry: Any, mu: float) -> Contact:
+    """Return one contact; errors name the entry."""
+    given = _mapping(where, entry, _CONTACT, required=("position",))
+    options: dict[str, Any] = {
+        key: given[key]
+        for key in ("position", "normal", "heading", "normal_min", "normal_max")
+        if key in given
+    }
+    options["mu"] = given.get("mu", mu)
+    options["name"] = str(given.get("name", where.removeprefix("contacts")))
+    sizes = [key for key in ("length", "width") if key in given]
+    try:
+        if not sizes:
+            return PointContact(**options)
+        if len(sizes) == 1:
+            raise ProblemError(f"a patch needs length and width, got only {sizes[0]}")
+        return PatchContact(length=given["length"], width=given["width"], **options)
+    except ProblemError as error:
+        raise ProblemError(f"{where}: {error}") from error
+
+
+def _mapping(where: str, value: Any, valid: tuple[str, ...], required: tuple[str, ...]) -> dict[str, Any]:
+    """Return a mapping with known keys only, the required ones among them."""
+    if not isinstance(value, dict):
+        raise ProblemError(f"{where} must be a mapping with keys {', '.join(valid)}, got {value!r:.60}")
+    for key in value:
+        if key not in valid:
+            raise ProblemError(f"{where}: {unknown_name('key', key, valid)}")
+    for key in required:
+        if key not in value:
+            raise ProblemError(f"{where}: {key} is missing")
+    return value
