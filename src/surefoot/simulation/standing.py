@@ -119,7 +119,8 @@ def _warm_up(world: World, controller: StandingController, q: FloatArray) -> Non
     """Compile or load every kernel of the loop, so that times are of the steps alone."""
     world.reset(q)
     state, velocity = world.state()
-    world.step(controller.step(state, velocity, 0.0).torques)
+    for time in (0.0, *(0.5 * (lift.start + lift.end) for lift in controller.plan.lifts)):
+        world.step(controller.step(state, velocity, time).torques)
     world.contacts()
     controller.reset()
 

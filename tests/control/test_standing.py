@@ -1,0 +1,213 @@
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import surefoot as sf
+from surefoot.control.allocation import SolverAllocation
+from surefoot.control.standing import (
+    FORCE_WEIGHT,
+    StandingController,
+    default_normal_bounds,
+    wrench_weights,
+)
+from surefoot.control.standing_kernels import (
+    contact_torques,
+    foot_impedance,
+    grasp_map_of_points,
+    pd_wrench,
+)
+from surefoot.control.standing_plan import Lift, StandingPlan
+from surefoot.spatial import GRAVITY, rotation_about, rotation_log
+
+
+def standing(name: str = "go2", mu: float = 0.6, lifts: tuple[Lift, ...] = (), **options: object):
+    robot, terrain = sf.load_robot(name), sf.FlatTerrain()
+    q = sf.place(robot, terrain)
+    plan = StandingPlan(robot, terrain, q, lifts)
+    return robot, q, StandingController(robot, plan, terrain, q, mu, **options)  # type: ignore[arg-type]
+
+
+def random_state(robot: sf.Robot, q: np.ndarray, rng: np.random.Generator, size: float = 0.1):
+    return pin.integrate(robot.model, q, size * rng.normal(size=robot.model.nv)), size * rng.normal(
+        size=robot.model.nv
+    )
+
+
+EXACT = ["distribution", "clarabel"]
+PYRAMIDS = ["daqp", "quadprog", "osqp", "proxqp", "piqp", "highs"]
+
+
+@pytest.mark.parametrize(("solver", "facets"), [(s, None) for s in EXACT] + [(s, 8) for s in PYRAMIDS])
+def test_symmetric_stance_shares_the_weight(solver: str, facets: int | None) -> None:
+    """The textbook case: each leg m g / 4, tangential near zero, inside the cone; with every solver."""
+    feet = [[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]]
+    stance = sf.Stance([sf.PointContact(p, mu=0.6) for p in feet])
+    mass = 15.0
+    A = stance.grasp_map(about=[0.0, 0.0, 0.3])
+    wrench = np.array([0.0, 0.0, mass * GRAVITY, 0.0, 0.0, 0.0])
+    weights = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
+    allocation = SolverAllocation(np.full(4, 0.6), weights, 1e-4, solver, facets)
+    forces = allocation.share(A, wrench, np.zeros(4), np.full(4, 250.0))
+    np.testing.assert_allclose(forces[:, 2], mass * GRAVITY / 4, rtol=1e-4)
+    np.testing.assert_allclose(forces[:, :2], 0.0, atol=1e-3)
+    assert np.all(sf.FrictionCone(0.6).contains(forces))
+
+
+def test_command_balances_the_robot_in_pinocchio() -> None:
+    """At rest the torques and forces of the command leave no acceleration: M a = 0 by ABA with them."""
+    for name in ("go2", "anymal_c", "solo12"):
+        robot, q, controller = standing(name)
+        command = controller.step(q, np.zeros(robot.model.nv), 0.0)
+        forces = [pin.Force.Zero() for _ in range(robot.model.njoints)]
+        pin.forwardKinematics(robot.model, robot.data, q)
+        stance = robot.stance(q)
+        for foot, contact, f in zip(robot.feet, stance, command.forces, strict=True):
+            joint = robot.model.frames[foot.frame].parentJoint
+            world = contact.rotation_world_contact @ f
+            wrench = pin.Force(world, np.cross(contact.position, world))
+            forces[joint] += robot.data.oMi[joint].actInv(wrench)
+        torque = np.concatenate([np.zeros(6), command.torques])
+        a = pin.aba(robot.model, robot.data, q, np.zeros(robot.model.nv), torque, forces)
+        # what is left is the force weight's bias, a share of g
+        assert np.abs(a[:6]).max() < 5e-3 * GRAVITY
+        assert command.attained
+        assert not command.saturated
+
+
+def test_forces_stay_inside_every_cone_and_bound_whatever_the_state() -> None:
+    robot, q, controller = standing(mu=0.3)
+    rng = np.random.default_rng(1)
+    low, high = controller.normal_min, controller.normal_max
+    impossible = 0
+    for _ in range(200):
+        command = controller.step(*random_state(robot, q, rng, 0.5), 0.0)
+        assert np.all(sf.FrictionCone(0.3).margin(command.forces) > -1e-9)
+        assert np.all(command.forces[:, 2] >= low - 1e-9)
+        assert np.all(command.forces[:, 2] <= high + 1e-9)
+        assert np.all(np.abs(command.torques) <= robot.effort_limits)
+        assert np.isfinite(command.torques).all()
+        impossible += not command.attained
+    assert impossible > 20  # such states ask for what the ground cannot give, and are flagged
+
+
+def test_lifted_foot_gets_exactly_zero_force() -> None:
+    robot, q, controller = standing(lifts=(Lift("FL", 1.0, 2.0),))
+    command = controller.step(q, np.zeros(robot.model.nv), 1.5)
+    assert np.all(command.forces[0] == 0.0)
+    np.testing.assert_array_equal(command.active, [False, True, True, True])
+    assert np.all(command.forces[1:, 2] > 1.0)
+
+
+def test_pyramids_and_exact_agree_where_friction_does_not_bind() -> None:
+    robot, q, exact = standing()
+    weights = wrench_weights(robot, q)
+    pyramid = SolverAllocation(np.full(4, 0.6), weights, FORCE_WEIGHT, "daqp", 8)
+    _, _, linear = standing(allocation=pyramid)
+    v = np.zeros(robot.model.nv)
+    np.testing.assert_allclose(linear.step(q, v, 0.0).forces, exact.step(q, v, 0.0).forces, atol=1e-4)
+
+
+def test_light_robots_get_a_smaller_least_force() -> None:
+    low, high = default_normal_bounds(sf.load_robot("go2"))
+    assert low == 10.0
+    assert high == pytest.approx(1.5 * 16.085 * GRAVITY, rel=1e-3)
+    low, _ = default_normal_bounds(sf.load_robot("solo12"))
+    assert 4 * low < 0.5 * sf.load_robot("solo12").mass * GRAVITY
+
+
+def test_integral_takes_up_an_unknown_load_and_is_bounded() -> None:
+    robot, q, controller = standing()
+    low = q.copy()
+    low[2] -= 0.01
+    v = np.zeros(robot.model.nv)
+    first = controller.step(low, v, 0.0).wrench_desired[2]
+    for _ in range(20_000):
+        last = controller.step(low, v, 0.0).wrench_desired[2]
+    assert last > first + 10.0
+    assert last - first <= 0.6 * robot.mass * GRAVITY + 1e-6
+    controller.reset()
+    assert controller.step(low, v, 0.0).wrench_desired[2] == pytest.approx(first)
+
+
+# kernels against plain NumPy and Pinocchio
+
+
+def test_grasp_map_kernel() -> None:
+    robot, q, controller = standing()
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        state, v = random_state(robot, q, rng)
+        command = controller.step(state, v, 0.0)
+        np.testing.assert_allclose(command.grasp_map, robot.stance(state).grasp_map(robot.com(state)), atol=1e-12)
+    points = grasp_map_of_points(
+        np.eye(3)[None], np.array([[1.0, 2.0, 3.0]]), np.array([0]), np.array([[0.1, 0.0, 0.0]]),
+        np.array([0.02]), np.eye(3)[None], np.zeros(3), out := np.zeros((6, 3)),
+    )  # fmt: skip
+    np.testing.assert_allclose(points, [[1.1, 2.0, 2.98]])
+    np.testing.assert_allclose(out, sf.Stance([sf.PointContact(points[0])]).grasp_map())
+
+
+@pytest.mark.parametrize("name", ["go2", "g1"])
+def test_contact_torques_kernel_against_pinocchio(name: str) -> None:
+    robot, q, controller = standing(name)
+    rng = np.random.default_rng(3)
+    state, v = random_state(robot, q, rng)
+    controller.step(state, v, 0.0)
+    forces = rng.normal(size=(len(controller.point_foot), 3))
+    got = contact_torques(
+        controller._jacobian, controller._point_support, controller._points, controller._frames, forces
+    )
+    model, data = robot.model, robot.data
+    pin.computeJointJacobians(model, data, state)
+    pin.updateFramePlacements(model, data)
+    want = np.zeros(model.nv)
+    for k, foot in enumerate(controller.point_foot):
+        frame = robot.feet[foot].frame
+        J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED)
+        arm = controller._points[k] - data.oMf[frame].translation
+        want += (J[:3] - pin.skew(arm) @ J[3:]).T @ controller._frames[k] @ forces[k]
+    np.testing.assert_allclose(got, want[6:], atol=1e-12)
+
+
+def test_pd_wrench_kernel_against_plain_numpy() -> None:
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        axis = rng.normal(size=3)
+        R = rotation_about(axis / np.linalg.norm(axis), rng.uniform(0.0, 1.0))
+        Rd = rotation_about([0.0, 0.0, 1.0], rng.uniform(-1.0, 1.0))
+        q, v, integral = rng.normal(size=7), rng.normal(size=6), rng.normal(size=6)
+        p, pd, pdd = rng.normal(size=(3, 3))
+        B = rng.normal(size=(3, 3))
+        inertia, mass, w, wt = B @ B.T, 12.0, 7.0, 9.0
+        wrench, pull = pd_wrench(R, Rd, q, v, p, pd, pdd, inertia, mass, w, wt, GRAVITY, integral)
+        world = R @ inertia @ R.T
+        force = mass * (w**2 * (p - q[:3]) + 2 * w * (pd - R @ v[:3]) + pdd + [0.0, 0.0, GRAVITY])
+        turn = world @ (wt**2 * rotation_log(Rd @ R.T) - 2 * wt * (R @ v[3:6]))
+        np.testing.assert_allclose(wrench, np.concatenate([force, turn]) + integral, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(pull[:3], mass * w**2 * (p - q[:3]), rtol=1e-12)
+        np.testing.assert_allclose(pull[3:], world @ (wt**2 * rotation_log(Rd @ R.T)), rtol=1e-9, atol=1e-9)
+
+
+def test_foot_impedance_kernel_against_plain_numpy() -> None:
+    robot, q, controller = standing()
+    rng = np.random.default_rng(5)
+    state, v = random_state(robot, q, rng)
+    controller.step(state, v, 0.0)
+    model, data = robot.model, robot.data
+    M = pin.crba(model, data, state)
+    pin.computeJointJacobians(model, data, state)
+    pin.updateFramePlacements(model, data)
+    foot, legs, omega = robot.feet[1], slice(9, 12), 30.0
+    place = data.oMf[foot.frame].translation
+    J = pin.getFrameJacobian(model, data, foot.frame, pin.LOCAL_WORLD_ALIGNED)[:3]
+    miss, velocity = rng.normal(size=3), rng.normal(size=3)
+    got = foot_impedance(
+        np.asarray(data.J), controller._support[1], np.array(M), v, place, miss, velocity, omega
+    )
+    mobility = J[:, legs] @ np.linalg.inv(M[legs, legs]) @ J[:, legs].T
+    mobility += 1e-3 * np.trace(mobility) * np.eye(3)
+    force = np.linalg.solve(mobility, omega**2 * miss + 2 * omega * (velocity - J @ v))
+    np.testing.assert_allclose(got[3:6], J[:, legs].T @ force, rtol=1e-8)
+    assert np.all(np.delete(got, [3, 4, 5]) == 0.0)

@@ -1,0 +1,54 @@
+"""The package as a whole: light to import, honest about what is missing, names where they belong."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+import surefoot as sf
+from surefoot.errors import MissingExtra, SurefootError
+
+
+def test_import_is_light() -> None:
+    heavy = ("numba", "scipy", "pinocchio", "mujoco", "matplotlib", "typer", "numpy")
+    code = f"import surefoot, sys; print([m for m in {heavy!r} if m in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_every_public_name_loads() -> None:
+    for name in sf.__all__:
+        assert getattr(sf, name) is not None
+    assert set(sf.__all__) <= set(dir(sf))
+
+
+def test_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'frictioncone'"):
+        sf.frictioncone  # noqa: B018
+
+
+def test_missing_extra_names_the_extra() -> None:
+    error = MissingExtra("mujoco", "sim")
+    assert "pip install 'surefoot[sim]'" in str(error)
+    assert isinstance(error, SurefootError)
+    assert isinstance(error, ImportError)
+
+
+@pytest.mark.parametrize(
+    ("module", "package", "call"),
+    [
+        ("mujoco", "mujoco", "from surefoot.simulation.mujoco import import_mujoco; import_mujoco()"),
+        ("pinocchio", "pin", "import surefoot; surefoot.load_robot('go2')"),
+        ("matplotlib", "matplotlib", "from surefoot.viz.style import new_figure; new_figure()"),
+    ],
+)
+def test_absent_package_is_one_clear_error(module: str, package: str, call: str) -> None:
+    code = (
+        f"import sys; sys.modules[{module!r}] = None\n"
+        "from surefoot.errors import MissingExtra\n"
+        f"try:\n    {call}\nexcept MissingExtra as error:\n    print(error)"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.startswith(f"{package} is not installed; run: pip install 'surefoot[")
