@@ -97,6 +97,15 @@ class Verdict:
         """(k, 3) forces of the points of `stance.points()` in contact frames [N]; None when impossible."""
         return None if self._corner_forces is None else self._corner_forces.reshape(-1, 3)
 
+    @property
+    def limiting(self) -> tuple[str, ...]:
+        """Names of the bounds in the proof that it is impossible, the heaviest first."""
+        if self.limits is None or not len(self.multipliers):
+            return ()
+        weight = self.multipliers * np.linalg.norm(self.limits.rows, axis=1)
+        order = np.argsort(-weight)
+        return tuple(self.limits.names[k] for k in order if weight[k] > 1e-6 * weight[order[0]])
+
     def by_contact(self) -> list[FloatArray]:
         """Return the force (3,) or wrench (6,) of each contact in its own frame, in the stance's order."""
         if self.forces is None:

@@ -1,0 +1,144 @@
+"""The same questions under joint torque limits: what the ground allows, the motors may not.
+
+At rest the motors give τ = g(q) - Jᵀ f, so a torque limit is a pair of linear bounds on the contact
+forces: exact, no approximation. The region of the centre of mass keeps the joint angles and
+moves the weight, as a payload that shifts would: R. Orsolino et al., "Application of Wrench-Based
+Feasibility Analysis to the Online Trajectory Optimization of Legged Robots", IEEE RA-L 2018.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray
+from surefoot.equilibrium import regions, statics
+from surefoot.equilibrium.limits import ForceLimits
+from surefoot.equilibrium.region import Region
+from surefoot.equilibrium.verdict import Verdict
+from surefoot.errors import ProblemError
+from surefoot.stance import Stance
+
+if TYPE_CHECKING:
+    from surefoot.robot import Robot
+
+
+def torque_limits(robot: Robot, q: ArrayLike | None, stance: Stance, share: float = 1.0) -> ForceLimits:
+    """Return the joint torque limits of a robot at rest as bounds on its contact forces.
+
+    Parameters
+    ----------
+    robot
+        With a floating base.
+    q
+        (nq,) configuration; None for the nominal one.
+    stance
+        Contacts of the robot at that configuration, named after its frames (`Robot.stance`).
+    share
+        Share of the limits that may be used, > 0.
+
+    Returns
+    -------
+    ForceLimits
+        Two rows per limited joint, named like "FL_calf_joint >" and "FL_calf_joint <".
+
+    Raises
+    ------
+    ProblemError
+        For a robot with a fixed base or a share that is not positive.
+    """
+    from surefoot.robot.dynamics import bias_forces
+    from surefoot.robot.jacobians import contact_jacobian
+
+    if not robot.floating:
+        raise ProblemError(f"{robot.name} has a fixed base: its contacts do not carry it")
+    if not 0.0 < share < np.inf:
+        raise ProblemError(f"share must be positive and finite, got {share:g}")
+    configuration = robot.configuration(q)
+    gravity = bias_forces(robot, configuration, np.zeros(robot.model.nv))[robot.base_dof :]
+    jacobian = contact_jacobian(robot, configuration, stance)[:, robot.base_dof :].T
+    limit = share * robot.effort_limits
+    known = np.flatnonzero(np.isfinite(limit))
+    rows = np.vstack([-jacobian[known], jacobian[known]])
+    bound = np.concatenate([(limit - gravity)[known], (limit + gravity)[known]])
+    names = [robot.joint_names[k] for k in known]
+    return ForceLimits(rows, bound, (*(f"{n} >" for n in names), *(f"{n} <" for n in names)))
+
+
+def joint_torques(robot: Robot, q: ArrayLike | None, stance: Stance, forces: ArrayLike) -> FloatArray:
+    """Return the (joints,) torques [N m] that hold the robot at rest with these contact forces.
+
+    Parameters
+    ----------
+    robot, q, stance
+        As for `torque_limits`.
+    forces
+        (stance.dim,) in contact frames [N, N m].
+    """
+    from surefoot.robot.dynamics import bias_forces
+    from surefoot.robot.jacobians import contact_jacobian
+
+    configuration = robot.configuration(q)
+    whole = bias_forces(robot, configuration, np.zeros(robot.model.nv))
+    whole = whole - contact_jacobian(robot, configuration, stance).T @ np.asarray(forces, dtype=np.float64)
+    return np.asarray(whole[robot.base_dof :])
+
+
+def can_stand(
+    robot: Robot,
+    stance: Stance,
+    q: ArrayLike | None = None,
+    external_wrench: ArrayLike | float = 0.0,
+    facets: int | None = None,
+    fit: Literal["inner", "outer"] = "inner",
+    share: float = 1.0,
+) -> Verdict:
+    """Tell whether the ground and the motors together can hold a robot at rest.
+
+    Parameters
+    ----------
+    robot, q, stance, share
+        As for `torque_limits`; mass and centre of mass are the robot's at q.
+    external_wrench, facets, fit
+        As for `surefoot.can_stand`; the wrench acts on the base.
+
+    Returns
+    -------
+    Verdict
+        Its margin counts the distance of the forces to the torque limits too [N]. Where it is
+        impossible, `Verdict.limiting` names the joints in the proof.
+
+    Examples
+    --------
+    >>> from surefoot.robot import load_robot
+    >>> robot = load_robot("go2")
+    >>> bool(can_stand(robot, robot.stance())), bool(can_stand(robot, robot.stance(), share=0.05))
+    (True, False)
+    """
+    limits = torque_limits(robot, q, stance, share)
+    return statics.can_stand(stance, robot.com(q), robot.mass, external_wrench, facets, fit, limits)
+
+
+def com_region(
+    robot: Robot,
+    stance: Stance,
+    q: ArrayLike | None = None,
+    tol: float = 1e-3,
+    facets: int | None = None,
+    fit: Literal["inner", "outer"] = "inner",
+    share: float = 1.0,
+) -> Region:
+    """Return where the centre of mass may be for the ground and the motors, joint angles as they are.
+
+    Parameters
+    ----------
+    robot, q, stance, share
+        As for `torque_limits`.
+    tol, facets, fit
+        As for `surefoot.com_region`.
+    """
+    limits = torque_limits(robot, q, stance, share)
+    height = float(robot.com(q)[2])
+    return regions.com_region(stance, robot.mass, tol, height=height, facets=facets, fit=fit, limits=limits)
