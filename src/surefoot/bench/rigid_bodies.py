@@ -37,9 +37,7 @@ class Scene:
     twists: list[FloatArray] = field(default_factory=list)
     contacts: list[tuple[int, int, FloatArray, FloatArray, float]] = field(default_factory=list)
 
-    def box(
-        self, centre: FloatArray, size: FloatArray, mass: float, twist: FloatArray | None = None
-    ) -> int:
+    def box(self, centre: FloatArray, size: FloatArray, mass: float, twist: FloatArray | None = None) -> int:
         """Add a box with edges `size` [m]; return its number."""
         a, b, c = np.asarray(size) ** 2
         return self.body(centre, mass, np.diag([b + c, a + c, a + b]) * mass / 12.0, twist)

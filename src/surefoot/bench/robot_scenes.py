@@ -13,6 +13,8 @@ from surefoot.robot import Robot, load_robot
 from surefoot.spatial import skew
 
 TIME_STEP = 2e-3
+ROTOR = 0.01
+"""Inertia of a rotor behind its gear, added to every joint [kg m²]; URDF files leave it out."""
 SOLE = np.array([[0.1, 0.03, 0.0], [0.1, -0.03, 0.0], [-0.05, 0.03, 0.0], [-0.05, -0.03, 0.0]])
 
 
@@ -22,7 +24,14 @@ def _robot(name: str) -> Robot:
 
 
 def robot_delassus(
-    rng: np.random.Generator, name: str, feet_down: int, points: int, push: float, mu: float, lift: float
+    rng: np.random.Generator,
+    name: str,
+    feet_down: int,
+    points: int,
+    push: float,
+    mu: float,
+    lift: float = 0.0,
+    gain: float = 0.0,
 ) -> ContactProblem:
     """Return one time step of a robot near its nominal pose.
 
@@ -40,6 +49,9 @@ def robot_delassus(
         Horizontal and upward speed of the base [m/s].
     mu
         Friction coefficient.
+    gain
+        Damping of the joints' position control, taken implicitly [N m s / rad]: it adds to their inertia
+        what a simulator's implicit step adds.
     """
     import pinocchio
 
@@ -68,6 +80,7 @@ def robot_delassus(
     J = np.vstack(blocks)
     M = pinocchio.crba(model, data, q)
     M = np.triu(M) + np.triu(M, 1).T
+    M[np.diag_indices(model.nv)] += np.r_[np.zeros(6), np.full(robot.joints, ROTOR + TIME_STEP * gain)]
     bias = pinocchio.rnea(model, data, q, v, np.zeros(model.nv))
     G = J @ np.linalg.solve(M, J.T)
     g: FloatArray = J @ (v + TIME_STEP * np.linalg.solve(M, torque - bias))

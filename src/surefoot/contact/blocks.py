@@ -58,15 +58,16 @@ def checked_mirror(G: FloatArray) -> tuple[float, float, int, int]:
 
 
 @kernel
-def vectors_fit(g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray) -> bool:
-    """Tell whether the vectors of a problem are of fitting sizes, finite and in range."""
-    if g.size != 3 * mu.size:
+def vectors_fit(g: FloatArray, laws: FloatArray) -> bool:
+    """Tell whether g and the rows (mu, normal_min, normal_max) are of fitting sizes, finite and in range."""
+    if g.size != 3 * laws.shape[1]:
         return False
     for i in range(g.size):
         if not abs(g[i]) < np.inf:
             return False
-    for k in range(mu.size):
-        if not (0.0 <= mu[k] < np.inf and 0.0 <= low[k] <= high[k] and low[k] < np.inf):
+    for k in range(laws.shape[1]):
+        mu, low, high = laws[0, k], laws[1, k], laws[2, k]
+        if not (0.0 <= mu < np.inf and 0.0 <= low <= high and low < np.inf):
             return False
     return True
 

@@ -123,19 +123,24 @@ class ContactProblem:
         """Read the vectors: one compiled check, and the words only where it fails."""
         self.g = vector = np.array(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
         self.contacts = n = vector.size // 3
-        mu_, low, high = _filled(mu, n), _filled(normal_min, n), _filled(normal_max, n)
-        fine = vector.ndim == 1 and mu_ is not None and low is not None and high is not None
-        if fine and vectors_fit(vector, mu_, low, high):
-            self.mu, self.normal_min, self.normal_max = mu_, low, high
-            return
+        self.laws = laws = np.empty((3, n))
+        self.mu, self.normal_min, self.normal_max = laws
+        try:
+            laws[0], laws[1], laws[2] = mu, normal_min, normal_max
+            if vector.ndim == 1 and vectors_fit(vector, laws):
+                return
+        except (TypeError, ValueError):
+            pass
         self.g = finite_array("g", g, (None,))
         if self.g.size % 3:
             raise ProblemError(f"g must have three entries per contact, got {self.g.size}")
-        self.mu = per_contact("mu", mu, n)
+        laws[0] = per_contact("mu", mu, n)
         if np.isinf(self.mu).any():
             raise ProblemError("mu must be finite, got inf")
-        self.normal_min = per_contact("normal_min", normal_min, n)
-        self.normal_max = per_contact("normal_max", normal_max, n)
+        laws[1] = per_contact("normal_min", normal_min, n)
+        if np.isinf(self.normal_min).any():
+            raise ProblemError("normal_min must be finite, got inf")
+        laws[2] = per_contact("normal_max", normal_max, n)
         crossed = self.normal_min > self.normal_max
         if crossed.any():
             k = int(np.argmax(crossed))
@@ -220,17 +225,6 @@ class ContactProblem:
             b = self.blocks
             return float(spectral_norm_blocks(b.starts, b.columns, b.values))
         return float(spectral_norm(self.G))
-
-
-def _filled(value: Any, count: int) -> Any:
-    """Return a number or a (count,) array of floats as a new array, None for anything else."""
-    if isinstance(value, (float, int)):
-        array = np.empty(count)
-        array.fill(value)
-        return array
-    if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.shape == (count,):
-        return value.copy()
-    return None
 
 
 def _compliance(value: Any, contacts: int) -> FloatArray | None:

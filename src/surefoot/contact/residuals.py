@@ -92,11 +92,11 @@ def certificate(
         velocities = problem.velocity(forces)
         return velocities, measure(problem, forces, velocities)
     norm = problem.norm
-    found = _certify(
-        problem.G, forces, problem.g, problem.mu, problem.normal_min, problem.normal_max,
-        1.0 / norm if norm > 0.0 else 1.0, problem.facets or 0, problem.fit == "inner", problem.law == "coulomb",
+    velocities = np.empty((problem.contacts, 3))
+    return velocities, certify_dense(
+        problem.G, problem.g, problem.laws, 1.0 / norm if norm > 0.0 else 1.0, problem.facets or 0,
+        problem.fit == "inner", problem.law == "coulomb", forces, velocities,
     )  # fmt: skip
-    return found[0], found[1:]
 
 
 @inline_kernel
@@ -207,19 +207,14 @@ def _measure(
 
 
 @kernel
-def _certify(
-    G: FloatArray,
-    forces: FloatArray,
-    free: FloatArray,
-    mu: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-    step: float,
-    facets: int,
-    inner: bool,
-    coulomb: bool,
-) -> tuple[FloatArray, float, float, float, float, float]:
-    velocities = np.empty((forces.shape[0], 3))
+def certify_dense(
+    G: FloatArray, free: FloatArray, laws: FloatArray, step: float, facets: int, inner: bool, coulomb: bool,
+    forces: FloatArray, velocities: FloatArray,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Fill the (n, 3) velocities of (n, 3) forces, and return the fields of `Residuals`.
+
+    `laws` has the rows (mu, normal_min, normal_max).
+    """
     for k in range(forces.shape[0]):
         for a in range(3):
             total = free[3 * k + a]
@@ -227,5 +222,4 @@ def _certify(
                 for b in range(3):
                     total += G[3 * k + a, 3 * j + b] * forces[j, b]
             velocities[k, a] = total
-    found = _measure(forces, velocities, free, mu, low, high, step, facets, inner, coulomb)
-    return velocities, found[0], found[1], found[2], found[3], found[4]
+    return _measure(forces, velocities, free, laws[0], laws[1], laws[2], step, facets, inner, coulomb)

@@ -1,6 +1,6 @@
 """The default solver: it chooses, combines and keeps to its time.
 
-Exact cones, up to 40 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find out
+Exact cones, up to 30 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find out
 who sticks, slides or takes off, with Newton steps, which finish. Larger problems: the same alternation on 3x3
 blocks with a sparse factorisation. What these leave unsolved is handed on, best forces first: to ADMM for
 Coulomb's law and to an interior point for the convex law, where redundant contacts make sweeps crawl. Pyramids:
@@ -17,17 +17,26 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.residuals import certificate
+from surefoot.contact.residuals import certificate, certify_dense
 from surefoot.contact.solution import Status
 from surefoot.errors import SurefootError
+from surefoot.kernels import kernel
 from surefoot.solvers.newton import run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
 from surefoot.solvers.nsgs import Sweeper
-from surefoot.solvers.solver import Answer, Settings, mismatch, register, registry, start_forces
+from surefoot.solvers.solver import (
+    SHORTCUT_CONTACTS,
+    Answer,
+    Numbers,
+    Settings,
+    mismatch,
+    register,
+    registry,
+    start_forces,
+)
 
-SMALL = 40
-"""Number of contacts up to which the compiled dense alternation is used."""
-ROUNDS = 8
+ROUNDS, BURST = 8, 3
+"""Alternations on small problems, and sweeps before the first Newton step (then twice as many each time)."""
 CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (
         ("admm", 600, True),
@@ -47,28 +56,47 @@ PYRAMIDS: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
 so far: a bad guess can hold a method back, so some start afresh."""
 
 
-@register("auto", bilateral=True, polyhedral=True)
+def solve_small(
+    problem: ContactProblem, tol: float, max_iterations: int | None, warm_start: FloatArray | None
+) -> tuple[FloatArray, int, FloatArray, Numbers]:
+    """Solve a small problem on exact cones, and have it judged, in one compiled call."""
+    norm = problem.norm
+    out = np.zeros((2, problem.contacts, 3))
+    if warm_start is not None:
+        out[0] = warm_start
+    rounds = ROUNDS if max_iterations is None else min(max_iterations, ROUNDS)
+    done, numbers = _solve_certified(
+        problem.G, problem.g, problem.laws, 1.0 / norm if norm > 0.0 else 1.0, tol, problem.law == "convex",
+        rounds, out,
+    )  # fmt: skip
+    return out[0], done, out[1], numbers
+
+
+@register("auto", bilateral=True, polyhedral=True, shortcut=solve_small)
 def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, exact or on pyramids; an iteration is one of whatever method ran."""
-    if problem.facets is not None:
-        return _hand_on(problem, settings, warm_start, 0, PYRAMIDS[problem.law])
-    forces = start_forces(problem, warm_start)
     start = time.perf_counter()
-    limit = settings.max_iterations
-    if problem.contacts <= SMALL:
-        norm = problem.norm
-        sweeps, steps, relative = run_dense(
-            problem.G, problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.law == "convex",
-            1.0 / norm if norm > 0.0 else 1.0, settings.tol, ROUNDS if limit is None else min(limit, ROUNDS), 3,
-            forces,
-        )  # fmt: skip
-        done = sweeps + steps
-    else:
-        end = start + settings.max_time
-        done, relative = alternate(problem, settings, end, forces)
+    if problem.facets is not None:
+        return _hand_on(problem, settings, warm_start, 0, PYRAMIDS[problem.law], start)
+    if problem.contacts <= SHORTCUT_CONTACTS:
+        return _hand_on(problem, settings, warm_start, 0, CONES[problem.law], start)
+    forces = start_forces(problem, warm_start)
+    done, relative = alternate(problem, settings, start + settings.max_time, forces)
     if relative <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, CONES[problem.law], start)
+
+
+@kernel
+def _solve_certified(
+    G: FloatArray, g: FloatArray, laws: FloatArray, step: float, tol: float, convex: bool, rounds: int,
+    out: FloatArray,
+) -> tuple[int, Numbers]:  # fmt: skip
+    """Solve into out[0] (forces), then let `contact.residuals` fill out[1] (velocities) and judge."""
+    forces = out[0].reshape(g.size)
+    sweeps, steps, _ = run_dense(G, g, laws[0], laws[1], laws[2], convex, step, tol, rounds, BURST, forces)
+    numbers = certify_dense(G, g, laws, step, 0, True, not convex, out[0], out[1])
+    return sweeps + steps, numbers
 
 
 def _hand_on(
@@ -77,10 +105,9 @@ def _hand_on(
     forces: FloatArray | None,
     done: int,
     names: tuple[tuple[str, int | None, bool], ...],
-    start: float | None = None,
+    start: float,
 ) -> Answer:
     """Try solvers in turn, each with its own bound on iterations, from the best forces so far."""
-    start = time.perf_counter() if start is None else start
     best = np.zeros((problem.contacts, 3)) if forces is None else forces
     best_gap = certificate(problem, best)[1][0]
     stop, entries = Status.STALLED, registry()

@@ -26,8 +26,10 @@ from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
 PATIENCE, HALVINGS = 5, 2
 """Newton steps that may pass without a better natural map, and lengths that are tried for each."""
-PROXIMAL = 1e-9
-"""The proximal term, relative to the trace of a contact's block."""
+PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARE = 1e-9, 1e-2, 0.1
+"""The proximal term, relative to the trace of a contact's block: this share of the natural map, within bounds.
+
+Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless."""
 
 
 @kernel
@@ -217,8 +219,9 @@ def newton_dense(
     while done < limit and best > tol and since < patience:
         done += 1
         kinds = classify(
-            forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target, PROXIMAL
-        )
+            forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target,
+            max(PROXIMAL, min(PROXIMAL_FAR, PROXIMAL_SHARE * relative)),
+        )  # fmt: skip
         A, b = _assemble(G, velocities, rows, columns, weight, jump, target, kinds)
         if not lu_solve(A, b):
             break
@@ -254,7 +257,10 @@ def run_dense(
     local = prepare_dense(G)
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
-    free = scale * np.sqrt(np.sum(g * g))
+    free = 0.0
+    for i in range(g.size):
+        free += g[i] * g[i]
+    free = scale * math.sqrt(free)
     sweeps = steps = 0
     relative = last = np.inf
     relax = 1.0

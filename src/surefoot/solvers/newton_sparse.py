@@ -14,7 +14,15 @@ from surefoot.contact.blocks import Blocks, block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
 from surefoot.solvers.natural_map import natural_gap
-from surefoot.solvers.newton import HALVINGS, PATIENCE, PROXIMAL, classify, spread
+from surefoot.solvers.newton import (
+    HALVINGS,
+    PATIENCE,
+    PROXIMAL,
+    PROXIMAL_FAR,
+    PROXIMAL_SHARE,
+    classify,
+    spread,
+)
 
 DENSE_ABOVE = 0.12
 """Share of non-zeros of the reduced matrix above which it is factorised as a dense one."""
@@ -121,8 +129,9 @@ def newton_sparse(
         done += 1
         since += 1
         count = classify(
-            current, velocities, local, *laws, convex, rows, columns, weight, jump, target, PROXIMAL
-        )
+            current, velocities, local, *laws, convex, rows, columns, weight, jump, target,
+            max(PROXIMAL, min(PROXIMAL_FAR, PROXIMAL_SHARE * relative)),
+        )  # fmt: skip
         first = np.concatenate([[0], np.cumsum(count)])
         moved = velocities + block_product(*matrix, jump.ravel())
         reduced = _reduced_entries(*matrix, rows, columns, weight, count, first)

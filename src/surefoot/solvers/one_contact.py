@@ -21,6 +21,8 @@ from surefoot.kernels import inline_kernel, kernel
 
 LOCAL_DAMPING = 1e-12
 """Added to a block's diagonal, relative to its trace; a proximal term, so it moves no solution."""
+CLOSE = 1e-4
+"""A Newton step on the angle below this squares itself away: the next sweep starts from 1e-8 of the angle."""
 
 
 @kernel
@@ -154,7 +156,35 @@ def solve_one(
         return r0, r1, r2
     if mu == 0.0:
         return 0.0, 0.0, min(max(-q2 / W[5], low), high)
+    if x == 0.0 and y == 0.0:  # towards where it would stick: right where the tangents' inertias differ much
+        x, y = r0, r1
     return slide_one(W, q0, q1, q2, mu, low, high, convex, x, y)
+
+
+@inline_kernel
+def _turn(
+    W: FloatArray, q0: float, q1: float, q2: float, mu: float, convex: bool, x: float, y: float
+) -> tuple[bool, float, float]:
+    """Turn the direction of (x, y) by Newton steps until it is a sliding direction; tell whether it is."""
+    length = math.sqrt(x * x + y * y)
+    ex, ey = (x / length, y / length) if length > 0.0 else (1.0, 0.0)
+    for _ in range(20):
+        h, slope, s, normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)
+        good = False
+        if slope > 0.0 and s < 0.0:
+            turn = -h / slope
+            good = abs(turn) < CLOSE and normal > 0.0
+            turn = max(-0.8, min(0.8, turn))
+            fx, fy = ex - turn * ey, ey + turn * ex
+        else:  # uphill: turn against the velocity
+            fx, fy = -(ex * s - h * ey), -(ey * s + h * ex)
+        length = math.sqrt(fx * fx + fy * fy)
+        if length == 0.0:
+            break
+        ex, ey = fx / length, fy / length
+        if good:
+            return True, ex, ey
+    return False, ex, ey
 
 
 @kernel
@@ -163,37 +193,18 @@ def slide_one(
     x: float, y: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Return the force of a contact that neither takes off nor sticks within its bounds."""
-    length = math.sqrt(x * x + y * y)
-    if length == 0.0:
-        x, y = -q0, -q1
-        length = math.sqrt(x * x + y * y)
-    ex, ey = (x / length, y / length) if length > 0.0 else (1.0, 0.0)
-    normal, good = -1.0, False
     lifts = q2 >= (mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0)
-    for _ in range(0 if lifts else 25):
-        h, slope, s, normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)
-        if slope > 0.0 and s < 0.0:
-            turn = -h / slope
-            if abs(turn) < 1e-9:  # one more quadratic step and it is exact
-                good = normal > 0.0
-            turn = max(-0.8, min(0.8, turn))
-            fx, fy = ex - turn * ey, ey + turn * ex
-        else:  # uphill: turn against the velocity
-            fx, fy = ex * s - h * ey, ey * s + h * ex
-            fx, fy = -fx, -fy
-        length = math.sqrt(fx * fx + fy * fy)
-        if length == 0.0:
-            break
-        ex, ey = fx / length, fy / length
+    ex, ey, normal, good = 1.0, 0.0, 0.0, False
+    for attempt in range(0 if lifts else 2):
+        if attempt == 1:  # afresh, towards where it would stick
+            x, y = -(W[6] * q0 + W[7] * q1 + W[8] * q2), -(W[7] * q0 + W[9] * q1 + W[10] * q2)
+        good, ex, ey = _turn(W, q0, q1, q2, mu, convex, x, y)
         if good:
             break
+    if not (good or lifts):
+        good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
     if good:
         normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3]
-    elif lifts:
-        normal = 0.0
-    else:
-        good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
-        normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3] if good else 0.0
     if low <= normal <= high:
         return mu * normal * ex, mu * normal * ey, normal
     # a bound holds the normal force; where no sliding force exists the free normal force decides

@@ -6,7 +6,7 @@ import importlib
 import math
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -52,6 +52,13 @@ class Answer(NamedTuple):
     timings: dict[str, float] | None = None
 
 
+Numbers = tuple[float, float, float, float, float]
+Shortcut = Callable[
+    [ContactProblem, float, int | None, FloatArray | None],
+    tuple[FloatArray, int, FloatArray, Numbers],
+]
+"""(problem, tol, max_iterations, warm_start) -> (forces, iterations, velocities, fields of `Residuals`)."""
+SHORTCUT_CONTACTS = 30
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
 Function = TypeVar("Function", bound=SolverFunction)
 
@@ -67,6 +74,7 @@ class SolverEntry:
     polyhedral: bool
     bilateral: bool
     bounds: bool
+    shortcut: Shortcut | None = None
 
 
 _REGISTRY: dict[str, SolverEntry] = {}
@@ -91,6 +99,7 @@ def register(
     polyhedral: bool = False,
     bilateral: bool = False,
     bounds: bool = True,
+    shortcut: Shortcut | None = None,
 ) -> Callable[[Function], Function]:
     """Return the decorator that makes a function a solver.
 
@@ -106,10 +115,15 @@ def register(
         Whether it takes problems with bilateral contacts.
     bounds
         Whether it takes normal bounds other than 0 and infinity.
+    shortcut
+        What `solve` tries first for few contacts on exact cones: one compiled call that solves and has
+        `contact.residuals` judge. If that is not solved, the function goes on from its forces.
     """
 
     def decorate(function: Function) -> Function:
-        _REGISTRY[name] = SolverEntry(name, function, tuple(laws), exact, polyhedral, bilateral, bounds)
+        _REGISTRY[name] = SolverEntry(
+            name, function, tuple(laws), exact, polyhedral, bilateral, bounds, shortcut
+        )
         return function
 
     return decorate
@@ -167,21 +181,28 @@ def solve(
     ProblemError
         If the solver does not take this law or these cones, or a setting is out of range.
     """
-    entry = find_solver(solver, problem)
+    start = time.perf_counter()
     if not (0.0 <= tol < math.inf and max_time >= 0.0):
         real_number("tol", tol, low=0.0, high=1e300)
         real_number("max_time", max_time, low=0.0)
     if max_iterations is not None and max_iterations < 0:
         raise ProblemError(f"max_iterations must be >= 0, got {max_iterations}")
-    settings = Settings(tol, max_iterations, max_time)
     if warm_start is not None:
         warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
-    start = time.perf_counter()
+    entry = find_solver(solver, problem)
+    before = 0
+    if entry.shortcut is not None and problem.facets is None and 0 < problem.contacts <= SHORTCUT_CONTACTS:
+        forces, before, velocities, numbers = entry.shortcut(problem, tol, max_iterations, warm_start)
+        if numbers[0] <= tol:
+            spent = time.perf_counter() - start
+            return _solution(problem, forces, velocities, Status.SOLVED, numbers, entry.name, before, spent)
+        warm_start = forces
     if problem.contacts == 0:
         answer = Answer(np.zeros((0, 3)), 0)
     else:
-        answer = entry.function(problem, settings, warm_start)
-    return certify(problem, answer, entry.name, tol, time.perf_counter() - start)
+        answer = entry.function(problem, Settings(tol, max_iterations, max_time), warm_start)
+    found = certify(problem, answer, entry.name, tol, time.perf_counter() - start)
+    return found if before == 0 else replace(found, iterations=before + found.iterations)
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
@@ -193,24 +214,38 @@ def certify(
     problem: ContactProblem, answer: Answer, name: str, tol: float, solve_time: float
 ) -> ContactSolution:
     """Return the solution with a status that the residuals bear out, whatever the solver believes."""
-    forces = answer.forces
-    if forces.dtype != np.float64 or not forces.flags.c_contiguous:
-        forces = np.ascontiguousarray(forces, dtype=np.float64)
-    forces = forces.reshape(-1, 3)
+    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(-1, 3)
     velocities, numbers = certificate(problem, forces)
-    found = object.__new__(Residuals)
-    found.__dict__.update(zip(RESIDUAL_NAMES, numbers, strict=True))
-    if not math.isfinite(found.natural_map):
-        status = Status.INVALID
-    elif found.natural_map <= tol:
+    natural_map = numbers[0]
+    if natural_map <= tol:
         status = Status.SOLVED
+    elif not math.isfinite(natural_map):
+        status = Status.INVALID
     elif answer.stop is Status.INFEASIBLE:
         status = Status.INFEASIBLE
-    elif found.natural_map <= ALMOST_FACTOR * tol:
+    elif natural_map <= ALMOST_FACTOR * tol:
         status = Status.ALMOST
     else:
         status = answer.stop
-    # frozen dataclasses fill field by field through object.__setattr__; this is the same, at once
+    return _solution(
+        problem, forces, velocities, status, numbers, name, answer.iterations, solve_time, answer.timings
+    )
+
+
+def _solution(
+    problem: ContactProblem,
+    forces: FloatArray,
+    velocities: FloatArray,
+    status: Status,
+    numbers: Numbers,
+    solver: str,
+    iterations: int,
+    solve_time: float,
+    timings: dict[str, float] | None = None,
+) -> ContactSolution:
+    """Return the solution object; frozen dataclasses fill field by field, this does it at once."""
+    found = object.__new__(Residuals)
+    found.__dict__.update(zip(RESIDUAL_NAMES, numbers, strict=True))
     solution = object.__new__(ContactSolution)
     solution.__dict__.update(
         problem=problem,
@@ -218,10 +253,10 @@ def certify(
         velocities=velocities,
         status=status,
         residuals=found,
-        solver=name,
-        iterations=answer.iterations,
+        solver=solver,
+        iterations=iterations,
         solve_time=solve_time,
-        timings=answer.timings or {},
+        timings=timings or {},
     )
     return solution
 
