@@ -347,7 +347,7 @@ def test_elimination_matches_a_plain_kkt_solve() -> None:
     kkt = np.block([[H, E.T], [E, np.zeros((r, r))]])
     a = np.linalg.solve(kkt, np.concatenate([c, e + wide]))[:nv]
     assert offset + gain @ w == pytest.approx(a, abs=1e-8)
-    assert R @ R.T == pytest.approx(gain.T @ H @ gain, rel=1e-8)
+    assert pytest.approx(gain.T @ H @ gain, rel=1e-8) == R @ R.T
 
     def cost(x: np.ndarray) -> float:
         return float(0.5 * x @ H @ x - c @ x)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from surefoot.cli import bench_momentum, bench_statics, bench_walk
+from surefoot.cli import bench_faults, bench_momentum, bench_statics, bench_walk
 
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
 
@@ -17,3 +17,4 @@ def bench() -> None:
 app.command("momentum")(bench_momentum.momentum)
 app.command("statics")(bench_statics.statics)
 app.command("walk")(bench_walk.walk)
+app.command("faults")(bench_faults.faults)
