@@ -1,4 +1,4 @@
-"""Simple rigid bodies for the rigid world: a ball and a box, as robots without joints."""
+"""Simple bodies for the rigid world and for flights: a ball, a box, and a cat of two halves."""
 
 from __future__ import annotations
 
@@ -38,12 +38,52 @@ def box(
     return _body("box", m, m / 12.0 * (squares.sum() - squares), corners, radius)
 
 
-def _body(name: str, mass: float, moments: FloatArray, centres: FloatArray, radius: float) -> Robot:
-    """Return a free body with the given contact spheres, standing on z = 0 in its nominal pose."""
+def falling_cat(half_mass: float = 1.0, half_inertia: float = 0.003, leg_mass: float = 0.4) -> Robot:
+    """Return two halves on a twisting spine, each with two legs that slide out to either side.
+
+    Joints: the twist of the rear half against the front one [rad], then the reach of the two front and
+    the two rear legs [m]. The front half is the base; x runs along the spine. Legs that reach out
+    alike keep the centre of mass on the spine and the spine a principal axis.
+
+    Parameters
+    ----------
+    half_mass
+        Of each half without legs [kg].
+    half_inertia
+        Of each half about the spine [kg m^2].
+    leg_mass
+        Of each leg, a ball of 1 cm radius [kg].
+    """
+    pinocchio = _pinocchio()
+    model: Any = pinocchio.Model()
+    moments = np.array([half_inertia, 2.0 * half_inertia, 2.0 * half_inertia])
+    half = pinocchio.Inertia(_positive("half_mass", half_mass), np.zeros(3), np.diag(moments))
+    leg = pinocchio.Inertia.FromSphere(_positive("leg_mass", leg_mass), 0.01)
+    here = pinocchio.SE3.Identity()
+    front = model.addJoint(0, pinocchio.JointModelFreeFlyer(), here, "front")
+    spine = pinocchio.SE3(np.eye(3), np.array([-0.2, 0.0, 0.0]))
+    rear = model.addJoint(front, pinocchio.JointModelRX(), spine, "twist")
+    for body, name in ((front, "front"), (rear, "rear")):
+        model.appendBodyToJoint(body, half, here)
+        for side, turn in (("left", 1.0), ("right", -1.0)):
+            place = pinocchio.SE3(np.diag([1.0, turn, turn]), np.zeros(3))
+            slide = model.addJoint(body, pinocchio.JointModelPY(), place, f"{name}_{side}")
+            model.appendBodyToJoint(slide, leg, here)
+    empty = pinocchio.GeometryModel()
+    return Robot("cat", model, empty, empty, (), np.array(pinocchio.neutral(model)), True)
+
+
+def _pinocchio() -> Any:
     try:
         import pinocchio
     except ImportError as error:
         raise MissingExtra("pin", "robot") from error
+    return pinocchio
+
+
+def _body(name: str, mass: float, moments: FloatArray, centres: FloatArray, radius: float) -> Robot:
+    """Return a free body with the given contact spheres, standing on z = 0 in its nominal pose."""
+    pinocchio = _pinocchio()
     model: Any = pinocchio.Model()
     joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root_joint")
     inertia = pinocchio.Inertia(mass, np.zeros(3), np.diag(moments))

@@ -35,7 +35,7 @@ def plot_timing(timing: MomentumTiming, folder: Path) -> Path:
     ax.set_ylim(top=3e6 * max(timing.seconds["summed"]))
     ax.set_xlabel("links in the chain")
     ax.set_ylabel("one momentum matrix [µs]")
-    ax.set_title("Centroidal momentum matrix: composites grow like n, the sum over links like n²")
+    ax.set_title("Centroidal momentum matrix of a chain")
     ax.legend(fontsize=8)
     return save(figure, folder / "momentum-timing.png")
 
@@ -62,12 +62,15 @@ def plot_components(
     marks
         Name -> time of a vertical line.
     """
-    figure, axes = new_figure(len(panels), 1, size=(7.5, 1.2 + 1.9 * len(panels)), sharex=True)
+    figure, axes = new_figure(len(panels), 1, size=(7.5, 0.9 + 1.5 * len(panels)), sharex=True)
     for ax, (label, (curves, names)) in zip(axes[:, 0], panels.items(), strict=True):
         values = np.asarray(curves, dtype=np.float64).reshape(len(np.asarray(time)), -1)
         for k, name in enumerate(names):
             ax.plot(time, values[:, k], color=FOOT_COLOURS[k % len(FOOT_COLOURS)], label=name)
         ax.set_ylabel(label)
+        size = float(np.abs(values).max())
+        if np.ptp(values) < 1e-6 * size:  # a constant: no magnified rounding
+            ax.set_ylim(values.mean() - 0.2 * size, values.mean() + 0.2 * size)
         for when in (marks or {}).values():
             ax.axvline(when, color=MUTED, linewidth=0.8, linestyle=":")
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
@@ -78,4 +81,28 @@ def plot_components(
         )  # fmt: skip
     axes[-1, 0].set_xlabel("time [s]")
     figure.suptitle(title, fontsize=10)
+    return save(figure, path)
+
+
+def plot_curves(
+    path: Path,
+    x: ArrayLike,
+    curves: dict[str, ArrayLike],
+    x_label: str,
+    y_label: str,
+    title: str = "",
+    scales: tuple[str, str] = ("log", "linear"),
+) -> Path:
+    """Write a picture of named curves over x; every second one is drawn as dots (the measured ones)."""
+    figure, axes = new_figure(size=(6.0, 3.6))
+    ax = axes[0, 0]
+    for k, (name, y) in enumerate(curves.items()):
+        style = "o" if k % 2 else "-"
+        ax.plot(x, y, style, color=FOOT_COLOURS[k // 2 if len(curves) > 2 else k], label=name, markersize=4)
+    ax.set_xscale(scales[0])
+    ax.set_yscale(scales[1])
+    ax.set_xlabel(x_label)
+    ax.set_ylabel(y_label)
+    ax.set_title(title)
+    ax.legend(fontsize=8)
     return save(figure, path)
