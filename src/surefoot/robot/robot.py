@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ class Robot:
     model, data
         Pinocchio's Model and a Data of our own; write to neither.
     collision, visual
-        Pinocchio's geometry models.
+        Pinocchio's geometry models; the visual one is read from its files when first asked for.
     feet
         Where it can touch the ground, see `Foot`.
     nominal
@@ -49,12 +49,12 @@ class Robot:
         name: str,
         model: Any,
         collision: Any,
-        visual: Any,
+        visual: Callable[[], Any],
         feet: Sequence[str],
         nominal: FloatArray,
         floating: bool,
     ) -> None:
-        self.name, self.model, self.collision, self.visual = name, model, collision, visual
+        self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
         self.data = model.createData()
         self.floating = floating
         self.nominal = nominal
@@ -68,6 +68,11 @@ class Robot:
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
+
+    @cached_property
+    def visual(self) -> Any:
+        """Pinocchio's geometry model of what the robot looks like."""
+        return self._load_visual()
 
     @cached_property
     def mass(self) -> float:
@@ -254,8 +259,8 @@ def load_robot(
     return Robot(name, model, collision, visual, chosen, nominal, not fixed)
 
 
-def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Any]:
-    """Return Pinocchio's model, collision and visual geometry of a URDF file."""
+def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
+    """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
     try:
         import pinocchio
     except ImportError as error:
@@ -266,13 +271,15 @@ def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, 
     except (ValueError, RuntimeError) as error:
         raise ModelError(f"{path} is not a URDF that Pinocchio can read: {error}") from error
     packages = [str(f) for f in folders]
-    geometry = []
-    for kind in (pinocchio.GeometryType.COLLISION, pinocchio.GeometryType.VISUAL):
+
+    def shapes(kind: Any) -> Any:
         try:
-            geometry.append(pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages))
+            return pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages)
         except (ValueError, RuntimeError):  # meshes that cannot be found: the dynamics do without
-            geometry.append(pinocchio.GeometryModel())
-    return model, geometry[0], geometry[1]
+            return pinocchio.GeometryModel()
+
+    collision = shapes(pinocchio.GeometryType.COLLISION)
+    return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
 
 
 def _nominal(model: Any, collision: Any, srdf: Path | None, feet: Sequence[str], fixed: bool) -> FloatArray:

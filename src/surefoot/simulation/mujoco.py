@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.errors import MissingExtra, ModelError, ProblemError
+from surefoot.errors import MissingExtra, ModelError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import read_contacts
+from surefoot.simulation.mujoco_ground import add_shapes
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import (
     quaternion_from_rotation,
@@ -104,7 +105,8 @@ class MujocoWorld:
             [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
         )
         self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
-        geoms = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("foot:")]
+        names = [f"foot:{foot.name}:{k}" for foot in robot.feet for k in range(len(foot.centres))]
+        geoms = [int(self.model.geom(name).id) for name in names]  # MuJoCo numbers them along the tree
         self._geoms = np.array(geoms, dtype=np.int64)
         self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
         self._roots = np.array(self.model.body_rootid)[self._bodies]
@@ -249,15 +251,7 @@ def add_ground(spec: Any, terrain: Terrain, mu: float) -> None:
         "solimp": list(IMPEDANCE),
         "rgba": [0.91, 0.89, 0.85, 1.0],
     }
-    if not isinstance(terrain, SlopeTerrain):
-        raise ProblemError(f"the MuJoCo world has no shape for {terrain!r}")
-    spec.worldbody.add_geom(
-        name="ground",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[FLOOR_HALF_SIZE, FLOOR_HALF_SIZE, 1.0],
-        quat=quaternion_wxyz(quaternion_from_rotation(terrain.frame([0.0, 0.0]))),
-        **common,
-    )
+    add_shapes(mujoco, spec, terrain, common)
 
 
 def _set_inertia(body: Any, inertia: Any) -> None:

@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from surefoot.cli.main import main
+from surefoot.robot.catalog import find, robots_folder
+
+KEYS = {
+    "robot", "mass", "duration", "stood", "feet", "normal_force_total_mean", "laws", "torque_use_max",
+    "real_time_factor", "controller_step_us",
+}  # fmt: skip
+
+
+def test_stand_writes_everything(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = main(["stand", "go2", "--duration", "0.5", "--out", str(tmp_path), "--no-video"])
+    said = capfd.readouterr().out
+    assert code == 0
+    assert "go2 stood for 0.50 s and no law was broken" in said
+    (folder,) = tmp_path.iterdir()
+    names = {path.name for path in folder.iterdir()}
+    assert {
+        "log.npz",
+        "summary.json",
+        "report.html",
+        "normal_forces.png",
+        "cone_use.png",
+        "base.png",
+        "torques.png",
+    } <= names
+    assert json.loads((folder / "summary.json").read_text())["stood"] is True
+
+
+def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = main(["stand", "solo12", "--duration", "0.3", "--out", str(tmp_path), "--no-video", "--json"])
+    out = capfd.readouterr()
+    summary = json.loads(out.out)
+    assert code == 0
+    assert out.err == ""
+    assert set(summary) >= KEYS
+    assert set(summary["laws"]) >= {
+        "penetration_max",
+        "unilateral_min",
+        "cone_use_max",
+        "complementarity_max",
+    }
+    assert set(summary["feet"][0]) >= {"name", "normal_force_mean", "weight_share", "cone_use_max", "slip"}
+    assert set(summary["controller_step_us"]) >= {"median", "p99"}
+
+
+def test_each_run_gets_a_new_folder(tmp_path: Path) -> None:
+    for _ in range(2):
+        main(["stand", "--duration", "0.1", "--out", str(tmp_path), "--no-video", "--json"])
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_impossible_slope_is_told_not_run(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = main(["stand", "--slope", "35", "--mu", "0.6", "--out", str(tmp_path)])
+    said = capfd.readouterr().out
+    assert code == 1
+    assert "not possible with friction 0.6; 0.70 would be needed" in said
+    assert not list(tmp_path.iterdir())
+    code = main(["stand", "--slope", "35", "--mu", "0.6", "--out", str(tmp_path), "--json"])
+    facts = json.loads(capfd.readouterr().out)
+    assert (code, facts["stood"], facts["outcome"]) == (1, False, "impossible")
+    assert facts["statics"][0]["friction_needed"] == pytest.approx(0.7002, abs=1e-3)
+
+
+def test_anyway_runs_and_is_honest(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    options = ["--slope", "35", "--mu", "0.6", "--anyway", "--duration", "2", "--no-video", "--json"]
+    code = main(["stand", *options, "--out", str(tmp_path)])
+    summary = json.loads(capfd.readouterr().out)
+    assert code == 1
+    assert summary["outcome"] in ("slipped", "fell")
+    assert summary["stood"] is False
+
+
+def test_any_urdf_with_feet(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = robots_folder() / find("a1").urdf
+    feet = "FL_foot,FR_foot,RL_foot,RR_foot"
+    options = ["--urdf", str(path), "--feet", feet, "--duration", "1", "--no-video", "--json"]
+    code = main(["stand", *options, "--out", str(tmp_path)])
+    assert code == 0
+    assert json.loads(capfd.readouterr().out)["robot"] == "a1"
+
+
+def test_pyramids_and_other_solvers(tmp_path: Path) -> None:
+    for options in (
+        ["--facets", "8"],
+        ["--facets", "4", "--fit", "outer", "--solver", "quadprog"],
+        ["--solver", "clarabel"],
+    ):
+        assert (
+            main(["stand", "--duration", "0.2", *options, "--out", str(tmp_path), "--no-video", "--json"])
+            == 0
+        )
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["dog"], "unknown robot 'dog'; valid names: a1,"),
+        (["--urdf", "none.urdf", "--feet", "a"], "no URDF file at"),
+        (["--urdf", "none.urdf"], "--urdf needs --feet"),
+        (["go2", "--urdf", "x.urdf", "--feet", "a"], "either a robot or --urdf"),
+        (["--feet", "toe"], "unknown foot frame of go2.urdf 'toe'; valid names:"),
+        (["--mu", "-0.1"], "--mu must be a number"),
+        (["--mu", "nan"], "--mu must be a number"),
+        (["--facets", "2"], "--facets must be a whole number >= 3 or 'exact', got '2'"),
+        (["--fit", "middle"], "unknown fit 'middle'; valid names: inner, outer"),
+        (["--push", "1:2"], "--push '1:2' is not of the form T:FX,FY,FZ:DURATION"),
+        (["--push", "1:a,0,0:1"], "--push: 'a' is not a finite number"),
+        (["--push", "1:1,0,0:-1"], "DURATION > 0"),
+        (["--ice", "x"], "--ice 'x' is not of the form T:MU"),
+        (["--lift", "FL"], "--lift 'FL' is not of the form FOOT:T0:T1"),
+        (["--lift", "toe:1:2"], "unknown foot of go2 'toe'"),
+        (["--solver", "magic"], "unknown solver 'magic'"),
+        (["--world", "moon"], "unknown world 'moon'"),
+        (["--duration", "-1"], "--duration must be between 0 and 3600 s"),
+        (["--payload", "-1"], "--payload must be a number"),
+        (["panda"], "needs a floating base and feet"),
+        (["--bogus"], "No such option"),
+    ],
+)
+def test_wrong_input_is_one_line_and_exit_2(
+    options: list[str], said: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["stand", *options, "--out", str(tmp_path)]) == 2
+    out = capfd.readouterr()
+    assert said in out.err
+    assert out.err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_unwritable_folder(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("mine")
+    assert main(["stand", "--duration", "0.1", "--out", str(tmp_path / "file")]) == 2
+    assert "cannot write to --out" in capfd.readouterr().err
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_without_a_gl_the_run_finishes(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import mujoco
+
+    def broken(*arguments: object, **options: object) -> None:
+        raise RuntimeError("no display")
+
+    monkeypatch.setattr(mujoco, "Renderer", broken)
+    assert main(["stand", "--duration", "0.2", "--out", str(tmp_path)]) == 0
+    assert "no pictures: MuJoCo found no OpenGL to draw with (no display)" in capfd.readouterr().out

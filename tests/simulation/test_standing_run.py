@@ -1,0 +1,197 @@
+"""Robots stand in MuJoCo: forces from the world, not from the controller, feed every check."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.control.standing import StandingController
+from surefoot.control.standing_plan import Lift, StandingPlan
+from surefoot.errors import ProblemError
+from surefoot.simulation.log import FIELDS, Log, read_log
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.standing import (
+    Ice,
+    Push,
+    StandScenario,
+    fallen,
+    push_at,
+    run_standing,
+    start_velocity,
+)
+from surefoot.simulation.summary import summarise, tilt_angles
+from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
+
+
+def stand(
+    name: str = "go2",
+    degrees: float = 0.0,
+    duration: float = 2.0,
+    mu: float = 0.6,
+    payload: float = 0.0,
+    lifts: tuple[Lift, ...] = (),
+    **events: object,
+) -> Log:
+    robot, terrain = sf.load_robot(name), sf.SlopeTerrain(degrees)
+    q = sf.place(robot, terrain)
+    controller = StandingController(robot, StandingPlan(robot, terrain, q, lifts), terrain, q, mu)
+    world = MujocoWorld(robot, terrain, mu, payload=payload)
+    return run_standing(world, controller, q, StandScenario(duration, mu, **events))  # type: ignore[arg-type]
+
+
+def test_go2_stands_on_flat_ground() -> None:
+    log = stand(duration=5.0)
+    summary = summarise(log)
+    weight = summary["mass"] * GRAVITY
+    assert weight == pytest.approx(157.8, abs=0.05)
+    assert summary["stood"]
+    assert summary["laws_broken"] == []
+    assert summary["normal_force_total_mean"] == pytest.approx(weight, rel=5e-3)
+    means = {foot["name"]: foot["normal_force_mean"] for foot in summary["feet"]}
+    assert abs(means["FL_foot"] - means["FR_foot"]) < 1.0
+    assert abs(means["RL_foot"] - means["RR_foot"]) < 1.0
+    assert summary["base"]["position_max"] < 5e-3
+    assert summary["base"]["tilt_max_deg"] < 0.5
+    steady = slice(len(log) // 2, None)
+    measured, commanded = log["forces"][steady], log["forces_commanded"][steady]
+    assert np.abs(measured[..., :2]).max() < 1.0  # tangential forces are small
+    error = np.linalg.norm(measured - commanded, axis=-1)
+    assert np.all(error <= 0.05 * np.linalg.norm(commanded, axis=-1) + 1.0)
+
+
+@pytest.mark.parametrize("name", ["go1", "a1", "anymal_b", "anymal_c", "hyq", "b1", "solo12", "g1"])
+def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
+    summary = summarise(stand(name, duration=1.0))
+    assert summary["stood"]
+    assert summary["laws_broken"] == []
+    assert summary["normal_force_total_mean"] == pytest.approx(summary["mass"] * GRAVITY, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        {"degrees": 20.0},
+        {"payload": 5.0, "duration": 4.0},
+        {"pushes": [Push(0.5, (60.0, 0.0, 0.0), 0.2)]},
+        {"lifts": (Lift("FL", 1.0, 2.0),), "duration": 3.0},
+        {"ice": [Ice(1.0, 0.05)]},
+        {"seed": 3},
+    ],
+    ids=["slope", "payload", "push", "lift", "ice", "seed"],
+)
+def test_go2_stands_through(case: dict[str, object]) -> None:
+    summary = summarise(stand(**case))  # type: ignore[arg-type]
+    assert summary["stood"], summary["outcome"]
+    assert summary["laws_broken"] == []
+
+
+def test_slope_shares_the_weight_between_normal_and_friction() -> None:
+    log = stand(degrees=20.0)
+    total = log["forces"][-500:].mean(axis=0).sum(axis=0)
+    weight = log.facts["mass"] * GRAVITY
+    angle = np.radians(20.0)
+    # +x climbs: friction pushes uphill with m g sin, the ground with m g cos
+    np.testing.assert_allclose(
+        total, weight * np.array([np.sin(angle), 0.0, np.cos(angle)]), atol=2e-3 * weight
+    )
+
+
+def test_lifted_foot_is_in_the_air_and_back() -> None:
+    log = stand(lifts=(Lift("FL", 1.0, 2.0),), duration=3.0)
+    aloft = (log["time"] > 1.0) & (log["time"] < 2.0)
+    assert np.all(log["forces_commanded"][aloft][:, 0] == 0.0)
+    middle = (log["time"] > 1.2) & (log["time"] < 1.8)
+    assert log["gaps"][middle, 0].min() > 0.02
+    assert np.all(log["forces"][middle, 0] == 0.0)
+    assert log["forces"][-100:, 0, 2].mean() == pytest.approx(log.facts["mass"] * GRAVITY / 4, rel=0.05)
+
+
+def test_ice_on_a_slope_ends_in_an_honest_slip() -> None:
+    log = stand(degrees=15.0, duration=4.0, ice=[Ice(1.0, 0.15)])
+    summary = summarise(log)
+    assert summary["outcome"] == "slipped"
+    assert not summary["stood"]
+    assert all(np.isfinite(rows).all() for rows in log.arrays.values())
+    assert max(foot["slip"] for foot in summary["feet"]) > 0.01
+
+
+def test_push_beyond_the_ground_is_flagged_not_hidden() -> None:
+    log = stand(pushes=[Push(0.5, (0.0, 250.0, 0.0), 0.3)], duration=1.5)
+    assert not log["attained"].all()
+    cone = sf.FrictionCone(0.6)
+    assert np.all(cone.margin(log["forces_commanded"]) > -1e-9)
+
+
+def test_same_seed_same_log_and_another_seed_another() -> None:
+    one, two, other = stand(seed=5, duration=0.3), stand(seed=5, duration=0.3), stand(seed=6, duration=0.3)
+    for name in one.arrays:
+        if name != "controller_time":
+            np.testing.assert_array_equal(one[name], two[name])
+    assert not np.array_equal(one["q"], other["q"])
+
+
+def test_interrupted_run_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps = 0
+    original = MujocoWorld.step
+
+    def step(self: MujocoWorld, *arguments: object) -> None:
+        nonlocal steps
+        steps += 1
+        if steps == 150:
+            raise KeyboardInterrupt
+        original(self, *arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(MujocoWorld, "step", step)
+    log = stand()
+    assert log.facts["outcome"] == "interrupted"
+    assert 100 < len(log) < 150
+    assert all(len(rows) == len(log) for rows in log.arrays.values())
+    assert summarise(log)["outcome"] == "interrupted"
+    assert not summarise(log)["stood"]
+
+
+def test_log_round_trip_without_pickle(tmp_path: Path) -> None:
+    log = stand(duration=0.1)
+    path = log.save(tmp_path / "log.npz")
+    again = read_log(path)
+    assert set(again.arrays) == set(log.arrays) <= set(FIELDS)
+    for name in log.arrays:
+        np.testing.assert_array_equal(again[name], log[name])
+    assert again.facts["robot"] == "go2"
+    assert again.facts["feet"] == list(log.facts["feet"])
+    assert summarise(again) == summarise(log)
+    with pytest.raises(ProblemError, match="exists already"):
+        log.save(path)
+    with pytest.raises(ProblemError, match="not a Surefoot log"):
+        read_log(tmp_path / "none.npz")
+    np.savez(tmp_path / "other.npz", schema=99)
+    with pytest.raises(ProblemError, match="schema 99, expected 1"):
+        read_log(tmp_path / "other.npz")
+
+
+def test_logged_grasp_map_is_the_one_of_that_step() -> None:
+    log = stand(duration=0.2, pushes=[Push(0.05, (40.0, 0.0, 0.0), 0.1)])
+    missed = np.einsum("tij,tj->ti", log["grasp_map"], log["forces_commanded"].reshape(len(log), -1))
+    np.testing.assert_allclose(missed - log["wrench_desired"], log["wrench_error"], atol=1e-9)
+
+
+def test_helpers() -> None:
+    pushes = [Push(1.0, (1.0, 0.0, 0.0), 0.5), Push(1.2, (0.0, 2.0, 0.0), 0.1)]
+    assert push_at(pushes, 0.9) is None
+    np.testing.assert_allclose(push_at(pushes, 1.25), [1.0, 2.0, 0.0])
+    assert push_at(pushes, 1.5) is None
+    robot = sf.load_robot("go2")
+    assert start_velocity(robot, None) is None
+    q = robot.nominal
+    assert fallen(q, q, np.eye(3)) is None
+    lying = q.copy()
+    lying[3:7] = quaternion_from_rotation(rotation_about([1.0, 0.0, 0.0], np.radians(60.0)))
+    assert fallen(lying, q, np.eye(3)) == "fell"
+    low = q.copy()
+    low[2] *= 0.4
+    assert fallen(low, q, np.eye(3)) == "fell"
+    assert fallen(np.full_like(q, np.nan), q, np.eye(3)) == "invalid"
+    np.testing.assert_allclose(tilt_angles(np.stack([q, lying])), [0.0, np.radians(60.0)], atol=1e-9)
