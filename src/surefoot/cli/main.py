@@ -7,7 +7,7 @@ from typing import cast
 
 import typer
 
-from surefoot.cli import bench, cone, model, stand, walk
+from surefoot.cli import bench, check, cone, model, region, stand, walk
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -24,6 +24,8 @@ app = typer.Typer(
 app.command("stand")(stand.stand)
 app.command("walk")(walk.walk)
 app.command("cone")(cone.cone)
+app.command("check")(check.check)
+app.command("region")(region.region)
 app.command("model")(model.model)
 app.add_typer(bench.app, name="bench")
 

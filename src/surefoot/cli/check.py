@@ -1,0 +1,182 @@
+"""`surefoot check`: can it stand here, with forces or a proof that there are none."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from surefoot.cli.output import new_run_folder, to_json
+from surefoot.errors import ProblemError, unknown_name
+
+PUSHES = {
+    "forward (+x)": (1, 0, 0),
+    "back (-x)": (-1, 0, 0),
+    "left (+y)": (0, 1, 0),
+    "right (-y)": (0, -1, 0),
+    "up (+z)": (0, 0, 1),
+    "down (-z)": (0, 0, -1),
+}
+
+
+def check(
+    file: Annotated[
+        Path | None, typer.Argument(help="A stance file (YAML); see docs/stance-files.md.")
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help="A known robot instead of a file.")] = None,
+    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
+    feet: Annotated[str | None, typer.Option(help="Foot frames of the robot, comma-separated.")] = None,
+    slope: Annotated[float, typer.Option(help="Slope under the robot that rises along +x [deg].")] = 0.0,
+    mu: Annotated[float | None, typer.Option(help="Friction of every contact (robot: 0.6).")] = None,
+    lift: Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")] = None,
+    facets: Annotated[str, typer.Option(help="Sides of friction pyramids, or 'exact'.")] = "exact",
+    fit: Annotated[str, typer.Option(help="Pyramids inside or around the cones: inner or outer.")] = "inner",
+    motors: Annotated[
+        bool, typer.Option("--motors/--no-motors", help="Ask the robot's torque limits.")
+    ] = True,
+    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the stance.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
+    from surefoot.cli import parsing
+    from surefoot.cli.stance_input import asked
+
+    if fit not in ("inner", "outer"):
+        raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
+    given = asked(file, robot, urdf, feet, slope, mu, lift)
+    sides = parsing.facets(facets)
+    facts, ground, motor = _facts(given, sides, fit, motors)
+    if picture:
+        from surefoot.viz.stance_plots import draw_check
+
+        verdict = motor if ground.feasible and motor is not None else ground
+        folder = new_run_folder(out, "check")
+        facts["picture"] = str(draw_check(given.question, verdict, facts["verdict"], folder / "stance.png"))
+    if as_json:
+        print(to_json(facts))
+    else:
+        _print(facts)
+    return 0 if facts["possible"] else 1
+
+
+def _facts(given: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[str, Any], Any, Any]:
+    """Return everything the command says, the ground's verdict and, for a robot, the motors'."""
+    from surefoot.equilibrium import actuation, can_stand, com_region, friction_needed
+
+    asked = given.question
+    ground = can_stand(asked.stance, asked.com, asked.mass, asked.external_wrench, facets, fit)
+    motor = None
+    if given.robot is not None and motors and len(asked.stance):
+        motor = actuation.can_stand(given.robot, asked.stance, given.q, asked.external_wrench, facets, fit)
+    needed = friction_needed(asked.stance, asked.com, asked.mass, asked.external_wrench)
+    possible = ground.feasible and (motor is None or motor.feasible)
+    best = motor if motor is not None and motor.feasible else ground
+    facts: dict[str, Any] = {
+        "name": asked.name,
+        "possible": possible,
+        "verdict": _sentence(asked, ground, motor, needed),
+        "mass": asked.mass,
+        "com": asked.com,
+        "external_wrench": asked.external_wrench,
+        "cones": "exact" if facets is None else f"{fit} pyramids with {facets} sides",
+        "margin": best.margin if possible else (ground if not ground.feasible else motor).margin,  # type: ignore[union-attr]
+        "friction_needed": needed,
+        "contacts": _contact_rows(asked.stance, best if possible else None),
+        "largest_push": {
+            name: best.largest_disturbance([*axis, 0.0, 0.0, 0.0]) for name, axis in PUSHES.items()
+        }
+        if possible
+        else None,
+        "certificate": None if ground.feasible else ground.certificate,
+        "motors": None
+        if motor is None
+        else {"possible": motor.feasible, "margin": motor.margin, "limiting": list(motor.limiting)},
+    }
+    if len(asked.stance):
+        region = com_region(asked.stance, asked.mass, external_wrench=asked.external_wrench)
+        facts["com_region"] = {"corners": region.inner, "area": region.area, "gap": region.gap}
+        facts["com_region"]["distance"] = region.distance(asked.com)
+    return facts, ground, motor
+
+
+def _sentence(asked: Any, ground: Any, motor: Any, needed: float) -> str:
+    """Return the verdict in one line."""
+    if not len(asked.stance):
+        return "impossible: nothing touches the ground"
+    least = float(asked.stance.mu.min())
+    if ground.feasible and (motor is None or motor.feasible):
+        best = ground if motor is None else motor
+        margin = "without limit" if math.isinf(best.margin) else f"{best.margin:.3g} N"
+        return f"possible: margin {margin}; friction needed {needed:.3f}, least friction here {least:g}"
+    if not ground.feasible:
+        if math.isinf(needed):
+            return "impossible: no friction would be enough"
+        if needed > least:
+            return (
+                f"impossible: needs friction {needed:.3f} at every contact, least friction here is {least:g}"
+            )
+        return "impossible: the contacts reach their bounds"
+    joints = ", ".join(name.split()[0] for name in motor.limiting[:3])
+    return f"impossible for the motors, though not for the ground: short of torque at {joints}"
+
+
+def _contact_rows(stance: Any, verdict: Any) -> list[dict[str, Any]]:
+    """Return one row per contact: place, friction, force, share of the friction in use."""
+    forces = verdict.by_contact() if verdict is not None else [None] * len(stance)
+    rows = []
+    for contact, force in zip(stance, forces, strict=True):
+        row: dict[str, Any] = {
+            "name": contact.name,
+            "position": contact.position,
+            "tilt_deg": math.degrees(math.acos(max(-1.0, min(1.0, float(contact.normal[2]))))),
+            "mu": contact.mu,
+            "force": None,
+            "friction_used": None,
+        }
+        if force is not None:
+            row["force"] = force
+            side, limit = math.hypot(force[0], force[1]), contact.mu * force[2]
+            row["friction_used"] = side / limit if limit > 0.0 else (0.0 if side < 1e-9 else math.inf)
+        rows.append(row)
+    return rows
+
+
+def _numbers(values: Any, digits: int) -> str:
+    """Return numbers side by side, without negative zeros."""
+    return "  ".join(f"{round(float(x), digits) + 0.0:.{digits}f}" for x in values)
+
+
+def _print(facts: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    style = "bold green" if facts["possible"] else "bold red"
+    console.print(f"{facts['name']}: {facts['verdict']}", style=style, soft_wrap=True, highlight=False)
+    table = Table()
+    for name in ("contact", "position [m]", "tilt [deg]", "mu", "force x, y, z [N]", "friction used"):
+        table.add_column(name, no_wrap=name in ("position [m]", "force x, y, z [N]"))
+    for row in facts["contacts"]:
+        force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)
+        used = "-" if row["friction_used"] is None else f"{100 * row['friction_used']:.0f} %"
+        place = _numbers(row["position"], 3)
+        table.add_row(row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, used)
+    console.print(table)
+    if facts["largest_push"]:
+        table = Table("push at the centre of mass", "largest [N]")
+        for name, size in facts["largest_push"].items():
+            table.add_row(name, "any" if math.isinf(size) else f"{size:.1f}")
+        console.print(table)
+    if facts["certificate"] is not None:
+        motion = facts["certificate"] / max(abs(x) for x in facts["certificate"])
+        console.print(
+            f"It gives way by the motion [{_numbers(motion[:3], 3)}] [{_numbers(motion[3:], 3)}] (linear, "
+            "and angular about the centre of mass): gravity works with it, no contact force against it.",
+            soft_wrap=True,
+            highlight=False,
+        )
+    if facts.get("picture"):
+        console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
