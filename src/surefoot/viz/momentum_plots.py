@@ -101,6 +101,9 @@ def plot_curves(
         ax.plot(x, y, style, color=FOOT_COLOURS[k // 2 if len(curves) > 2 else k], label=name, markersize=4)
     ax.set_xscale(scales[0])
     ax.set_yscale(scales[1])
+    for axis, scale in zip((ax.xaxis, ax.yaxis), scales, strict=True):
+        if scale == "log":
+            axis.set_minor_formatter("")
     ax.set_xlabel(x_label)
     ax.set_ylabel(y_label)
     ax.set_title(title)
