@@ -9,7 +9,8 @@ from typing import TypeVar
 from surefoot.control.standing_plan import Lift
 from surefoot.errors import ProblemError
 from surefoot.simulation.standing import Ice, Push
-from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
+from surefoot.simulation.walk_terrain import rough_ground
+from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 T = TypeVar("T")
 
@@ -105,11 +106,13 @@ def velocity(text: str) -> tuple[float, float, float]:
     return x, y, turn
 
 
-TERRAINS = "flat, slope:DEG"
+STAIRS = 10
+"""Steps of the stairs of --terrain."""
+TERRAINS = "flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT"
 
 
 def terrain(text: str) -> Terrain:
-    """Return the terrain of "flat" or "slope:DEG".
+    """Return the terrain of "flat", "slope:DEG", "stairs:HEIGHT,DEPTH" or "rough:SEED,HEIGHT" [m].
 
     >>> terrain("slope:15")
     SlopeTerrain(15)
@@ -120,4 +123,8 @@ def terrain(text: str) -> Terrain:
         return FlatTerrain()
     if kind == "slope" and len(values) == 1:
         return SlopeTerrain(values[0])
+    if kind == "stairs" and len(values) == 2:
+        return StairsTerrain(values[0], values[1], steps=STAIRS)
+    if kind == "rough" and len(values) == 2 and values[0] >= 0.0 and values[0] == int(values[0]):
+        return rough_ground(int(values[0]), values[1])
     raise ProblemError(f"--terrain {text!r} is not one of: {TERRAINS}")

@@ -142,12 +142,12 @@ def _set_up(
 ) -> tuple[Any, Any, Any]:
     """Return controller, world and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
-    from surefoot.robot import place
     from surefoot.simulation.mujoco import MujocoWorld
+    from surefoot.simulation.walk_terrain import start_pose
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
-    return controller, MujocoWorld(robot, ground, mu, payload=payload), place(robot, ground)
+    return controller, MujocoWorld(robot, ground, mu, payload=payload), start_pose(robot, ground)
 
 
 def _write(

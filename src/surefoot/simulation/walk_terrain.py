@@ -1,0 +1,45 @@
+"""Ground to walk on: random bumps, and where a robot starts on each terrain."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.robot import Robot, place
+from surefoot.stance import HeightfieldTerrain, StairsTerrain, Terrain
+
+BUMP = 0.2
+"""Distance between the random heights of rough ground [m]."""
+FIELD = (16.0, 8.0)
+"""Size of rough ground along x and y [m], about the origin."""
+BEFORE_STAIRS = 3.0
+"""A robot starts this far before the first riser, in heights of its base."""
+
+
+def rough_ground(seed: int, height: float) -> HeightfieldTerrain:
+    """Return ground with random heights, uniform between 0 and `height` [m], every `BUMP`, smooth in between.
+
+    Examples
+    --------
+    >>> ground = rough_ground(seed=3, height=0.04)
+    >>> bool(0.0 <= ground.heights.min() <= ground.heights.max() <= 0.04)
+    True
+    """
+    top = real_number("height", height, low=0.0, high=10.0)
+    counts = [round(size / BUMP) + 1 for size in FIELD]
+    return HeightfieldTerrain(np.random.default_rng(seed).uniform(0.0, top, counts), BUMP)
+
+
+def start_pose(robot: Robot, terrain: Terrain) -> FloatArray:
+    """Return a configuration that stands on the terrain: about the origin, or before the stairs' first riser.
+
+    Raises
+    ------
+    ModelError
+        If the legs do not reach the ground.
+    """
+    if not isinstance(terrain, StairsTerrain):
+        return place(robot, terrain)
+    q = place(robot)
+    q[0] -= BEFORE_STAIRS * float(robot.nominal[2])
+    return q
