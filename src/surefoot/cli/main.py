@@ -7,7 +7,7 @@ from typing import cast
 
 import typer
 
-from surefoot.cli import bench, check, cone, model, region, stand, walk
+from surefoot.cli import bench, check, cone, model, region, solve, stand, walk
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -27,6 +27,7 @@ app.command("cone")(cone.cone)
 app.command("check")(check.check)
 app.command("region")(region.region)
 app.command("model")(model.model)
+app.command("solve")(solve.solve)
 app.add_typer(bench.app, name="bench")
 
 

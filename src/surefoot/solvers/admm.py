@@ -53,7 +53,11 @@ def _iterate(
                 b[i + a] = rho * z[i + a] - y[i + a] + eta * x[i + a] - g[i + a]
             if coulomb and low[k] > -np.inf:
                 b[i + 2] -= shift_any(-y[i], -y[i + 1], mu[k], facets, inner)
-        x[:] = inverse @ b
+        x[:] = 0.0
+        for j in range(3 * n):  # not BLAS: its threads cost more than they bring, and row by row is as fast
+            factor = b[j]
+            for i in range(3 * n):
+                x[i] += inverse[j, i] * factor
         primal = dual = 0.0
         for k in range(n):
             i = 3 * k
