@@ -22,7 +22,7 @@ from surefoot.cli.output import new_run_folder
 from surefoot.spatial import GRAVITY
 from surefoot.viz.momentum_plots import plot_components, plot_curves
 
-LEAN, STEP = 0.8, 2e-4  # farthest lean of the upper body [rad], time step [s]
+LEAN, STEP = 0.8, 2.5e-4  # farthest lean of the upper body [rad], time step [s]
 
 
 class Pendulum:  # G1 as a point mass with its upper body as the flywheel, driven by both hips
@@ -60,8 +60,8 @@ class Pendulum:  # G1 as a point mass with its upper body as the flywheel, drive
 
     def survives(self, flywheel: bool) -> float:
         """The largest push [N s] that ends within the foot, by simulation."""
-        pushes = self.limits()[flywheel] * np.linspace(0.9, 1.1, 401)
-        return float(pushes[np.abs(self.run(pushes, flywheel, 3.0)[:, -1, 0]) <= self.foot].max())
+        pushes = self.limits()[flywheel] * np.linspace(0.95, 1.05, 201)
+        return float(pushes[np.abs(self.run(pushes, flywheel, 2.0)[:, -1, 0]) <= self.foot].max())
 
 
 def main(parent: Path = Path("runs")) -> dict[str, float]:
@@ -81,7 +81,7 @@ def main(parent: Path = Path("runs")) -> dict[str, float]:
     }
     title = f"G1, a push of {push[0]:.1f} N s: the swing of the upper body brings the capture point back"
     path = plot_components(folder / "push.png", STEP * np.arange(len(edge)), panels, title)
-    sizes = np.geomspace(0.05, 5.0, 9)
+    sizes = np.geomspace(0.1, 5.0, 6)
     gains = np.array([[p.limits()[1], p.survives(True)] for p in (Pendulum(robot, s) for s in sizes)])
     curves = {"formula": 100 * (gains[:, 0] / plain - 1), "simulated": 100 * (gains[:, 1] / plain - 1)}
     plot_curves(
