@@ -101,7 +101,7 @@ class ForceDistributor:
                 f"got {sorted(sizes)}"
             )
         self._fixed = bool(sizes)
-        self._build(sizes.pop() if sizes else 0)
+        self._build(sizes.pop() if sizes else 1)  # one contact, until the first grasp map says how many
 
     def _build(self, count: int) -> None:
         """Check the per-contact parameters for a number of contacts and make the work space."""
@@ -128,9 +128,8 @@ class ForceDistributor:
         units = 1.0 / np.sqrt(total)
         rows[:, newton.TANGENT], rows[:, newton.NORMAL] = units.T
         rows[:, newton.MU] = self._mu * units[:, 1] / units[:, 0]
-        # the shares of the two wishes in c differ between tangent and normal only if the weights do
-        rows[:, newton.PULL] = self._weights[:, 0] / total[:, 0]
-        rows[:, newton.DRAG] = self._smoothness / total[:, 0]
+        rows[:, newton.PULL : newton.PULL + 2] = self._weights * units
+        rows[:, newton.DRAG : newton.DRAG + 2] = self._smoothness * units
         self._results[newton.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
         self._results[newton.LIMIT] = self._limit
         self._rows = None if self._torque_limit is None else rows_work(count, self._torque_limit.size)
@@ -160,7 +159,7 @@ class ForceDistributor:
         jacobian
             (3n, joints) map from joint velocities to contact velocities in contact frames. With it
             the joint torques obey ``|jacobian.T @ f + torque_offset| <= torque_limit``. If no
-            admissible force does, `status` is INFEASIBLE and the forces are those with the least
+            admissible force does, `status` is INFEASIBLE and the forces come close to the least
             sum of squared excess.
         torque_offset
             (joints,) torques that the contact forces are added to [N·m]; zero if not given.
@@ -213,6 +212,42 @@ class ForceDistributor:
         self._code = distribute_with_rows(
             grasp_map, wrench, J, -limit - shift, limit - shift, self._work, *self._rows, forces
         )
+
+    def solve_with_sums(
+        self,
+        grasp_map: FloatArray,
+        wrench: FloatArray,
+        sums: FloatArray,
+        low: FloatArray,
+        high: FloatArray,
+    ) -> FloatArray:
+        """Return the optimal forces that also keep ``low <= sums.T @ f <= high``.
+
+        For linear rows of any kind, as the bounds on the sum of a patch's corner forces; `torque_excess`
+        and `status` speak of these rows.
+
+        Parameters
+        ----------
+        grasp_map, wrench
+            As for `solve`.
+        sums
+            (3n, rows).
+        low, high
+            (rows,), infinite where there is no bound.
+
+        Returns
+        -------
+        FloatArray
+            (n, 3) [N] in contact frames.
+        """
+        forces = np.empty(self._forces_shape)
+        if self._rows is None or self._rows[-1].shape[0] != sums.shape[1]:
+            self._rows = rows_work(forces.shape[0], sums.shape[1])
+        self._code = distribute_with_rows(
+            np.ascontiguousarray(grasp_map), wrench, np.ascontiguousarray(sums), low, high,
+            self._work, *self._rows, forces,
+        )  # fmt: skip
+        return forces
 
     def _fit(self, grasp_map: FloatArray, wrench: FloatArray) -> None:
         """Take the number of contacts from the first grasp map, or say which shape is wrong."""
@@ -351,9 +386,28 @@ def distribute(
     distributor = ForceDistributor(
         points.mu, points.normal_min, points.normal_max, wrench_weights, force_weight
     )
-    forces = distributor.solve(points.grasp_map(about), w)
     if len(points) == len(stance):
-        return forces
+        return distributor.solve(points.grasp_map(about), w)
+    forces = distributor.solve_with_sums(points.grasp_map(about), w, *_patch_sums(stance))
+    return _patch_wrenches(stance, points, forces)
+
+
+def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the (3n, patches) map from corner forces to the patches' normal forces, and its bounds."""
+    patches = [c for c in stance.contacts if c.dim == 6]
+    sums = np.zeros((3 * len(stance.points()), len(patches)))
+    row = column = 0
+    for contact in stance.contacts:
+        if contact.dim == 6:
+            sums[row + 2 : row + 12 : 3, column] = 1.0
+            column += 1
+        row += 12 if contact.dim == 6 else 3
+    low, high = (np.array([getattr(c, name) for c in patches]) for name in ("normal_min", "normal_max"))
+    return sums, low, high
+
+
+def _patch_wrenches(stance: Stance, points: Stance, forces: FloatArray) -> FloatArray:
+    """Return the stacked forces of points and wrenches of patches for (n, 3) forces of `stance.points()`."""
     out = np.zeros(stance.dim)
     taken = 0
     for contact, part in zip(stance.contacts, stance.slices, strict=True):

@@ -25,7 +25,7 @@ from surefoot.solvers.solver import Answer, Settings, register
 
 WELL_CONDITIONED = 1e-7  # smallest over largest eigenvalue from which no proximal term is needed
 PROXIMAL = 1e-5  # proximal weight over the largest eigenvalue
-ROUNDS, NEWTON_LIMIT = 100, 200
+ROUNDS, NEWTON_LIMIT = 100, 200.0
 
 
 @register("distribution", laws=("convex",))
@@ -49,7 +49,7 @@ def solve_distribution(problem: ContactProblem, settings: Settings, warm_start: 
     points, duals, H = np.zeros((5, 3 * n)), np.zeros((5, m)), np.zeros((m, m))
     forces = np.zeros((n, 3)) if warm_start is None else warm_start.copy()
     best, best_residual, iterations, stop = forces, np.inf, 0, Status.MAX_ITERATIONS
-    limit = settings.max_iterations if settings.max_iterations is not None else 10_000
+    limit = float(settings.max_iterations if settings.max_iterations is not None else 10_000)
     fixed = -unit * problem.g
     tol = (0.1 * settings.tol * float(np.linalg.norm(problem.g)) / (largest * unit)) ** 2
     duals[DUAL] = -(columns.T @ (forces.ravel() / unit))

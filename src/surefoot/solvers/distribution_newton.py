@@ -47,24 +47,18 @@ def project(sets: FloatArray, points: FloatArray, contacts: int) -> None:
 
 @kernel
 def pull_back(
-    columns: FloatArray,
-    sets: FloatArray,
-    points: FloatArray,
-    y: FloatArray,
-    out: int,
-    rho: float,
-    contacts: int,
+    columns: FloatArray, sets: FloatArray, y: FloatArray, out: FloatArray, rho: float, contacts: int
 ) -> None:
-    """Set a row of `points` to rho [Bᵀ; -Lᵀ] y."""
+    """Set `out`, a row of `points`, to rho [Bᵀ; -Lᵀ] y."""
     m = y.shape[0]
     for i in range(3 * contacts):
         total = 0.0
         for a in range(m):
             total += columns[i, a] * y[a]
-        points[out, i] = rho * total
+        out[i] = rho * total
     rows = sets.shape[0] - contacts
     for j in range(rows):
-        points[out, 3 * contacts + j] = -rho * sets[contacts + j, LINK] * y[m - rows + j]
+        out[3 * contacts + j] = -rho * sets[contacts + j, LINK] * y[m - rows + j]
 
 
 @kernel
@@ -214,18 +208,18 @@ def noise_floor(points: FloatArray, noise: float) -> float:
 @kernel
 def newton(
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
-    kappa: float, tol: float, noise: float, limit: int,
+    kappa: float, tol: float, noise: float, limit: float,
 ) -> tuple[float, int]:  # fmt: skip
     """Solve for weights kappa times larger, from the dual point in `duals`; return ||F||², iterations."""
     contacts = (points.shape[1] - sets.shape[0]) // 2
     m = duals.shape[1]
     y, F, d = duals[DUAL], duals[GRADIENT], duals[DIRECTION]
-    pull_back(columns, sets, points, y, POINT, 1.0 / kappa, contacts)
+    pull_back(columns, sets, y, points[POINT], 1.0 / kappa, contacts)
     for i in range(points.shape[1]):
         points[POINT, i] += points[CENTRE, i]
     error = gradient(columns, sets, points, duals, contacts)
     best, count = error, 0
-    while error > max(tol, noise_floor(points, noise)) and count < limit:
+    while error > tol and count < limit and (count == 0 or error > noise_floor(points, noise)):
         count += 1
         assemble(columns, sets, points, duals, H, kappa, contacts)
         for a in range(m):
@@ -239,7 +233,7 @@ def newton(
             y[a] += d[a]
         for i in range(points.shape[1]):
             points[OLD, i] = points[POINT, i]
-        pull_back(columns, sets, points, d, STEP, 1.0 / kappa, contacts)
+        pull_back(columns, sets, d, points[STEP], 1.0 / kappa, contacts)
         move(points, 1.0)
         error = gradient(columns, sets, points, duals, contacts)
         for a in range(m):
@@ -277,7 +271,7 @@ def shrink_weight(
 @kernel
 def minimise(
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
-    warm: bool, tol: float, limit: int,
+    warm: bool, tol: float, limit: float,
 ) -> tuple[float, float, int]:  # fmt: skip
     """Solve the program of this file's header; return ||F||², its rounding floor and the iterations.
 
@@ -305,16 +299,16 @@ def minimise(
     for a in range(duals.shape[1]):
         size += duals[TARGET, a] ** 2
     if warm:
-        error, count = newton(columns, sets, points, duals, H, 1.0, tol, noise, 20)
+        error, count = newton(columns, sets, points, duals, H, 1.0, tol, noise, 20.0)
     if not error <= max(tol, noise_floor(points, noise)):
         kappa = max(1.0, PATH_START * norm)
         duals[DUAL, :] = 0.0
         while kappa > 1.0:
-            _, used = newton(columns, sets, points, duals, H, kappa, PATH_TOLERANCE * size, noise, 10)
+            _, used = newton(columns, sets, points, duals, H, kappa, PATH_TOLERANCE * size, noise, 10.0)
             count += used
             smaller = max(1.0, kappa * PATH_STEP)
             shrink_weight(columns, sets, points, duals, H, kappa, smaller)
             kappa = smaller
-        error, used = newton(columns, sets, points, duals, H, 1.0, tol, noise, max(limit - count, 1))
+        error, used = newton(columns, sets, points, duals, H, 1.0, tol, noise, max(limit - count, 1.0))
         count += used
     return error, noise_floor(points, noise), count

@@ -42,6 +42,8 @@ HEAVY, LIGHT, MULTIPLIER, LAST, MOVED = 0, 1, 2, 3, 4
 TURNS, STUBBORN, RAISE = 30, 3, 10.0
 HEAVINESS, LIGHTNESS = 100.0, 1e-3  # weights of T f - q and of q, against those of the wrench and of f
 INSET = 1e-9  # the rows are kept this much inside their limits, so that they hold in spite of rounding
+WIDEST_INSET = 1e-5  # ... or, where rounding is worse than that, up to this much
+ALMOST_KEPT = 1e-6
 
 
 @kernel
@@ -115,7 +117,7 @@ def proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> boo
 @kernel
 def keep_rows(
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
-    rows: FloatArray, warm: bool, tol: float, row_tol: float, limit: int,
+    rows: FloatArray, warm: bool, tol: float, row_tol: float, limit: float,
 ) -> tuple[float, float, int, bool, bool]:  # fmt: skip
     """Solve the program with the intervals as limits on T f.
 
@@ -157,15 +159,14 @@ def keep_rows(
 
 @kernel
 def row_violation(jacobian: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray) -> float:
-    """Return by how much the worst row of low <= Jᵀ f <= high is broken; NaN if a row is not a number."""
-    worst = 0.0
+    """Return by how much the worst row of low <= Jᵀ f <= high is broken, negative if all hold."""
+    worst = -math.inf
     for j in range(jacobian.shape[1]):
         value = 0.0
         for k in range(forces.shape[0]):
             for i in range(3):
                 value += jacobian[3 * k + i, j] * forces[k, i]
-        value = max(low[j] - value, value - high[j])
-        worst = value if not value <= worst else worst
+        worst = max(worst, low[j] - value, value - high[j])
     return worst
 
 
@@ -182,9 +183,9 @@ def rows_work(contacts: int, count: int) -> RowsWork:
 def load_rows(
     wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray,
-    contacts: int,
+    contacts: int, margin: float,
 ) -> None:  # fmt: skip
-    """Copy a loaded wrench program from `work` and add the rows to it."""
+    """Copy a loaded wrench program from `work` and add the rows to it, `margin` inside their limits."""
     count = rows.shape[0]
     wide = steep = 0.0
     for k in range(contacts):
@@ -203,7 +204,7 @@ def load_rows(
     heavy, light = math.sqrt(HEAVINESS * max(wide, 1.0) / steep), math.sqrt(LIGHTNESS / steep)
     for j in range(count):
         rows[j, HEAVY], rows[j, LIGHT] = heavy, light
-        inset = min(INSET, 0.25 * (high[j] - low[j]))
+        inset = min(margin, 0.25 * (high[j] - low[j]))
         sets[contacts + j, LOW], sets[contacts + j, HIGH] = (
             light * (low[j] + inset),
             light * (high[j] - inset),
@@ -228,36 +229,48 @@ def distribute_with_rows(
     The rows are first left out: mostly they hold by themselves, and then that is the optimum.
     """
     contacts, results = forces.shape[0], forces.shape[0] + 1
+    check = 0.0
+    for j in range(jacobian.shape[1]):
+        check += 0.0 if low[j] < math.inf and high[j] > -math.inf else math.nan
+        for i in range(jacobian.shape[0]):
+            check += 0.0 * jacobian[i, j]
+    if check != 0.0:
+        base.hold(work, contacts, forces)
+        return base.INVALID
     code = base.distribute_wrench(grasp_map, wrench, work, forces)
     violation = row_violation(jacobian, forces, low, high)
     work[results, base.ROW_VIOLATION] = violation
     if code == base.INVALID or violation <= 0.0:
         work[results, base.ROWS_WARM] = 0.0
         return code
-    if not violation < math.inf:
-        base.hold(work, contacts, forces)
-        return base.INVALID
     if work[results, base.ROWS_WARM] == 0.0:
         rows[:, MULTIPLIER] = 0.0
         rows[:, LAST] = 0.0
         for a in range(6):
             duals[DUAL, a] = work[contacts, base.DUAL + a]
-    load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts)
-    tol, limit = work[results, base.TOLERANCE] ** 2, int(work[results, base.LIMIT])
-    error, _, used, settled, empty = keep_rows(
-        columns, sets, points, duals, H, rows, True, tol, INSET, max(limit, 200)
-    )
+    tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], 200.0)
+    margin, iterations, settled, empty, error = INSET, 0, False, False, math.inf
+    for _ in range(3):
+        load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts, margin)
+        error, violation, used, settled, empty = keep_rows(
+            columns, sets, points, duals, H, rows, True, tol, margin, limit
+        )
+        iterations += used
+        if settled or empty or violation > WIDEST_INSET:
+            break
+        margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
     for k in range(contacts):
         for i in range(3):
             work[k, base.FORCE + i] = points[VALUE, 3 * k + i]
     base.unload(work, contacts, forces)
-    left = base.measure(work, contacts, base.weigh(wrench, work, contacts), error)
+    missing = base.remainder(work, contacts, base.weigh(wrench, work, contacts))
+    left = base.measure(work, contacts, missing, error)
     violation = row_violation(jacobian, forces, low, high)
     work[results, base.ROW_VIOLATION] = violation
-    work[results, base.ITERATIONS] += used
+    work[results, base.ITERATIONS] += iterations
     work[results, base.ROWS_WARM] = 1.0 if settled else 0.0
     if empty:
         return base.INFEASIBLE
-    if settled and violation <= INSET and error <= max(tol, base.RELATIVE * left):
+    if settled and violation <= 0.0 and error <= max(tol, base.RELATIVE * left):
         return base.SOLVED
-    return base.ALMOST if violation <= 1e3 * INSET else base.MAX_ITERATIONS
+    return base.ALMOST if violation <= ALMOST_KEPT else base.MAX_ITERATIONS

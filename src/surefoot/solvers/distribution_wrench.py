@@ -51,8 +51,8 @@ TANGENT, NORMAL = 3, 4  # newtons per scaled unit
 FLOOR, CEILING = 38, 39  # normal bounds [N]
 LAST = 40  # the last command [N], 3 numbers
 REFERENCE = 43  # wanted force [N], 3 numbers
-PULL, DRAG = 46, 47  # shares of the reference and of the last command in c
-WIDTH = 48
+PULL, DRAG = 46, 48  # what the reference and the last command give to c: tangential and normal [1/N]
+WIDTH = 50
 # ... and two more: memory (the dual wrench, roots of the wrench weights) ...
 DUAL, ROOT = 0, 6
 # ... and settings and results.
@@ -61,15 +61,16 @@ ROW_VIOLATION, ROWS_WARM = 8, 9  # see `surefoot.solvers.distribution_rows`
 
 SOLVED, ALMOST, MAX_ITERATIONS, INVALID, INFEASIBLE = 0, 1, 2, 3, 4
 
+# Counts are floats on purpose: Numba would compile a caller's integer constants into copies of a kernel.
 # Tuning; what they change is the time of hard instances, never the answer.
 FAR = 0.3  # share of ||b||² at which the first residual sends an instance down the path
-PATIENCE = 3  # line searches on the direct way before the path is taken
+PATIENCE = 3.0  # line searches on the direct way before the path is taken
 PATH_START = 0.002  # kappa at the start of the path, over the squared Frobenius norm of B
 PATH_STEP = 0.05  # shrinkage of kappa from stage to stage; then, if that failed, ...
 SMALL_STEP = 0.2
 PATH_TOLERANCE = 1e-5  # of a stage: ||F||² over ||b||²; then, if that failed, ...
 TIGHT_TOLERANCE = 1e-10
-PATH_LIMIT = 40  # iterations of the last stage before the path is taken again, carefully
+PATH_LIMIT = 40.0  # iterations of the last stage before the path is taken again, carefully
 RELATIVE = 1e-12  # duality gap over the objective that counts as solved where rounding stops the rest
 ROUNDING = 1e-31  # square of the relative error of a residual in doubles
 
@@ -241,7 +242,7 @@ def spread(work: FloatArray, contacts: int) -> float:
 @kernel
 def newton(
     work: FloatArray, contacts: int, b: Six, start: Six, kappa: float, tol: float, noise: float,
-    limit: int, patience: int,
+    limit: float, patience: float,
 ) -> tuple[Six, float, int]:  # fmt: skip
     """Return the dual wrench, ||F||² and the iterations, for a force weight kappa times larger.
 
@@ -263,8 +264,8 @@ def newton(
         error_new = dot(F_new, F_new)
         at_0, at_1 = dot(F, d), dot(F_new, d)
         if at_1 > -0.3 * at_0 and error_new > 0.25 * best:  # too far, and no nearer either
-            patience -= 1
-            if patience == 0:
+            patience -= 1.0
+            if patience == 0.0:
                 break
             t = search(work, contacts, kappa, dot(mix(y, -1.0, b), d), dot(d, d), at_0, at_1)
             move(work, contacts, t)
@@ -292,21 +293,21 @@ def free_dual(work: FloatArray, contacts: int, b: Six, kappa: float) -> Six:
 
 @kernel
 def follow_path(
-    work: FloatArray, contacts: int, b: Six, kappa: float, tol: float, noise: float, limit: int,
+    work: FloatArray, contacts: int, b: Six, kappa: float, tol: float, noise: float, limit: float,
     shrink: float, accuracy: float,
 ) -> tuple[Six, float, int]:  # fmt: skip
     """Solve for a large force weight first and bring it back in steps; returns what `newton` does."""
     y = free_dual(work, contacts, b, kappa)
     count = 0
     while kappa > 1.0:
-        y, _, used = newton(work, contacts, b, y, kappa, accuracy * dot(b, b), noise, 10, -1)
+        y, _, used = newton(work, contacts, b, y, kappa, accuracy * dot(b, b), noise, 10.0, -1.0)
         count += used
         smaller = max(1.0, kappa * shrink)
         # the solution for the smaller weight if no contact changes its face
         y = times(assemble(work, contacts, kappa), y)
         y = scale(-smaller / kappa, solve_six(assemble(work, contacts, smaller), y))
         kappa = smaller
-    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, limit, -1)
+    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, limit, -1.0)
     return y, error, count + used
 
 
@@ -318,8 +319,9 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
     for k in range(contacts):
         st, sn = work[k, TANGENT], work[k, NORMAL]
         for i in range(3):
-            wanted = work[k, PULL] * work[k, REFERENCE + i] + work[k, DRAG] * work[k, LAST + i]
-            work[k, CENTRE + i] = wanted / (sn if i == 2 else st)
+            side = 1 if i == 2 else 0
+            wanted = work[k, PULL + side] * work[k, REFERENCE + i] + work[k, DRAG + side] * work[k, LAST + i]
+            work[k, CENTRE + i] = wanted
             work[k, FORCE + i] = 0.0
             check += wanted * 0.0
         if work[k, HIGH] <= 0.0:
@@ -386,7 +388,7 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
         hold(work, contacts, forces)
         work[results, ITERATIONS] = 0.0
         return INVALID
-    tol, noise, limit = work[results, TOLERANCE] ** 2, ROUNDING * norm, int(work[results, LIMIT])
+    tol, noise, limit = work[results, TOLERANCE] ** 2, ROUNDING * norm, work[results, LIMIT]
     y = column(work, memory, DUAL) if work[results, WARM] > 0.0 else free_dual(work, contacts, b, 1.0)
     place(work, contacts, y, 1.0)
     F = evaluate(work, contacts, y, b)
@@ -406,17 +408,26 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
 
 
 @kernel
-def measure(work: FloatArray, contacts: int, b: Six, error: float) -> float:
+def measure(work: FloatArray, contacts: int, missing: Six, error: float) -> float:
     """Write what the forces leave of the wrench and how far they may be from the optimum."""
-    widest, missing, results = 0.0, scale(-1.0, b), contacts + 1
+    widest, results = 0.0, contacts + 1
     for k in range(contacts):
         widest = max(widest, work[k, TANGENT], work[k, NORMAL])
-        missing = mix(missing, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
     left = dot(missing, missing)
     work[results, GAP] = 0.5 * error
     work[results, FORCE_ERROR] = widest * math.sqrt(error)
     work[results, WRENCH_ERROR] = math.sqrt(left)
     return left
+
+
+@kernel
+def remainder(work: FloatArray, contacts: int, b: Six) -> Six:
+    """Return B f - b."""
+    out = scale(-1.0, b)
+    for k in range(contacts):
+        if work[k, HIGH] > 0.0:
+            out = mix(out, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
+    return out
 
 
 @kernel
@@ -433,7 +444,7 @@ def finish(
     work[memory, 0], work[memory, 1], work[memory, 2], work[memory, 3], work[memory, 4], work[memory, 5] = y
     work[results, WARM], work[results, HAS_LAST] = 1.0, 1.0
     unload(work, contacts, forces)
-    left = measure(work, contacts, b, error)
+    left = measure(work, contacts, remainder(work, contacts, b), error)
     if error <= work[results, TOLERANCE] ** 2 or (error <= tol and error <= RELATIVE * left):
         return SOLVED
     return ALMOST if error <= 1e6 * tol else MAX_ITERATIONS

@@ -1,0 +1,160 @@
+"""Joint torque limits as exact rows, and the allocation of stances with patches."""
+
+import clarabel
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import surefoot as sf
+from surefoot.bench.forces_instances import FORCE_WEIGHT, WRENCH_WEIGHTS, four_feet
+from surefoot.bench.forces_rivals import cone_rows, cone_violation, objective, program
+
+SEVERITY = {"loose": 24.0, "tight": 12.0, "hopeless": 1.0}
+
+
+def clarabel_with_rows(instance, T, low, high):
+    """Solve with rows low <= T f <= high by Clarabel; returns forces and its status."""
+    p = program(instance)
+    M, b = cone_rows(p)
+    n = instance.mu.size
+    rows = sp.csc_matrix(np.vstack([T, -T, M]))
+    cones = [clarabel.NonnegativeConeT(2 * len(T) + 2 * n)] + [clarabel.SecondOrderConeT(3)] * n
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = 1e-11
+    found = clarabel.DefaultSolver(
+        sp.csc_matrix(np.triu(p.H)), p.h, rows, np.concatenate([high, -low, b]), cones, options
+    ).solve()
+    return np.asarray(found.x), str(found.status)
+
+
+def legs(rng, n=4):
+    """Return a block-diagonal (3n, 3n) Jacobian of three-joint legs and torque offsets."""
+    J = np.zeros((3 * n, 3 * n))
+    for k in range(n):
+        J[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = rng.normal(size=(3, 3)) * 0.2
+    return J, rng.normal(size=3 * n)
+
+
+@pytest.mark.parametrize("severity", ["loose", "tight"])
+@pytest.mark.parametrize("kind", ["easy", "near-boundary", "infeasible-wrench"])
+def test_torque_limits_against_clarabel(kind, severity):
+    rng = np.random.default_rng(5)
+    bound = 0
+    for instance in four_feet(kind, 40, seed=2):
+        J, offset = legs(rng)
+        limit = np.full(12, SEVERITY[severity])
+        distributor = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=limit)
+        f = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
+        reference, status = clarabel_with_rows(instance, J.T, -limit - offset, limit - offset)
+        assert status in ("Solved", "AlmostSolved")
+        assert distributor.status is sf.Status.SOLVED
+        excess = np.abs(J.T @ f.ravel() + offset).max() - limit[0]
+        assert excess <= 1e-12
+        assert excess == pytest.approx(distributor.torque_excess, abs=1e-9)
+        assert cone_violation(instance, f) <= 1e-9
+        p = program(instance)
+        best = objective(p, reference)
+        assert objective(p, f.ravel()) <= best * (1 + 1e-8)
+        assert objective(p, f.ravel()) >= best * (1 - 1e-5)
+        bound += excess > -1e-6
+    assert bound > 10
+
+
+def test_empty_set_is_told_and_violated_least():
+    """Where Clarabel proves that no force fits, so do we, and no force has a smaller squared excess."""
+    rng = np.random.default_rng(6)
+    empty = 0
+    for instance in four_feet("near-boundary", 60, seed=4):
+        J, offset = legs(rng)
+        limit = np.full(12, SEVERITY["hopeless"])
+        distributor = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=limit)
+        f = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
+        assert cone_violation(instance, f) <= 1e-9
+        _, status = clarabel_with_rows(instance, J.T, -limit - offset, limit - offset)
+        assert (distributor.status is sf.Status.INFEASIBLE) == (status == "PrimalInfeasible")
+        if status != "PrimalInfeasible":
+            continue
+        empty += 1
+
+        def excess(x, J=J, offset=offset, limit=limit):
+            return np.sum(np.maximum(np.abs(J.T @ x.ravel() + offset) - limit, 0.0) ** 2)
+
+        cone = sf.ForceDistributor(0.6, 5.0, 250.0, 0.0, 1.0)
+        for _ in range(20):
+            near = f + rng.normal(size=(4, 3)) * 10.0 ** rng.uniform(-4, 1)
+            other = cone.solve(instance.grasp_map, np.zeros(6), reference=near)
+            assert excess(f) <= excess(other) * (1 + 1e-4)
+    assert empty > 20
+
+
+def test_torque_limits_that_hold_by_themselves_change_nothing():
+    instance = four_feet("easy", 1)[0]
+    J, offset = legs(np.random.default_rng(0))
+    free = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT)
+    limited = sf.ForceDistributor(
+        0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=np.full(12, 1e3)
+    )
+    f = limited.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
+    assert np.array_equal(f, free.solve(instance.grasp_map, instance.wrench))
+    assert limited.torque_excess < 0.0
+
+
+def test_nan_in_the_jacobian_gives_the_last_safe_command():
+    instance = four_feet("easy", 1)[0]
+    J, offset = legs(np.random.default_rng(0))
+    distributor = sf.ForceDistributor(
+        0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=np.full(12, 9.0)
+    )
+    good = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
+    J[2, 2] = np.nan
+    held = distributor.solve(instance.grasp_map, instance.wrench, jacobian=J, torque_offset=offset)
+    assert distributor.status is sf.Status.INVALID
+    np.testing.assert_allclose(held, good, rtol=1e-12)
+
+
+def test_warm_torque_limits_agree_with_cold():
+    rng = np.random.default_rng(8)
+    instance = four_feet("near-boundary", 1)[0]
+    J, offset = legs(rng)
+    limit = np.full(12, 12.0)
+    warm = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=limit)
+    for k in range(40):
+        w = instance.wrench * (1.0 + 0.1 * np.sin(0.2 * k))
+        cold = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=limit)
+        f = warm.solve(instance.grasp_map, w, jacobian=J, torque_offset=offset)
+        g = cold.solve(instance.grasp_map, w, jacobian=J, torque_offset=offset)
+        assert warm.status is cold.status is sf.Status.SOLVED
+        np.testing.assert_allclose(f, g, atol=1e-5)
+
+
+def test_distribute_points():
+    feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+    stance = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=200.0) for p in feet])
+    w = np.array([20.0, -10.0, 160.0, 2.0, 1.0, 0.5])
+    f = sf.distribute(stance, w, about=[0, 0, 0.3])
+    assert f.shape == (4, 3)
+    np.testing.assert_allclose(stance.grasp_map([0, 0, 0.3]) @ f.ravel(), w, atol=0.05)
+    assert stance.cone().contains(f.ravel())
+
+
+def test_distribute_patches_keeps_the_bounds_of_the_sum():
+    left = sf.PatchContact([0, 0.1, 0], 0.2, 0.1, mu=0.7, name="left", normal_min=50.0, normal_max=180.0)
+    right = sf.PatchContact([0, -0.1, 0], 0.2, 0.1, mu=0.7, name="right", normal_max=400.0)
+    point = sf.PointContact([0.4, 0.0, 0.2], normal=[-1.0, 0, 0], mu=0.5, name="hand", normal_max=60.0)
+    for contacts in ([left, right], [left, point, right]):
+        stance = sf.Stance(contacts)
+        for w in ([10.0, 5.0, 330.0, 3.0, -6.0, 1.0], [0, 0, 330.0, 40.0, 0, 0], [0, 0, 20.0, 0, 0, 0]):
+            x = sf.distribute(stance, w, about=[0, 0, 0.8], force_weight=1e-6)
+            assert x.shape == (stance.dim,)
+            for contact, part in zip(stance.contacts, stance.slices, strict=True):
+                # the corners' exact cones lie between the inner and the outer wrench cone
+                cone = contact.cone
+                if contact.dim == 6:
+                    cone = sf.WrenchCone(contact.length, contact.width, contact.mu, fit="outer")
+                assert cone.margin(x[part]) >= -1e-8
+                normal = x[part][2]
+                assert contact.normal_min - 1e-8 <= normal <= contact.normal_max + 1e-8
+    x = sf.distribute(sf.Stance([left, right]), [10.0, 5.0, 330.0, 3.0, -6.0, 1.0], about=[0, 0, 0.8])
+    wrench = sf.Stance([left, right]).grasp_map([0, 0, 0.8]) @ x
+    np.testing.assert_allclose(wrench, [10.0, 5.0, 330.0, 3.0, -6.0, 1.0], atol=0.2)
