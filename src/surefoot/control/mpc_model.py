@@ -7,9 +7,10 @@ accelerations that the contact forces give::
     linear acceleration   Σ f / m
     angular acceleration  (R I Rᵀ)⁻¹ Σ (foot - centre of mass) x f
 
-integrated exactly over a step. Taken from the reference, so that the model is linear: the body's
-orientation in its inertia, and the centre of mass in the levers (there with today's position error, which
-fades over the horizon). Dropped: the gyroscopic torque, and products of errors with angular velocities.
+integrated exactly over a step. So that the model is linear, the body's orientation in its inertia is the
+reference's, and the centre of mass in the levers is a guess of its mean over each step: from its error now,
+whose velocity is expected to die out, or, in a second pass, from the plan just found. Dropped: the gyroscopic
+torque, and products of errors with angular velocities.
 
 References
 ----------
@@ -29,6 +30,8 @@ from surefoot.spatial import GRAVITY
 
 GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
 """What `build` found in its input."""
+CALM = 0.1
+"""Time within which an error of velocity is expected to die out [s]."""
 
 
 @inline_kernel
@@ -86,7 +89,7 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
 def build(
     rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
     feet: FloatArray, contacts: BoolArray, frames: FloatArray, bounds: FloatArray, mass: float,
-    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float,
+    inverse: FloatArray, weights: FloatArray, terminal: float, dt: float, sway: FloatArray,
 ) -> tuple[
     int, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 ]:  # fmt: skip
@@ -106,6 +109,8 @@ def build(
         Mass [kg]; (3, 3) inverse of the inertia in body axes.
     weights, terminal, dt
         See `hessians`.
+    sway
+        (N, 3) centre of mass minus its reference, mean over each step, for the levers.
 
     Returns
     -------
@@ -132,8 +137,7 @@ def build(
         for i in range(n):
             if contacts[k, i]:
                 standing += 1
-        fade = 1.0 - k / N
-        centre_of_mass = reference[k, 0] + fade * (motion[0] - reference[0, 0])
+        centre_of_mass = 0.5 * (reference[k, 0] + reference[k + 1, 0]) + sway[k]
         for i in range(n):
             if not contacts[k, i]:
                 continue
@@ -151,6 +155,30 @@ def build(
     if not math.isfinite(total):
         verdict = NOT_FINITE
     return verdict, step, foot, M, limits, centre, q, drift, heading
+
+
+@kernel
+def expected_sway(motion: FloatArray, reference: FloatArray, dt: float) -> FloatArray:
+    """Return the (N, 3) sway for `build` if the velocity error dies out within `CALM` and its place stays."""
+    N = reference.shape[0] - 1
+    out = np.empty((N, 3))
+    for k in range(N):
+        reach = CALM * (1.0 - math.exp(-(k + 0.5) * dt / CALM))
+        for a in range(3):
+            out[k, a] = motion[0, a] - reference[0, 0, a] + reach * (motion[1, a] - reference[0, 1, a])
+    return out
+
+
+@kernel
+def planned_sway(motion: FloatArray, reference: FloatArray) -> FloatArray:
+    """Return the (N, 3) sway for `build` of a predicted motion (N + 1, 3, 3)."""
+    N = reference.shape[0] - 1
+    out = np.empty((N, 3))
+    for k in range(N):
+        for a in range(3):
+            before, after = motion[k, 0, a] - reference[k, 0, a], motion[k + 1, 0, a] - reference[k + 1, 0, a]
+            out[k, a] = 0.5 * (before + after)
+    return out
 
 
 @inline_kernel
@@ -285,7 +313,7 @@ def advance(points: FloatArray, steps: float) -> FloatArray:
         share = at - low
         for i in range(n):
             a, b = points[low, i], points[high, i]
-            if math.isnan(b[0]):
+            if share == 0.0 or math.isnan(b[0]):
                 out[k, i] = a
             elif math.isnan(a[0]):
                 out[k, i] = b

@@ -36,7 +36,7 @@ REGULA_FALSI = 40
 """Bound on the evaluations of one line search."""
 ROUNDING = 1e6
 """A squared error bound that stalls within this factor of its goal is taken for rounding."""
-RAISE, LOWER, STAGE = 1e4, 10.0, 8
+RAISE, LOWER, STAGE = 1e3, 10.0, 8
 """How far the force weight is raised, the factor of each stage down, and the most steps of a stage."""
 
 
@@ -248,7 +248,7 @@ def search(
     curve: float,
     start: float,
 ) -> float:
-    """Return the step length where the dual's derivative has fallen to a tenth of its start."""
+    """Return the step length where the dual's derivative has fallen to a hundredth of its start."""
     left, right = 0.0, 1.0
     at_left, at_right = start, slope(bounds, point, move, 1.0, rho) + base + curve
     t = 1.0
@@ -260,7 +260,7 @@ def search(
         if k % 3 == 2:
             t = 0.5 * (left + right)
         value = slope(bounds, point, move, t, rho) + base + t * curve
-        if abs(value) <= -0.1 * start:
+        if abs(value) <= -0.01 * start:
             break
         if value < 0.0:
             left, at_left = t, value
@@ -387,7 +387,7 @@ def newton(
             M,
             bounds,
             raised,
-            (0.01 * size) ** 2,
+            size**2,
             min(STAGE, limit - total),
             y,
             point,

@@ -54,7 +54,14 @@ def _draw_times(ax: Any, rows: list[MpcRow], scenes: list[str], methods: list[st
         colour = _colour(method, methods)
         fill = "white" if "8 facets" in method else colour
         ax.plot([], [], "o", color=colour, markerfacecolor=fill, label=method, markersize=4.5)
-    ax.legend(fontsize=7.5, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.08), handletextpad=0.2)
+    ax.legend(
+        fontsize=7.5,
+        ncols=5,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.08),
+        handletextpad=0.2,
+        frameon=False,
+    )
 
 
 def _draw_lost(ax: Any, rows: list[MpcRow], methods: list[str]) -> None:
@@ -62,7 +69,7 @@ def _draw_lost(ax: Any, rows: list[MpcRow], methods: list[str]) -> None:
     lost = [np.array([r.lost for r in rows if r.method == m and np.isfinite(r.lost)]) for m in methods]
     values = [100.0 * max(float(v.mean()), 0.0) if v.size else 0.0 for v in lost]
     places = np.arange(len(methods))[::-1]
-    ax.barh(places, values, color=[_colour(m, methods) for m in methods], height=0.6)
+    ax.barh(places, values, color=[_colour(m, methods) for m in methods], height=0.6, zorder=2)
     for place, value in zip(places, values, strict=True):
         ax.annotate(
             f"{value:.1f} %", (value, place), xytext=(4, 0), textcoords="offset points",
@@ -72,4 +79,4 @@ def _draw_lost(ax: Any, rows: list[MpcRow], methods: list[str]) -> None:
     ax.set_xlim(0.0, 1.25 * max([*values, 1.0]))
     ax.grid(axis="y", visible=False)
     ax.set_xlabel("friction left unused [%]")
-    ax.set_title("Where the optimum needs all friction")
+    ax.set_title("Feet at their friction limit")

@@ -1,0 +1,193 @@
+"""The MPC's model against plain step-by-step mechanics, SciPy's rotations and a nonlinear rigid body."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from surefoot.bench.mpc_scenes import INERTIA, MASS, choose_scenes, controller, record
+from surefoot.control import mpc_model
+from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
+
+NAMES = ("trot", "walk", "slope", "rough")
+
+
+@pytest.fixture(scope="module")
+def inputs():
+    return {name: record(choose_scenes([name])[0], 45)[20:44:8] for name in NAMES}
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-7, 0.3, 2.0, 3.1, np.pi - 1e-7, np.pi])
+def test_the_rotation_vector_is_scipys(angle):
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        axis = rng.normal(size=3)
+        axis /= np.linalg.norm(axis)
+        B = Rotation.random(random_state=rng).as_matrix()
+        A = Rotation.from_rotvec(angle * axis).as_matrix() @ B
+        out = np.empty(3)
+        mpc_model.log_between(A, B, out)
+        assert np.allclose(Rotation.from_rotvec(out).as_matrix() @ B, A, atol=1e-8)
+        assert np.linalg.norm(out) == pytest.approx(angle, abs=1e-7)
+
+
+def test_the_hessian_is_that_of_simulated_errors():
+    weights, dt, steps, terminal = np.random.default_rng(0).uniform(0.1, 2.0, (2, 6)), 0.07, 5, 3.0
+    P = mpc_model.hessians(weights, terminal, steps, dt)
+    share = np.append(np.ones(steps - 1), terminal)
+    for j in range(6):
+        place, rate = np.zeros((steps, steps)), np.zeros((steps, steps))
+        for i in range(steps):
+            x = v = 0.0
+            for k in range(steps):
+                a = 1.0 if k == i else 0.0
+                x, v = x + dt * v + 0.5 * dt * dt * a, v + dt * a
+                place[k, i], rate[k, i] = x, v
+        wanted = (
+            place.T @ np.diag(share * weights[0, j]) @ place + rate.T @ np.diag(share * weights[1, j]) @ rate
+        )
+        assert np.allclose(P[j], wanted, rtol=1e-12)
+
+
+def march(mpc, given, forces):
+    """Return cost, positions, velocities and orientation errors under (N, n, 3) forces, step by step.
+
+    The levers are those of a first pass: the velocity error dies out within a tenth of a second.
+    """
+    state, ref, feet, contacts, frames = given
+    N, dt = mpc.horizon, mpc.dt
+    w = mpc.weights
+    middle = ref.rotation[N // 2]
+    heading = Rotation.from_euler("z", np.arctan2(middle[1, 0], middle[0, 0])).as_matrix()
+    p, v, spin = state.position, state.linear_velocity, state.angular_velocity
+    turn = Rotation.from_matrix(state.rotation @ ref.rotation[0].T).as_rotvec()
+    lag, slip = p - ref.position[0], v - ref.linear_velocity[0]
+    track = [(p, v, spin, turn)]
+    cost = 0.0
+    for k in range(N):
+        centre = 0.5 * (ref.position[k] + ref.position[k + 1]) + lag
+        centre = centre + 0.1 * (1.0 - np.exp(-(k + 0.5) * dt / 0.1)) * slip
+        inertia = ref.rotation[k] @ np.asarray(mpc.inertia) @ ref.rotation[k].T
+        pull, moment = np.zeros(3), np.zeros(3)
+        on = np.flatnonzero(contacts[k])
+        for i in on:
+            world = frames[k, i] @ forces[k, i]
+            pull, moment = pull + world, moment + np.cross(feet[k, i] - centre, world)
+            wanted = frames[k, i].T @ [0.0, 0.0, mpc.mass * 9.81 / on.size]
+            cost += 0.5 * w.force * np.sum((forces[k, i] - wanted) ** 2)
+        a, b = pull / mpc.mass - [0.0, 0.0, 9.81], np.linalg.solve(inertia, moment)
+        step = Rotation.from_matrix(ref.rotation[k + 1] @ ref.rotation[k].T).as_rotvec()
+        p, turn = p + dt * v + 0.5 * dt**2 * a, turn + dt * spin + 0.5 * dt**2 * b - step
+        v, spin = v + dt * a, spin + dt * b
+        for weight, error in (
+            (w.position, p - ref.position[k + 1]),
+            (w.orientation, turn),
+            (w.linear_velocity, v - ref.linear_velocity[k + 1]),
+            (w.angular_velocity, spin - ref.angular_velocity[k + 1]),
+        ):
+            cost += 0.5 * np.sum(np.array(weight) * (heading.T @ error) ** 2)
+        track.append((p, v, spin, turn))
+    return cost, *(np.array(part) for part in zip(*track, strict=True))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_condensed_cost_is_the_cost_of_the_march(inputs, name):
+    mpc = controller(choose_scenes([name])[0])
+    rng = np.random.default_rng(1)
+    for given in inputs[name]:
+        program = mpc.program(*given)
+        H, g = program.condensed()
+        values = []
+        for _ in range(4):
+            f = rng.normal(size=(program.step.size, 3)) * 40.0
+            full = np.zeros((mpc.horizon, 4, 3))
+            full[program.step, program.foot] = f
+            values.append((march(mpc, given, full)[0], 0.5 * f.ravel() @ H @ f.ravel() + g @ f.ravel()))
+        plain, condensed = np.array(values).T
+        assert np.allclose(np.diff(plain), np.diff(condensed), rtol=1e-9, atol=1e-9 * np.ptp(plain))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_prediction_is_the_march(inputs, name):
+    mpc = controller(choose_scenes([name])[0])
+    for given in inputs[name]:
+        plan = mpc.solve(*given)
+        _, p, v, spin, turn = march(mpc, given, plan.forces)
+        for mine, plain in (
+            (plan.position, p),
+            (plan.linear_velocity, v),
+            (plan.angular_velocity, spin),
+            (plan.orientation_error, turn),
+        ):
+            assert np.allclose(mine, plain, rtol=0, atol=1e-10)
+
+
+def fly(state, forces, feet, dt, pieces=200):
+    """Return position and rotation of the true rigid body after each step of constant world forces."""
+    R, p, v, w = state.rotation, state.position, state.linear_velocity, state.angular_velocity
+    h, out = dt / pieces, []
+    for k in range(forces.shape[0]):
+        for _ in range(pieces):
+            inertia = R @ INERTIA @ R.T
+            moment = np.cross(feet[k] - p, forces[k]).sum(axis=0)
+            a = forces[k].sum(axis=0) / MASS - [0.0, 0.0, 9.81]
+            b = np.linalg.solve(inertia, moment - np.cross(w, inertia @ w))
+            p, v, w = p + h * v + 0.5 * h * h * a, v + h * a, w + h * b
+            R = Rotation.from_rotvec(h * (w - 0.5 * h * b)).as_matrix() @ R
+        out.append((p, R))
+    return np.array([p for p, _ in out]), np.array([R for _, R in out])
+
+
+@pytest.mark.parametrize(("passes", "near", "far"), [(1, 0.02, 0.8), (2, 0.01, 0.08), (4, 0.01, 0.025)])
+@pytest.mark.parametrize("name", NAMES)
+def test_the_prediction_is_near_the_true_rigid_body(inputs, name, passes, near, far):
+    """Positions are exact; orientations after 3 and 10 steps are better with the levers of a first plan."""
+    mpc = controller(choose_scenes([name])[0])
+    mpc.passes = passes
+    given = inputs[name][0]
+    plan = mpc.solve(*given)
+    p, R = fly(given.state, plan.forces_world, given.foot_positions, mpc.dt)
+    assert np.allclose(plan.position[1:], p, rtol=0, atol=1e-9)
+    for k, most in ((3, near), (10, far)):
+        turned = Rotation.from_matrix(R[k - 1] @ given.reference.rotation[k].T).as_rotvec()
+        assert np.linalg.norm(turned - plan.orientation_error[k]) < most
+
+
+def test_remembered_points_move_with_time():
+    rng = np.random.default_rng(4)
+    points = rng.normal(size=(5, 3, 3))
+    points[2, 0] = points[4, 1] = np.nan
+    points[:, 2] = np.nan
+    assert np.array_equal(mpc_model.advance(points, 0.0), points, equal_nan=True)
+    assert np.array_equal(mpc_model.advance(points, 1.0)[:4], points[1:], equal_nan=True)
+    half = mpc_model.advance(points, 0.25)
+    assert np.allclose(half[0, 0], 0.75 * points[0, 0] + 0.25 * points[1, 0])
+    assert np.allclose(half[1, 0], points[1, 0])  # nothing is known of the next step
+    assert np.allclose(half[2, 0], points[3, 0])
+    assert np.isnan(half[:, 2]).all()
+    assert np.allclose(mpc_model.advance(points, 99.0)[:, 0], points[4, 0])
+
+
+def test_cruise_moves_along_the_surface_and_turns_about_its_normal():
+    a = 0.3
+    normal = np.array([-np.sin(a), 0.0, np.cos(a)])
+    ref = BodyReference.cruise([1, 2, 3], 0.4, (0.5, -0.2), 0.8, horizon=20, dt=0.05, normal=normal)
+    assert np.allclose((ref.position - ref.position[0]) @ normal, 0.0, atol=1e-12)
+    assert np.allclose(ref.rotation[:, :, 2], normal)
+    assert np.allclose(np.linalg.norm(ref.linear_velocity, axis=1), np.hypot(0.5, 0.2))
+    assert np.allclose(np.einsum("kji,kj->ki", ref.rotation, ref.linear_velocity), [0.5, -0.2, 0.0])
+    turn = Rotation.from_matrix(ref.rotation[-1] @ ref.rotation[0].T).as_rotvec()
+    assert np.allclose(turn, 0.8 * 1.0 * normal, atol=1e-12)
+    speeds = np.diff(ref.position, axis=0) / 0.05  # central differences of an arc, second order in dt
+    assert np.allclose(speeds, 0.5 * (ref.linear_velocity[1:] + ref.linear_velocity[:-1]), atol=1e-3)
+
+
+def test_a_body_at_rest_on_its_reference_is_held_by_its_weight():
+    mpc = ConvexMpc(MASS, INERTIA, weights=MpcWeights(terminal=2.0), tol=1e-8)
+    ref = BodyReference.cruise([0, 0, 0.3], 0.7)
+    state = BodyState(ref.rotation[0], ref.position[0], np.zeros(3), np.zeros(3))
+    feet = ref.position[0] + np.array(
+        [[0.2, 0.1, -0.3], [-0.2, 0.1, -0.3], [0.2, -0.1, -0.3], [-0.2, -0.1, -0.3]]
+    )
+    plan = mpc.solve(state, ref, feet, np.ones((10, 4), dtype=bool))
+    assert np.allclose(plan.forces, [0.0, 0.0, MASS * 9.81 / 4], atol=1e-6)
+    assert np.allclose(plan.position, ref.position, atol=1e-9)
