@@ -6,7 +6,8 @@ needs an OpenGL that works without a screen (EGL or OSMesa); `render_frames` say
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -22,7 +23,7 @@ from surefoot.stance import Terrain
 from surefoot.viz.meshes import add_meshes
 
 WIDTH, HEIGHT, RATE = 640, 480, 25
-ARROW_LENGTH = 2.0
+ARROW_LENGTH = 1.2
 """Length of an arrow that carries the whole weight, in base heights."""
 FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
     (0.82, 0.29, 0.36, 1.0),
@@ -30,6 +31,7 @@ FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
     (0.9, 0.6, 0.05, 1.0),
 )
 
+CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
 
 Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]
 """Start and vector in world axes [m], colour (red, green, blue, opacity)."""
@@ -81,8 +83,8 @@ class Renderer:
         self._camera.distance = 4.2 * self._size
         self._camera.azimuth, self._camera.elevation = 140.0, -14.0
 
-    def frame(self, q: FloatArray, arrows: list[Arrow]) -> Any:
-        """Return the picture (height, width, 3) of a configuration and arrows (start, vector [m], colour)."""
+    def frame(self, q: FloatArray, arrows: list[Arrow], lines: Sequence[Arrow] = ()) -> Any:
+        """Return the picture (height, width, 3) of a configuration, with arrows and thin lines."""
         self.data.qpos[:] = q
         if self.robot.floating:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
@@ -91,19 +93,23 @@ class Renderer:
         self._renderer.update_scene(self.data, self._camera)
         for start, vector, colour in arrows:
             self._arrow(start, vector, colour)
+        for start, vector, colour in lines:
+            self._arrow(start, vector, colour, line=True)
         return self._renderer.render()
 
-    def _arrow(self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...]) -> None:
-        width = 1.6 if colour == WANTED_COLOUR else 1.0
+    def _arrow(
+        self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False
+    ) -> None:
         scene, mujoco = self._renderer.scene, self._mujoco
         if scene.ngeom >= scene.maxgeom or float(np.linalg.norm(vector)) < 1e-3 * self._size:
             return
         geom = scene.geoms[scene.ngeom]
-        kind = mujoco.mjtGeom.mjGEOM_ARROW
-        mujoco.mjv_initGeom(
-            geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), np.array(colour, np.float32)
-        )
-        mujoco.mjv_connector(geom, kind, 0.03 * self._size * width, start, start + vector)
+        kind = mujoco.mjtGeom.mjGEOM_CAPSULE if line else mujoco.mjtGeom.mjGEOM_ARROW
+        width = (0.0045 if line else 0.03) * (1.6 if colour == WANTED_COLOUR else 1.0) * self._size
+        shade = np.array(colour, np.float32)
+        mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), shade)
+        length = 1.0 if line else 2.0  # MuJoCo draws an arrow half as long as its connector
+        mujoco.mjv_connector(geom, kind, width, start, start + length * vector)
         scene.ngeom += 1
 
     def close(self) -> None:
@@ -150,6 +156,21 @@ def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arro
     if np.any(push):
         arrows.append((log["q"][step, :3] - 2.0 * scale * push, 2.0 * scale * push, PUSH_COLOUR))
     return arrows
+
+
+def cone_lines(log: Log, step: int, terrain: Terrain, height: float, rays: int = 24) -> list[Arrow]:
+    """Return the friction cones of the loaded contacts as lines; `height` along the normal [m]."""
+    lines: list[Arrow] = []
+    mu = float(log["mu"][step])
+    for k, place in enumerate(log["contact_positions"][step]):
+        if log["forces"][step, k, 2] <= 0.0:
+            continue
+        frame = terrain.frame(place[:2])
+        angle = np.linspace(0.0, 2.0 * np.pi, rays + 1)
+        rim = height * np.column_stack([mu * np.cos(angle), mu * np.sin(angle), np.ones(rays + 1)]) @ frame.T
+        lines += [(place, edge, CONE_COLOUR) for edge in rim[:-1]]
+        lines += [(place + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
+    return lines
 
 
 def frames_of(log: Log, robot: Robot, terrain: Terrain, rate: int = RATE) -> Iterator[Any]:
