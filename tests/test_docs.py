@@ -1,0 +1,38 @@
+"""The docs' links and commands hold, and what the README promises is there."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
+
+
+@pytest.mark.parametrize("page", CHECK["PAGES"], ids=lambda page: page.name)
+def test_links_and_commands(page: Path) -> None:
+    assert CHECK["broken_links"](page) == []
+    assert CHECK["wrong_commands"](page) == []
+
+
+def test_the_check_finds_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("[x](none.md)\n```bash\nsurefoot stand --bogus\nsurefoot nope\n```\n")
+    monkeypatch.setitem(CHECK["broken_links"].__globals__, "ROOT", tmp_path)
+    assert len(CHECK["broken_links"](page)) == 1
+    assert len(CHECK["wrong_commands"](page)) == 2
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = (ROOT / "docs" / "README.md").read_text()
+    for page in (ROOT / "docs").glob("*.md"):
+        assert page.name == "README.md" or f"({page.name})" in index, page.name
+
+
+def test_the_first_screen_of_the_readme() -> None:
+    first = "\n".join((ROOT / "README.md").read_text().splitlines()[:22])
+    assert "make stand" in first
+    assert "make test" in first
+    assert "docs/images/go2.png" in first
