@@ -140,7 +140,9 @@ def test_grasp_map_kernel() -> None:
     for _ in range(5):
         state, v = random_state(robot, q, rng)
         command = controller.step(state, v, 0.0)
-        np.testing.assert_allclose(command.grasp_map, robot.stance(state).grasp_map(robot.com(state)), atol=1e-12)
+        np.testing.assert_allclose(
+            command.grasp_map, robot.stance(state).grasp_map(robot.com(state)), atol=1e-12
+        )
     points = grasp_map_of_points(
         np.eye(3)[None], np.array([[1.0, 2.0, 3.0]]), np.array([0]), np.array([[0.1, 0.0, 0.0]]),
         np.array([0.02]), np.eye(3)[None], np.zeros(3), out := np.zeros((6, 3)),

@@ -141,7 +141,9 @@ def test_grasp_map_is_the_transpose_of_pinocchios_contact_jacobian() -> None:
             point = J[:3] - pin.skew(arm) @ J[3:]
             # Pinocchio's base velocity is in base axes; turn its six columns to world axes
             world = np.hstack([point[:, :3] @ base.rotation.T, point[:, 3:6] @ base.rotation.T])
-            np.testing.assert_allclose(grasp[:, columns], world.T @ contact.rotation_world_contact, atol=1e-12)
+            np.testing.assert_allclose(
+                grasp[:, columns], world.T @ contact.rotation_world_contact, atol=1e-12
+            )
 
 
 def test_foot_shapes() -> None:
@@ -149,7 +151,9 @@ def test_foot_shapes() -> None:
     assert not point.flat
     assert point.size == (0.0, 0.0)
     np.testing.assert_allclose(point.centre, [0.0, 0.0, 0.1])
-    corners = np.array([[0.12, 0.03, -0.03], [0.12, -0.03, -0.03], [-0.05, 0.025, -0.03], [-0.05, -0.025, -0.03]])
+    corners = np.array(
+        [[0.12, 0.03, -0.03], [0.12, -0.03, -0.03], [-0.05, 0.025, -0.03], [-0.05, -0.025, -0.03]]
+    )
     sole = Foot("s", 0, corners, 0.005)
     np.testing.assert_allclose(sole.size, [0.17, 0.05])
     np.testing.assert_allclose(sole.centre, [0.035, 0.0, -0.03])
