@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import nnls
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.cones.cone import Cone
+from surefoot.cones.nearest import nearest_in_cone
 from surefoot.cones.representation import Method, convert, representation_gap
 from surefoot.errors import ProblemError, unknown_name
 
@@ -97,13 +97,7 @@ class PolyhedralCone(Cone):
     def project(self, x: ArrayLike) -> FloatArray:
         """Return the nearest point of the cone: (..., dim), by non-negative least squares on the rays."""
         points = self._points(x)
-        if not len(self.rays):
-            return np.zeros_like(points)
-        size = np.linalg.norm(self.rays, axis=1)
-        columns = (self.rays[size > 0.0] / size[size > 0.0, None]).T
-        flat = points.reshape(-1, self.dim)
-        out = np.array([columns @ nnls(columns, p)[0] for p in flat]) if columns.size else np.zeros_like(flat)
-        return out.reshape(points.shape)
+        return nearest_in_cone(self.rays, points.reshape(-1, self.dim)).reshape(points.shape)
 
     def margin(self, x: ArrayLike) -> FloatArray:
         """Return the signed distance to the boundary: (...), positive inside, infinite in the whole space."""

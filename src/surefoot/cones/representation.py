@@ -16,11 +16,12 @@ from typing import Literal
 
 import numpy as np
 from scipy.linalg import qr
-from scipy.optimize import linprog, nnls
+from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, QhullError
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.double_description import polar_rays, polar_rays_exact
+from surefoot.cones.nearest import nearest_in_cone
 from surefoot.errors import MissingExtra, ProblemError, unknown_name
 
 Method = Literal["qhull", "dd", "cdd", "exact"]
@@ -83,7 +84,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     if not len(V):
         return np.vstack([np.eye(dim), -np.eye(dim)]), index
     if method == "exact":
-        lines, normals = polar_rays_exact(V)
+        lines, normals = polar_rays_exact(rays[index])
         return _unit_rows(np.vstack([lines, -lines, normals])) + 0.0, index
     if method == "cdd":
         return _unit_rows(_cddlib(V)), index
@@ -271,12 +272,9 @@ def representation_gap(halfspaces: FloatArray, rays: FloatArray, samples: int = 
     tests = [rays_from_halfspaces(halfspaces)]
     if samples:
         draws = np.random.default_rng(seed).normal(size=(samples, rays.shape[1]))
-        polar = H.T if len(H) else np.zeros((rays.shape[1], 1))
-        tests.append(np.array([d - polar @ nnls(polar, d)[0] for d in draws]))
-    columns = V.T if len(V) else np.zeros((rays.shape[1], 1))
-    lack = 0.0
-    for x in np.vstack(tests):
-        size = float(np.linalg.norm(x))
-        if size > 1e-9:
-            lack = max(lack, float(nnls(columns, x / size)[1]))
-    return max(outside, lack)
+        tests.append(draws - nearest_in_cone(H, draws))
+    points = np.vstack(tests)
+    size = np.linalg.norm(points, axis=1)
+    points = points[size > 1e-9] / size[size > 1e-9, None]
+    lack = np.linalg.norm(points - nearest_in_cone(V, points), axis=1)
+    return max(outside, float(lack.max(initial=0.0)))

@@ -75,7 +75,7 @@ def _com_sentence(stance: Stance, region: Region, rich: Region, support: FloatAr
         parts.append(f"leaves out {_percent(lacks, polygon_area(support))} of the support polygon: {why}")
     if adds > _SAME * size:
         parts.append(
-            f"reaches beyond it by {_percent(adds, polygon_area(support))} of its area: "
+            f"reaches beyond the support polygon by {_percent(adds, polygon_area(support))} of its area: "
             + (
                 "contacts squeeze each other"
                 if region.force_limit < np.inf
@@ -103,8 +103,8 @@ def _zmp_sentence(stance: Stance, region: Region, rich: Region, support: FloatAr
         parts.append(f"leaves out {_percent(lacks, polygon_area(support))} of the support polygon: {why}")
     if adds > _SAME * size:
         parts.append(
-            f"reaches beyond it by {_percent(adds, polygon_area(support))} of its area: contacts are not in "
-            "one level plane"
+            f"reaches beyond the support polygon by {_percent(adds, polygon_area(support))} of its area: "
+            "contacts are not in one level plane"
         )
     if not parts:
         return "The ZMP region is the support polygon: contacts are in one level plane and friction suffices."
