@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import typer
 
-from surefoot.cli import bench_contact, bench_faults, bench_momentum, bench_rigid, bench_statics, bench_walk
+from surefoot.cli import (
+    bench_contact,
+    bench_faults,
+    bench_forces,
+    bench_momentum,
+    bench_rigid,
+    bench_statics,
+    bench_walk,
+)
 
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
 
@@ -20,3 +28,4 @@ app.command("walk")(bench_walk.walk)
 app.command("faults")(bench_faults.faults)
 app.command("contact")(bench_contact.contact)
 app.command("rigid")(bench_rigid.rigid)
+app.command("forces")(bench_forces.forces)

@@ -1,0 +1,77 @@
+"""`surefoot bench forces`: accuracy against time of force distribution, exact cones and facets."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from surefoot.cli.output import new_run_folder, to_json
+
+
+def forces(
+    out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A fifth of the instances.")] = False,
+    count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
+    instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
+    log: Annotated[Path | None, typer.Option(help="A log.npz whose allocations are the trajectory.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Compare exact force distribution with cone solvers, and with QP solvers on 4, 8 and 16 facets."""
+    from surefoot.bench.forces import run_all
+    from surefoot.bench.forces_accuracy import measure_accuracy
+    from surefoot.bench.forces_instances import random_instances, read_log
+
+    count = max(2, count // 5) if quick else count
+    progress = Console(stderr=True)
+    logged = None if log is None else read_log(log)
+    with progress.status("timing") as status:
+        rows = run_all(count, 100 if quick else 500, logged, lambda text: status.update(text))
+        status.update("checking against Clarabel")
+        checks = {
+            weight: measure_accuracy(random_instances(instances), weight) if instances else None
+            for weight in (1e-1, 1e-2)
+        }
+    if json:
+        found = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
+        print(to_json({"rows": [asdict(row) for row in rows], "accuracy": found}))
+    else:
+        _print(Console(), rows, checks)
+    if out is not None:
+        from surefoot.viz.forces_bench import plot_accuracy
+
+        path = plot_accuracy(rows, new_run_folder(out, "bench-forces"))
+        typer.echo(f"picture: {path}", err=True)
+
+
+def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
+    """Print one table per class of instances, then the check against Clarabel."""
+    for kind in dict.fromkeys(row.instances for row in rows):
+        table = Table(
+            "cone", "solver", "median [µs]", "p99", "worst", "solved", "off the cone [N]", "lost friction",
+            "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
+        )  # fmt: skip
+        for row in rows:
+            if row.instances == kind:
+                t = row.timing
+                table.add_row(
+                    row.cone, row.solver + (" warm" if row.warm else ""),
+                    *(f"{1e6 * s:.1f}" for s in (t.median, t.p99, t.worst)),
+                    f"{row.solved:.0%}", f"{row.cone_violation:.1e}", f"{row.lost_friction:+.1%}",
+                    f"{row.distance:.1e}", f"{row.distance_worst:.1e}", f"{row.shortfall:+.1e}",
+                )  # fmt: skip
+        console.print(table)
+    for weight, found in checks.items():
+        if found is not None:
+            console.print(
+                f"{found.instances} random instances, force weight {weight:g}: {found.not_solved} unsolved; "
+                f"objective above Clarabel's by at most {found.objective_excess:.1e} (relative); "
+                f"forces apart by {found.force_distance[0]:.1e} / {found.force_distance[1]:.1e} / "
+                f"{found.force_distance[2]:.1e} N (median, p99, worst), more than 1e-5 N in {found.far}, of "
+                f"which {found.far_lower} have the lower objective and residual on our side; "
+                f"off the cone by at most {found.cone_violation:.1e} N"
+            )

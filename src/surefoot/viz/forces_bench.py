@@ -1,0 +1,89 @@
+"""The picture of `surefoot bench forces`: how far from the exact forces, against the time it took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from surefoot.viz.style import INK, MUTED, new_figure, save
+
+CONE_COLOURS = {"exact": "#b3001b", "4": "#e08e0b", "8": "#2e933c", "16": "#1b6ca8"}
+MARKERS = {
+    "Surefoot": "*", "Clarabel": "o", "ECOS": "s", "SCS": "D", "DAQP": "^", "quadprog": "v",
+    "ProxQP": "P", "OSQP": "X", "PIQP": "<", "HiGHS": ">",
+}  # fmt: skip
+FLOOR = 1e-10
+"""Distances below this are drawn on it [N]."""
+
+
+def plot_accuracy(rows: Sequence[Any], folder: Path) -> Path:
+    """Draw median time and p99 against the worst distance to the exact forces, one panel per class.
+
+    Parameters
+    ----------
+    rows
+        Rows of `surefoot.bench.forces`.
+    folder
+        Where `forces.png` is written.
+    """
+    kinds = list(dict.fromkeys(row.instances for row in rows))
+    columns = 2
+    figure, axes = new_figure(
+        (len(kinds) + 1) // columns, columns, size=(11.0, 8.6), sharex=True, sharey=True
+    )
+    for axis, kind in zip(axes.flat, kinds, strict=False):
+        for row in rows:
+            if row.instances == kind and row.solved > 0.5:
+                _draw(axis, row)
+        axis.set_title(kind, loc="left")
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.grid(True, which="major")
+    for axis in axes[-1]:
+        axis.set_xlabel("time per call [µs]: median, line to the 99th percentile")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("worst distance to the exact forces [N]")
+    figure.suptitle(
+        "Force distribution for four feet, through Python on one core: exact cones and facets", color=INK
+    )
+    _legend(figure)
+    return save(figure, folder / "forces.png")
+
+
+def _draw(axis: Any, row: Any) -> None:
+    """Draw one row as a marker with a line to its p99."""
+    cone = row.cone.split()[0]
+    colour = CONE_COLOURS[cone]
+    outer, ours = row.cone.endswith("outer"), row.solver == "Surefoot"
+    y = max(row.distance_worst, FLOOR)
+    median, p99 = 1e6 * row.timing.median, 1e6 * row.timing.p99
+    axis.plot([median, p99], [y, y], color=colour, alpha=0.35, linewidth=1.0, zorder=1)
+    axis.scatter(
+        [median], [y], marker=MARKERS[row.solver], s=170 if ours else 34, zorder=3 if ours else 2,
+        facecolors="none" if outer or row.warm else colour, edgecolors=colour, linewidths=1.0,
+    )  # fmt: skip
+    if ours and not row.warm:
+        axis.annotate(
+            f"Surefoot\n{median:.1f} µs", (median, y), xytext=(9, 12), textcoords="offset points",
+            color=colour, fontsize=9, fontweight="bold",
+        )  # fmt: skip
+
+
+def _legend(figure: Any) -> None:
+    """Explain markers and colours below the panels."""
+    from matplotlib.lines import Line2D
+
+    def entry(marker: str, colour: str, label: str, hollow: bool = False) -> Any:
+        return Line2D(
+            [], [], linestyle="", marker=marker, color=colour, label=label,
+            markerfacecolor="none" if hollow else colour, markersize=7,
+        )  # fmt: skip
+
+    handles = [entry(marker, MUTED, name) for name, marker in MARKERS.items()]
+    handles += [
+        entry("o", colour, "exact cone" if cone == "exact" else f"{cone} facets")
+        for cone, colour in CONE_COLOURS.items()
+    ]
+    handles.append(entry("o", MUTED, "outer facets, or warm", hollow=True))
+    figure.legend(handles=handles, loc="outside lower center", ncols=8, fontsize=8)
