@@ -8,11 +8,14 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import kernel
+from surefoot.stance import Terrain
 
 RISE = 0.45
 """Share of the swing after which the foot is at its highest."""
 LIFT_FIRST, DOWN_LAST = 0.08, 0.92
 """The foot moves sideways between these shares of the swing, so that it lifts first and lands straight."""
+LIFT_LATER = (LIFT_FIRST, 0.16, 0.24, 0.32)
+"""Shares to try in place of `LIFT_FIRST` where an edge is in the way."""
 
 
 @kernel
@@ -29,7 +32,13 @@ def smooth_step(share: float) -> tuple[float, float, float]:
 
 @kernel
 def swing_motion(
-    start: FloatArray, target: FloatArray, apex: float, share: float, duration: float, descent: float
+    start: FloatArray,
+    target: FloatArray,
+    apex: float,
+    share: float,
+    duration: float,
+    descent: float,
+    lift_first: float = LIFT_FIRST,
 ) -> FloatArray:
     """Return place, velocity and acceleration of a foot in the air: (3, 3).
 
@@ -48,6 +57,8 @@ def swing_motion(
         Length of the swing [s].
     descent
         Speed towards the ground at the end and after it [m/s], >= 0.
+    lift_first
+        Share of the swing before the foot moves sideways.
 
     Examples
     --------
@@ -55,8 +66,8 @@ def swing_motion(
     array([0.038944, 0.      , 0.05    ])
     """
     out = np.zeros((3, 3))
-    length = duration * (DOWN_LAST - LIFT_FIRST)
-    b, db, ddb = smooth_step((share - LIFT_FIRST) / (DOWN_LAST - LIFT_FIRST))
+    length = duration * (DOWN_LAST - lift_first)
+    b, db, ddb = smooth_step((share - lift_first) / (DOWN_LAST - lift_first))
     for i in range(2):
         d = target[i] - start[i]
         out[0, i], out[1, i], out[2, i] = start[i] + b * d, db * d / length, ddb * d / (length * length)
@@ -95,3 +106,37 @@ def apex_height(start: FloatArray, target: FloatArray, ground: FloatArray, clear
         Room to leave below the foot at its highest [m].
     """
     return max(float(start[2]), float(target[2]), float(np.max(ground, initial=-math.inf))) + clearance
+
+
+def clear_lift(
+    start: FloatArray, target: FloatArray, apex: float, terrain: Terrain, radius: float, room: float
+) -> float:
+    """Return the share of the swing to lift before moving sideways so that the foot clears the ground.
+
+    Parameters
+    ----------
+    start, target
+        (3,) ends of the swing [m].
+    apex
+        Height of the highest point [m].
+    terrain
+        The ground below.
+    radius
+        Of the foot [m].
+    room
+        Distance to keep from edges, all around the foot [m].
+    """
+    shares = np.linspace(0.1, 0.9, 17)
+    along = target[:2] - start[:2]
+    length = math.hypot(float(along[0]), float(along[1]))
+    reach = (radius + room) * along / length if length > 1e-6 else np.zeros(2)
+    best, least = LIFT_FIRST, math.inf
+    for lift in LIFT_LATER:
+        path = np.array([swing_motion(start, target, apex, s, 1.0, 0.0, lift)[0] for s in shares])
+        ground = np.maximum(terrain.height(path[:, :2]), terrain.height(path[:, :2] + reach))
+        miss = float(np.max(ground + radius - path[:, 2]))
+        if miss <= 0.0:
+            return lift
+        if miss < least - 1e-4:
+            best, least = lift, miss
+    return best

@@ -220,16 +220,17 @@ class WalkingController:
         assert self.feet is not None
         feet, clock = self.feet, time - self.settings.start
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
-        self.body.advance(self._wish(clock), now.com, feet.ground, self.dt)
+        self.body.advance(self._wish(clock), now.com, self.dt)
         due = time - self._planned_at >= self._interval - 0.5 * self.dt
         if due:
+            self.body.fit_ground(feet.ground, min(time - self._planned_at, 1.0))
             self._aim(now, clock)
         if due or changed:
             self._replan(now, clock, time)
         command = self.whole_body.solve(self._tasks(now, clock, time))
         assert self._plan is not None
         return WalkCommand(
-            command, feet.carrying.copy(), feet.planned.copy(), feet.frames.copy(), self.body.velocity,
+            command, feet.carrying.copy(), feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(),
             feet.target.copy(), self._plan.status,
         )  # fmt: skip
 
@@ -240,8 +241,7 @@ class WalkingController:
         self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, now.centres.copy())
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         self.body = BodyPlan(self._height, now.com.copy(), yaw)
-        for _ in range(2000):  # settle the ground's slope
-            self.body.advance(np.zeros(3), now.com, self.feet.ground, 1e-2)
+        self.body.fit_ground(self.feet.ground, math.inf)
 
     def _wish(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins."""

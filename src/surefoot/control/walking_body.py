@@ -113,7 +113,7 @@ class BodyPlan:
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
 
-    def advance(self, command: FloatArray, com: FloatArray, feet: FloatArray, dt: float) -> None:
+    def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
 
         Parameters
@@ -122,34 +122,37 @@ class BodyPlan:
             (3,) wanted velocity.
         com
             (3,) centre of mass [m].
-        feet
-            (n, 3) where the feet last stood, at the ground [m].
         dt
             Step [s].
         """
-        limit = ACCELERATION * GRAVITY * dt * np.array([1.0, 1.0, 1.0 / self.height])
-        self.velocity = self.velocity + np.clip(command - self.velocity, -limit, limit)
+        limit = ACCELERATION * GRAVITY * dt
+        for k, most in enumerate((limit, limit, limit / self.height)):
+            self.velocity[k] += min(max(command[k] - self.velocity[k], -most), most)
         self.yaw += self.velocity[2] * dt
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        vx, vy = self.velocity[:2]
-        self.position[0] += (c * vx - s * vy) * dt
-        self.position[1] += (s * vx + c * vy) * dt
+        vx, vy = self._flow()
+        self.position[0] += vx * dt
+        self.position[1] += vy * dt
         leash = LEASH * math.sqrt(GRAVITY * self.height)
-        away = self.position[:2] - com[:2]
-        far = math.hypot(*away)
+        x, y = self.position[0] - com[0], self.position[1] - com[1]
+        far = math.hypot(x, y)
         if far > leash:
-            self.position[:2] = com[:2] + away * (leash / far)
-        level, slope_x, slope_y = fit_plane(feet, self.position[:2])
-        share = min(dt / GROUND_TIME, 1.0)
-        self.slope = self.slope + share * (np.array([slope_x, slope_y]) - self.slope)
-        self.ground += share * (level - self.ground) + float(self.slope @ self._flow()) * dt * (1.0 - share)
+            self.position[0], self.position[1] = com[0] + x * leash / far, com[1] + y * leash / far
+        self.ground += (self.slope[0] * vx + self.slope[1] * vy) * dt
         self.position[2] = self.ground + self.height
 
-    def _flow(self) -> FloatArray:
-        """Return the wanted (2,) velocity in world axes."""
+    def fit_ground(self, feet: FloatArray, dt: float) -> None:
+        """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
+        level, slope_x, slope_y = fit_plane(feet, self.position[:2])
+        share = 1.0 - math.exp(-dt / GROUND_TIME)
+        self.slope = self.slope + share * (np.array([slope_x, slope_y]) - self.slope)
+        self.ground += share * (level - self.ground)
+        self.position[2] = self.ground + self.height
+
+    def _flow(self) -> tuple[float, float]:
+        """Return the wanted velocity along x and y of the world."""
         c, s = math.cos(self.yaw), math.sin(self.yaw)
-        vx, vy = self.velocity[:2]
-        return np.array([c * vx - s * vy, s * vx + c * vy])
+        vx, vy = float(self.velocity[0]), float(self.velocity[1])
+        return c * vx - s * vy, s * vx + c * vy
 
     def rotation(self) -> FloatArray:
         """Return the wanted (3, 3) orientation of the base."""

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.swing import apex_height, swing_motion
+from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift, swing_motion
 from surefoot.stance import Terrain
 from surefoot.stance.terrain import SlopeTerrain
 
@@ -66,8 +66,9 @@ class Feet:
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
         self._felt = np.zeros(n)
+        self._lift_first = np.full(n, LIFT_FIRST)
         self._plane = isinstance(self.terrain, SlopeTerrain)
-        self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(1.2 * self.radii.mean()))
+        self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
     def update(self, time: float, felt: BoolArray, centres: FloatArray) -> bool:
         """Move on to a time of the schedule; return whether a foot has lifted or landed.
@@ -142,6 +143,11 @@ class Feet:
         path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
         ground = self.terrain.height(path) + self.radii[k]
         self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
+        if not self._plane:
+            self._lift_first[k] = clear_lift(
+                self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
+                0.5 * float(self.radii[k]),
+            )  # fmt: skip
 
     def motion(self, k: int, time: float) -> FloatArray:
         """Return wanted place, velocity and acceleration of a foot in the air: (3, 3)."""
@@ -151,5 +157,5 @@ class Feet:
             share = 1.0 + max(time - max(begin, self._felt[k]), 0.0) / self.duration[k]
         return swing_motion(
             self.start[k], self.target[k], float(self.apex[k]), float(share), float(self.duration[k]),
-            self.descent,
+            self.descent, float(self._lift_first[k]),
         )  # fmt: skip

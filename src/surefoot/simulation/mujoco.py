@@ -17,7 +17,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import MissingExtra, ModelError
 from surefoot.robot import Robot
-from surefoot.simulation.mujoco_contacts import read_contacts
+from surefoot.simulation.mujoco_contacts import frames_along, read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import (
@@ -164,20 +164,15 @@ class MujocoWorld:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
         data = self.data
         centres = data.geom_xpos[self._geoms]
-        frames = self._frames(centres)
-        gaps = self.terrain.gap(centres) - self._radii
+        normals = self.terrain.normal(centres[:, :2])
+        frames = frames_along(normals) if self._plane_frames is None else self._plane_frames
+        gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
         contact = data.contact
         forces, velocities, positions = read_contacts(
             centres, frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
             contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
         return ContactReading(forces, gaps, velocities, positions)
-
-    def _frames(self, centres: FloatArray) -> FloatArray:
-        """Return rotation_world_contact below every sphere centre: (p, 3, 3)."""
-        if self._plane_frames is not None:
-            return self._plane_frames
-        return np.array([self.terrain.frame(c[:2]) for c in centres])
 
 
 def robot_spec(robot: Robot, payload: float = 0.0) -> Any:

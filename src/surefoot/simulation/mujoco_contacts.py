@@ -23,6 +23,10 @@ def read_contacts(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return forces and velocities in contact frames, and positions in world axes, all (p, 3).
 
+    A force's normal part is that along MuJoCo's own contact normals, its tangential part what is left,
+    turned into the terrain's tangents: on curved ground MuJoCo's normal is a facet's, a degree or so off
+    the terrain's, which would otherwise look like a broken cone.
+
     Parameters
     ----------
     centres, frames, radii
@@ -39,7 +43,7 @@ def read_contacts(
         (p,) geom of each sphere.
     """
     count = centres.shape[0]
-    world = np.zeros((count, 3))
+    normal, tangential = np.zeros(count), np.zeros((count, 3))
     for c in range(pairs.shape[0]):
         at = addresses[c]
         if at < 0:
@@ -47,11 +51,13 @@ def read_contacts(
         for k in range(count):
             sign = 1.0 if pairs[c, 1] == geoms[k] else (-1.0 if pairs[c, 0] == geoms[k] else 0.0)
             if sign != 0.0:
-                for i in range(3):
+                normal[k] += constraint_forces[at]
+                for i in range(1, 3):
                     for j in range(3):
-                        world[k, j] += sign * constraint_forces[at + i] * contact_frames[c, 3 * i + j]
+                        tangential[k, j] += sign * constraint_forces[at + i] * contact_frames[c, 3 * i + j]
     forces, velocities, positions = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 3))
     for k in range(count):
+        forces[k, 2] = normal[k]
         for i in range(3):
             positions[k, i] = centres[k, i] - radii[k] * frames[k, i, 2]
         x = positions[k, 0] - body_origins[k, 0]
@@ -63,6 +69,27 @@ def read_contacts(
         c_ = body_twists[k, 5] + p * y - q * x
         for j in range(3):
             velocities[k, j] = frames[k, 0, j] * a + frames[k, 1, j] * b + frames[k, 2, j] * c_
-            for i in range(3):
-                forces[k, j] += frames[k, i, j] * world[k, i]
+            if j < 2:
+                for i in range(3):
+                    forces[k, j] += frames[k, i, j] * tangential[k, i]
     return forces, velocities, positions
+
+
+@kernel
+def frames_along(normals: FloatArray) -> FloatArray:
+    """Return rotation_world_contact (p, 3, 3) for unit normals (p, 3), x along the world's x in the surface.
+
+    A normal along x itself takes y in its place; compare `surefoot.spatial.rotation_from_normal`.
+    """
+    out = np.empty((normals.shape[0], 3, 3))
+    for k in range(normals.shape[0]):
+        a, b, c = normals[k, 0], normals[k, 1], normals[k, 2]
+        x, y, z = 1.0 - a * a, -a * b, -a * c
+        if x < 1e-12:
+            x, y, z = -b * a, 1.0 - b * b, -b * c
+        length = np.sqrt(x * x + y * y + z * z)
+        x, y, z = x / length, y / length, z / length
+        out[k, 0, 0], out[k, 1, 0], out[k, 2, 0] = x, y, z
+        out[k, 0, 1], out[k, 1, 1], out[k, 2, 1] = b * z - c * y, c * x - a * z, a * y - b * x
+        out[k, 0, 2], out[k, 1, 2], out[k, 2, 2] = a, b, c
+    return out

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
+from surefoot.kernels import kernel
 from surefoot.stance.terrain import Terrain
 
 
@@ -114,22 +115,9 @@ class HeightfieldTerrain(Terrain):
 
     def _surface(self, xy: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return heights (...) and gradients (..., 2)."""
-        last = np.array(self.heights.shape) - 1.0
-        wanted = (xy - self.origin) / self.spacing
-        at = np.clip(wanted, 0.0, last)
-        inside = (wanted > 0.0) & (wanted < last)
-        cell = np.minimum(np.floor(at), last - 1.0)
-        weights, slopes = _catmull_rom(at - cell)
-        first = cell.astype(np.int64) - 1
-        rows = first[..., 0, None] + np.arange(4)
-        columns = first[..., 1, None] + np.arange(4)
-        patch = self._extended[rows[..., :, None] + 1, columns[..., None, :] + 1]
-        wx, wy = weights[..., 0, :], weights[..., 1, :]
-        dx, dy = slopes[..., 0, :], slopes[..., 1, :]
-        height = np.einsum("...i,...ij,...j->...", wx, patch, wy)
-        gx = np.einsum("...i,...ij,...j->...", dx, patch, wy) / self.spacing
-        gy = np.einsum("...i,...ij,...j->...", wx, patch, dy) / self.spacing
-        return height, np.where(inside, np.stack([gx, gy], axis=-1), 0.0)
+        flat = np.ascontiguousarray(xy).reshape(-1, 2)
+        heights, slopes = bicubic(self._extended, self.origin, self.spacing, flat)
+        return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)
 
 
 def _extend(heights: FloatArray) -> FloatArray:
@@ -141,24 +129,43 @@ def _extend(heights: FloatArray) -> FloatArray:
     return out
 
 
-def _catmull_rom(u: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the four weights and their derivatives at u in [0, 1]: (..., 4) each."""
-    weights = np.stack(
-        [
-            0.5 * u * (-1.0 + u * (2.0 - u)),
-            1.0 + 0.5 * u * u * (3.0 * u - 5.0),
-            0.5 * u * (1.0 + u * (4.0 - 3.0 * u)),
-            0.5 * u * u * (u - 1.0),
-        ],
-        axis=-1,
-    )
-    slopes = np.stack(
-        [
-            0.5 * (-1.0 + u * (4.0 - 3.0 * u)),
-            0.5 * u * (9.0 * u - 10.0),
-            0.5 * (1.0 + u * (8.0 - 9.0 * u)),
-            0.5 * u * (3.0 * u - 2.0),
-        ],
-        axis=-1,
-    )
-    return weights, slopes
+@kernel
+def catmull_rom(u: float, weights: FloatArray, slopes: FloatArray) -> None:
+    """Fill the four weights and their derivatives at u in [0, 1]."""
+    weights[0], slopes[0] = 0.5 * u * (-1.0 + u * (2.0 - u)), 0.5 * (-1.0 + u * (4.0 - 3.0 * u))
+    weights[1], slopes[1] = 1.0 + 0.5 * u * u * (3.0 * u - 5.0), 0.5 * u * (9.0 * u - 10.0)
+    weights[2], slopes[2] = 0.5 * u * (1.0 + u * (4.0 - 3.0 * u)), 0.5 * (1.0 + u * (8.0 - 9.0 * u))
+    weights[3], slopes[3] = 0.5 * u * u * (u - 1.0), 0.5 * u * (3.0 * u - 2.0)
+
+
+@kernel
+def bicubic(
+    extended: FloatArray, origin: FloatArray, spacing: float, xy: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return heights (k,) and gradients (k, 2) of a grid that has one more line on every side, at (k, 2)."""
+    count = xy.shape[0]
+    heights, slopes = np.zeros(count), np.zeros((count, 2))
+    weights, rates = np.empty((2, 4)), np.empty((2, 4))
+    cell = np.empty(2, dtype=np.int64)
+    for k in range(count):
+        inside = True
+        for a in range(2):
+            last = extended.shape[a] - 3.0
+            wanted = (xy[k, a] - origin[a]) / spacing
+            if not 0.0 < wanted < last:
+                inside = False
+            at = min(max(wanted, 0.0), last)
+            low = min(math.floor(at), last - 1.0)
+            if not low >= 0.0:  # a place that is not a number
+                low, at = 0.0, math.nan
+            cell[a] = int(low)
+            catmull_rom(at - low, weights[a], rates[a])
+        for i in range(4):
+            for j in range(4):
+                h = extended[cell[0] + i, cell[1] + j]
+                heights[k] += weights[0, i] * weights[1, j] * h
+                slopes[k, 0] += rates[0, i] * weights[1, j] * h / spacing
+                slopes[k, 1] += weights[0, i] * rates[1, j] * h / spacing
+        if not inside:
+            slopes[k] = 0.0
+    return heights, slopes
