@@ -66,7 +66,8 @@ def stand(
     )
     setup = _set_up(robot, urdf, parsing.names(feet), slope, parsing.each(parsing.lift, lift))
     allocation = _allocation(setup, mu, parsing.facets(facets), fit, solver)
-    statics = _statics(setup, mu, payload)
+    with Console(stderr=True, quiet=as_json).status("asking whether it can stand (a first run compiles)"):
+        statics = _statics(setup, mu, payload)
     for phase in statics:
         console.print(phase["text"], soft_wrap=True, highlight=False)
     if not all(phase["possible"] for phase in statics) and not anyway:
