@@ -69,6 +69,7 @@ def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
         raise ProblemError(
             f"kept must lie between -1 and {len(old) - 1}, got {int(which.min())} to {int(which.max())}"
         )
+    which = which.astype(np.int64)
     start = np.zeros((which.size, 3))
     there = which >= 0
     start[there] = old[which[there]]

@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import surefoot as sf
+from surefoot.contact import blocks
+
+
+def random_matrix(seed: int, contacts: int, dof: int) -> np.ndarray:
+    J = np.random.default_rng(seed).normal(size=(3 * contacts, dof))
+    return J @ J.T
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"g": [0.0, 0.0]}, "three entries per contact"),
+        ({"g": [0.0, np.nan, 0.0, 0.0, 0.0, 0.0]}, r"g\[1\] is NaN"),
+        ({"mu": -0.1}, r"mu\[0\] must be >= 0, got -0.1"),
+        ({"mu": [0.5, np.inf]}, "mu must be finite"),
+        ({"mu": [0.5, 0.5, 0.5]}, "mu must be a number or have shape"),
+        ({"mu": "slippery"}, "mu must be numeric"),
+        ({"normal_min": [0.0, 3.0], "normal_max": 2.0}, "at contact 1"),
+        ({"normal_min": np.inf}, "normal_min must be finite"),
+        ({"law": "viscous"}, "unknown law 'viscous'"),
+        ({"facets": 2}, "facets must be a whole number >= 3"),
+        ({"compliance": -1.0}, "compliance"),
+        ({"compliance": [1.0, 2.0, 3.0, 4.0]}, "compliance must be a number or have shape"),
+        ({"bilateral": [True]}, "bilateral must be a mask"),
+        ({"bilateral": np.array([True, False]), "normal_max": 3.0}, "takes no normal bounds"),
+        ({"G": np.eye(5)}, r"G must have shape \(6, 6\)"),
+        ({"G": np.full((6, 6), np.inf)}, "is infinite"),
+        ({"G": np.triu(np.ones((6, 6)))}, r"G\[\d, \d\] = "),
+        ({"G": sp.csr_matrix(np.triu(np.ones((6, 6))))}, r"G must be symmetric"),
+        ({"G": sp.eye(4)}, r"G must have shape \(6, 6\)"),
+    ],
+)
+def test_bad_input_names_what_is_wrong(changes: dict[str, object], words: str) -> None:
+    arguments: dict[str, object] = {"G": np.eye(6), "g": np.zeros(6), "mu": 0.5}
+    with pytest.raises(sf.ProblemError, match=words):
+        sf.ContactProblem(**(arguments | changes))  # type: ignore[arg-type]
+
+
+def test_rounding_asymmetry_is_taken_and_the_argument_left_alone() -> None:
+    G = random_matrix(0, 2, 6)
+    crooked = G.copy()
+    crooked[0, 1] *= 1 + 1e-10
+    before = crooked.copy()
+    problem = sf.ContactProblem(crooked, np.ones(6), 0.5)
+    assert np.array_equal(problem.G, problem.G.T)
+    assert np.array_equal(crooked, before)
+
+
+def test_sparse_and_dense_are_the_same_problem() -> None:
+    J = sp.random(24, 30, density=0.1, random_state=1).tocsr()
+    G = (J @ J.T + 0.1 * sp.eye(24)).tocsr()
+    g = np.random.default_rng(1).normal(size=24)
+    dense, sparse = sf.ContactProblem(G.toarray(), g, 0.5), sf.ContactProblem(G, g, 0.5)
+    assert np.allclose(dense.G, sparse.G, rtol=0, atol=1e-15)
+    assert dense.norm == pytest.approx(sparse.norm, rel=1e-9)
+    force = np.random.default_rng(2).normal(size=(8, 3))
+    assert np.allclose(dense.velocity(force), sparse.velocity(force), atol=1e-13)
+    for problem in (dense, sparse):
+        b = problem.blocks
+        product = blocks.block_product(b.starts, b.columns, b.values, force.ravel())
+        assert np.allclose(product, G @ force.ravel(), atol=1e-13)
+    assert dense.blocks.density < 1.0
+
+
+@pytest.mark.parametrize("kind", ["number", "contact", "row"])
+def test_compliance_goes_on_the_diagonal(kind: str) -> None:
+    G, g = random_matrix(3, 2, 6), np.ones(6)
+    R = {"number": 0.3, "contact": np.array([0.1, 0.2]), "row": np.arange(6.0)}[kind]
+    full = {"number": np.full(6, 0.3), "contact": np.repeat([0.1, 0.2], 3), "row": np.arange(6.0)}[kind]
+    for matrix in (G, sp.csr_matrix(G)):
+        problem = sf.ContactProblem(matrix, g, 0.5, compliance=R)
+        assert np.allclose(problem.G, G + np.diag(full))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_norm_is_the_spectral_norm(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 80))
+    J = rng.normal(size=(3 * n, int(rng.integers(1, 4 * n + 2)))) * 10 ** rng.uniform(-3, 3, size=(3 * n, 1))
+    G = (J @ J.T) * (-1.0 if seed % 3 == 0 else 1.0)
+    assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == pytest.approx(np.linalg.norm(G, 2), rel=1e-8)
+
+
+def test_norm_of_nothing() -> None:
+    assert sf.ContactProblem(np.zeros((3, 3)), np.ones(3), 0.5).norm == 0.0
+    assert sf.ContactProblem(np.zeros((0, 0)), np.zeros(0), 0.5).norm == 0.0
+
+
+def test_replace_keeps_what_it_is_not_told() -> None:
+    held = np.array([False, True])
+    problem = sf.ContactProblem(random_matrix(4, 2, 6), np.ones(6), 0.4, bilateral=held, compliance=0.1)
+    other = problem.replace(law="convex")
+    assert other.law == "convex"
+    assert np.array_equal(other.G, problem.G)
+    assert np.array_equal(other.normal_min, [0.0, -np.inf])
+    assert other.polyhedral(6, "outer").facets == 6
