@@ -12,6 +12,9 @@ from rich.table import Table
 
 from surefoot.cli.output import new_run_folder, to_json
 
+WIDTH = 118
+"""Columns that the table needs; a narrower terminal wraps its lines."""
+
 
 def forces(
     out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
@@ -40,7 +43,8 @@ def forces(
         found = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
         print(to_json({"rows": [asdict(row) for row in rows], "accuracy": found}))
     else:
-        _print(Console(), rows, checks)
+        console = Console()
+        _print(console if console.width >= WIDTH else Console(width=WIDTH), rows, checks)
     if out is not None:
         from surefoot.viz.forces_bench import plot_accuracy
 

@@ -86,4 +86,4 @@ def _legend(figure: Any) -> None:
         for cone, colour in CONE_COLOURS.items()
     ]
     handles.append(entry("o", MUTED, "outer facets, or warm", hollow=True))
-    figure.legend(handles=handles, loc="outside lower center", ncols=8, fontsize=8)
+    figure.legend(handles=handles, loc="outside lower center", ncols=8, fontsize=8, frameon=False)
