@@ -67,6 +67,7 @@ class Renderer:
         add_ground(spec, terrain, 1.0)
         add_meshes(spec, robot)
         _add_light(mujoco, spec, width, height, 8 if fine else 0)
+        spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
         self.robot = robot
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
@@ -134,9 +135,10 @@ def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) ->
     )  # fmt: skip
     material = spec.add_material(name="floor", texuniform=True, texrepeat=[2.0, 2.0])
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    for geom in spec.geoms:
-        if geom.name.startswith("ground"):
-            geom.material, geom.rgba = "floor", [1.0, 1.0, 1.0, 1.0]
+    ground = [geom for geom in spec.geoms if geom.name.startswith("ground")]
+    for k, geom in enumerate(ground):  # treads alternate, so that they can be told apart
+        tint = 0.87 if k % 2 else 1.0
+        geom.material, geom.rgba = "floor", [tint, tint, tint, 1.0]
 
 
 def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arrow]:
