@@ -34,7 +34,7 @@ def program():
         [rng.uniform(0.2, 1.0, CONTACTS), np.full(CONTACTS, 0.3), np.full(CONTACTS, 2.0)]
     )
     bounds[1, 1], bounds[2, 2] = 0.0, np.inf
-    centre = rng.normal(size=(CONTACTS, 3)) + [0.0, 0.0, 1.0]
+    centre = rng.normal(size=(CONTACTS, 3)) + np.array([0.0, 0.0, 1.0])
     point = np.array(
         [[0.1, 0.1, 1], [0.2, 0.1, -3], [2, 1, 1], [0.1, 0, 0.1], [0.1, 0, 5], [3, 1, 1.5], [0, -4, 9]], float
     )

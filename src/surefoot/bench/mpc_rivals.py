@@ -52,7 +52,7 @@ class Variant:
     tol: float
 
     def __str__(self) -> str:
-        return f"{self.form}, {'warm' if self.warm else 'cold'}, tol {self.tol:.0e}"
+        return f"{self.form}, {'warm' if self.warm else 'cold'}, {self.tol:.0e}"
 
 
 @dataclass

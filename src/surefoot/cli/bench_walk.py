@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from surefoot.bench.walk import MpcRow, WalkBench
 
 QUICK_SCENES, QUICK_CALLS = ("trot", "limit"), 40
+PAGE_WIDTH = 150
+"""Width of tables that do not go to a terminal."""
 
 
 def walk(
@@ -52,7 +55,7 @@ def _print(bench: WalkBench) -> None:
     from surefoot.bench.mpc_scenes import choose_scenes
     from surefoot.bench.walk import ACCURACY
 
-    console = Console()
+    console = Console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
     for scene in choose_scenes(list(dict.fromkeys(row.scene for row in bench.rows))):
         table = Table(
             "method", "run as", "median [µs]", "p99", "worst", "ratio", "error [N]", "to exact [N]",

@@ -1,0 +1,28 @@
+"""`surefoot bench walk`: JSON alone on stdout, pictures in new folders, names in errors."""
+
+import json
+
+from surefoot.cli.main import main
+
+
+def test_json_is_the_only_output(capsys):
+    assert main(["bench", "walk", "--scene", "trot", "--calls", "12", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["horizon"] == 10
+    assert found["rows"][0]["method"] == "surefoot, exact cones"
+    assert {row["scene"] for row in found["rows"]} == {"trot"}
+
+
+def test_tables_and_a_picture(capsys, tmp_path):
+    assert main(["bench", "walk", "--scene", "limit", "--calls", "12", "--out", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "limit" in out
+    assert "Clarabel, exact cones" in out
+    (folder,) = tmp_path.iterdir()
+    assert (folder / "walk.png").stat().st_size > 10_000
+    assert json.loads((folder / "walk.json").read_text())["calls"] == 12
+
+
+def test_an_unknown_scene_is_one_line(capsys):
+    assert main(["bench", "walk", "--scene", "moon"]) == 2
+    assert "unknown scene 'moon'" in capsys.readouterr().err
