@@ -76,6 +76,17 @@ def test_rigid_world_meets_closed_forms(tmp_path):
     assert facts["second_bounce"] == pytest.approx(0.64, abs=0.01)
 
 
+def test_rigid_world_and_mujoco_differ_as_told(tmp_path):
+    facts = facts_of("26_rigid_and_mujoco", tmp_path)
+    assert facts["standing_0deg_percent"] < 0.5
+    assert facts["standing_10deg_percent"] < 0.5
+    assert facts["mujoco_distance"] == pytest.approx(facts["rigid_distance"], rel=1e-3)
+    assert facts["convex_distance"] == pytest.approx(facts["rigid_distance"], rel=1e-3)
+    assert facts["rigid_highest_mm"] < 1e-6
+    assert facts["convex_highest_mm"] > 20.0
+    assert facts["rigid_creep"] < 1e-12 < facts["mujoco_creep"]
+
+
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("2[0-9]_*.py")), ids=lambda p: p.stem)
 def test_examples_are_short(path):
     assert len(path.read_text().splitlines()) < 100

@@ -308,3 +308,20 @@ def test_bad_input():
         ball(0.0)
     with pytest.raises(sf.ProblemError, match="size must be above twice the rounding"):
         box(1.0, (0.1, 0.1, 0.02), rounding=0.02)
+
+
+@pytest.mark.parametrize(
+    "terrain",
+    [sf.StairsTerrain(0.1, 0.4, 3), sf.HeightfieldTerrain(np.zeros((5, 5)) + 0.07, 0.5)],
+    ids=["stairs", "heightfield"],
+)
+def test_ball_rests_on_other_terrains(terrain):
+    body = ball(1.0, 0.05)
+    world = RigidWorld(body, terrain)
+    q = body.nominal.copy()
+    q[:2] = 0.2, 0.1
+    q[2] += float(terrain.height(q[:2])) + 0.02
+    world.reset(q)
+    end, v = run(world, 0.2)[-1]
+    assert end[2] == pytest.approx(float(terrain.height(q[:2])) + 0.05, abs=1e-6)
+    assert np.abs(v).max() < 1e-9

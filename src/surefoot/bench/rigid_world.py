@@ -131,7 +131,7 @@ def _watched(
         Timing.of(timed[2]),
         contacts,
         float(np.abs(resting - 1.0).max()),
-        -deepest,
+        max(0.0, -deepest),
         float(excess) if rigid else np.nan,
         float(np.abs(made.state()[1]).max()),
     )
