@@ -1,7 +1,7 @@
 """The nearest point of a cone that is given by rays: non-negative least squares.
 
 C. L. Lawson, R. J. Hanson, "Solving Least Squares Problems" (1974), chapter 23, with the passive columns
-kept orthonormal by Gram-Schmidt, twice. Written here because SciPy's `nnls` (1.12 to 1.17 at least) can
+kept orthonormal by Gram-Schmidt, twice. Written here because SciPy's `nnls` (seen with 1.17.1) can
 stop at a wrong point where x is on the cone's boundary, which is where projections end.
 
 Limits: dense, one point after the other; columns that depend on the passive ones to 1e-11 are passed
