@@ -46,7 +46,7 @@ class MomentumTiming:
         """Return the exponent p of time ~ links^p over the longer half of the chains."""
         links, seconds = np.array(self.links, dtype=np.float64), np.array(self.seconds[way])
         ran = np.flatnonzero(np.isfinite(seconds))
-        longer = ran[len(ran) // 2 :]
+        longer = ran[-max(2, len(ran) // 2) :]
         return float(np.polyfit(np.log(links[longer]), np.log(seconds[longer]), 1)[0])
 
 
