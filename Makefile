@@ -29,7 +29,14 @@ test: lint ## lint, then every test
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -q
 
 bench: setup ## every benchmark, one after the other
-	$(BIN)/surefoot bench all --out runs
+	$(BIN)/surefoot bench forces --out runs
+	$(BIN)/surefoot bench statics
+	$(BIN)/surefoot bench contact --out runs
+	$(BIN)/surefoot bench contact --scale large --out runs
+	$(BIN)/surefoot bench momentum --out runs
+	$(BIN)/surefoot bench rigid
+	$(BIN)/surefoot bench walk --out runs
+	$(BIN)/surefoot bench faults --out runs
 
 docs: setup ## check every link and every shown command of the docs
 	$(BIN)/python docs/check.py
