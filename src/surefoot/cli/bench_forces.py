@@ -33,7 +33,7 @@ def forces(
     progress = Console(stderr=True)
     logged = None if log is None else read_log(log)
     with progress.status("timing") as status:
-        rows = run_all(count, 100 if quick else 500, logged, lambda text: status.update(text))
+        rows = run_all(count, 5 * count // 2, logged, lambda text: status.update(text))
         status.update("checking against Clarabel")
         checks = {
             weight: measure_accuracy(random_instances(instances), weight) if instances else None
