@@ -1,0 +1,380 @@
+"""Verdicts against independent solvers, with their proofs, and the cases at the edges."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+import surefoot as sf
+from surefoot.bench import statics_rivals as rivals
+from surefoot.bench.random_stances import KINDS, random_case, random_cases
+from surefoot.bench.statics import agreement
+from surefoot.errors import ProblemError
+from surefoot.spatial import GRAVITY
+
+FEET = [[0.2, 0.15], [0.2, -0.15], [-0.2, 0.15], [-0.2, -0.15]]
+
+
+def on_slope(degrees, mu=0.6, feet=FEET):
+    ground = sf.SlopeTerrain(degrees)
+    return sf.Stance([sf.PointContact([*p, float(ground.height(p))], ground.normal(p), mu) for p in feet])
+
+
+def ask(case, **options):
+    return sf.can_stand(case.stance, case.com, case.mass, case.external_wrench, **options)
+
+
+def test_exact_verdicts_agree_with_clarabel():
+    """A sample; `surefoot bench statics` compares 5000 and more."""
+    pytest.importorskip("clarabel")
+    found = agreement(random_cases(900, seed=11))
+    assert found.disagreed == 0
+    assert found.verified == found.cases
+    assert 0.3 < found.possible / found.cases < 0.7
+    assert found.worst_margin < 1e-6
+
+
+@pytest.mark.parametrize("facets", [4, 8])
+def test_pyramid_verdicts_agree_with_highs(facets):
+    found = agreement(random_cases(180, seed=12), facets=facets)
+    assert found.disagreed == 0
+    assert found.verified == found.cases
+    assert found.worst_margin < 1e-6
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_margin_is_what_it_says_and_cannot_be_beaten(kind):
+    """The forces have exactly the margin, and the dual bound says that no forces have more."""
+    rng = np.random.default_rng(5)
+    for _ in range(40):
+        case = random_case(rng, kind)
+        verdict = ask(case)
+        if not verdict or not math.isfinite(verdict.margin):
+            continue
+        scale = np.linalg.norm(verdict.load)
+        points = case.stance.points()
+        margins = [
+            float(c.cone.margin(f)) for c, f in zip(points, verdict.corner_forces, strict=True) if c.mu > 0
+        ]
+        assert min(margins) == pytest.approx(verdict.margin, abs=1e-9 * scale)
+        total = case.stance.grasp_map(case.com) @ verdict.forces
+        np.testing.assert_allclose(total, verdict.load, atol=1e-9 * max(scale, np.abs(verdict.forces).max()))
+
+
+@pytest.mark.parametrize("degrees", [0, 5, 20, 30, 35, 60, 80, 88])
+def test_friction_needed_on_a_slope_is_its_tangent(degrees):
+    needed = sf.friction_needed(on_slope(degrees), [0, 0, 0.05], 15.0)
+    assert needed == pytest.approx(math.tan(math.radians(degrees)), abs=1e-6, rel=1e-8)
+
+
+def test_friction_needed_is_the_boundary_of_can_stand():
+    rng = np.random.default_rng(6)
+    checked = 0
+    for k in range(60):
+        case = random_case(rng, KINDS[k % 5])
+        needed = sf.friction_needed(case.stance, case.com, case.mass, case.external_wrench)
+        if math.isinf(needed):
+            assert not sf.can_stand(case.stance.with_friction(9e3), case.com, case.mass, case.external_wrench)
+            continue
+        above = sf.can_stand(
+            case.stance.with_friction(needed * 1.001), case.com, case.mass, case.external_wrench
+        )
+        assert above
+        if needed > 0.0:
+            checked += 1
+            lower = case.stance.with_friction(needed * 0.999)
+            assert not sf.can_stand(lower, case.com, case.mass, case.external_wrench)
+    assert checked > 10
+
+
+def test_no_friction_saves_a_robot_beside_its_feet():
+    assert math.isinf(sf.friction_needed(on_slope(0), [0.3, 0, 0.3], 15.0))
+    assert sf.friction_needed(on_slope(0), [0.1, 0.1, 0.3], 15.0) == 0.0
+    assert math.isinf(sf.friction_needed(sf.Stance([]), [0, 0, 0], 1.0))
+
+
+def test_height_matters_on_walls_but_not_on_level_ground():
+    wall = sf.Stance([*on_slope(0), sf.PointContact([0.4, 0, 0.8], [-1, 0, 0], 0.0)])
+    low = sf.can_stand(wall, [0.25, 0, 0.3], 15.0)
+    assert low  # feet push the weight back through friction, the hand holds the moment
+    far = sf.Stance([*on_slope(0, mu=0.05), sf.PointContact([0.4, 0, 0.8], [-1, 0, 0], 0.0)])
+    assert not sf.can_stand(far, [0.25, 0, 0.3], 15.0)
+    for height in (0.1, 1.0, 5.0):
+        assert sf.can_stand(on_slope(0), [0.19, 0.14, height], 15.0)
+        assert not sf.can_stand(on_slope(0), [0.21, 0.14, height], 15.0)
+
+
+def test_degenerate_stances_get_right_answers():
+    weight = 15.0
+    none, one = sf.Stance([]), sf.Stance([sf.PointContact([0, 0, 0])])
+    verdict = sf.can_stand(none, [0, 0, 1], weight)
+    assert not verdict
+    assert verdict.verify()
+    assert verdict.margin == -math.inf
+    assert sf.can_stand(one, [0, 0, 0.5], weight)
+    assert not sf.can_stand(one, [0.001, 0, 0.5], weight)
+    twice = sf.Stance([sf.PointContact([0, 0, 0]), sf.PointContact([0, 0, 0])])
+    assert sf.can_stand(twice, [0, 0, 0.5], weight)
+    assert not sf.can_stand(twice, [0.001, 0, 0.5], weight)
+    line = sf.Stance([sf.PointContact([x, 0, 0]) for x in (-0.1, 0.0, 0.1)])
+    assert sf.can_stand(line, [0.05, 0, 0.5], weight)
+    for com in ([0.05, 0.001, 0.5], [0.11, 0, 0.5]):
+        verdict = sf.can_stand(line, com, weight)
+        assert not verdict
+        assert verdict.verify()
+    slippery = sf.Stance([sf.PointContact([*p, 0], mu=0.0) for p in FEET])
+    assert sf.can_stand(slippery, [0, 0, 0.3], weight).margin == pytest.approx(weight * GRAVITY / 4)
+    assert not sf.can_stand(slippery, [0, 0, 0.3], weight, [1.0, 0, 0, 0, 0, 0])
+
+
+def test_boundary_has_an_honest_margin():
+    scale = 15.0 * GRAVITY
+    for com in ([0.2, 0, 0.3], [0.2, 0.15, 0.3], [-0.2, 0.1, 2.0]):
+        assert abs(sf.can_stand(on_slope(0), com, 15.0).margin) < 1e-7 * scale
+    edge = sf.can_stand(on_slope(30, mu=math.tan(math.radians(30.0))), [0, 0, 0.3], 15.0)
+    assert abs(edge.margin) < 1e-7 * scale
+
+
+def test_squeezing_without_limit_and_with_one():
+    sides = [
+        sf.PointContact([0.3 * s, 0.1 * t, 0], [-s, 0, 0], 0.3, heading=[0, 1, 0])
+        for s in (-1, 1)
+        for t in (-1, 1)
+    ]
+    verdict = sf.can_stand(sf.Stance(sides), [0, 0, 0], 15.0)
+    assert math.isinf(verdict.margin)
+    assert verdict.verify()
+    margins = [float(c.cone.margin(f)) for c, f in zip(sides, verdict.by_contact(), strict=True)]
+    assert min(margins) >= 0.0999 * 15.0 * GRAVITY
+    each = 15.0 * GRAVITY / 4 / 0.3  # normal force that friction 0.3 needs
+    for most, possible in ((1.01 * each, True), (0.99 * each, False)):
+        bounded = sf.Stance(
+            [sf.PointContact(c.position, c.normal, 0.3, normal_max=most, heading=[0, 1, 0]) for c in sides]
+        )
+        answer = sf.can_stand(bounded, [0, 0, 0], 15.0)
+        assert bool(answer) is possible
+        assert answer.verify()
+
+
+def test_bounds_on_normal_forces_against_a_linear_program():
+    """Inner pyramids and bounds on whole patches, put to HiGHS in its own words."""
+    from scipy.optimize import linprog
+
+    rng = np.random.default_rng(8)
+    verdicts = []
+    for k in range(60):
+        case = random_case(rng, ("tilted", "patches")[k % 2], contacts=5)
+        weight = case.mass * GRAVITY
+        low, high = rng.uniform(0.0, 0.1) * weight, rng.uniform(0.15, 0.4) * weight
+        contacts = []
+        for c in case.stance:
+            c.normal_min, c.normal_max = low, high
+            contacts.append(c)
+        case.com[:] = case.stance.positions.mean(axis=0)
+        stance = sf.Stance(contacts)
+        angle = 2.0 * np.pi * np.arange(8) / 8
+        grasp, rows, column = rivals.world_grasp(case), [], 0
+        pieces = []
+        for c in stance:
+            for _ in range(1 if c.dim == 3 else 4):
+                pieces.append(
+                    grasp[:, column : column + 3] @ [c.mu * np.cos(angle), c.mu * np.sin(angle), np.ones(8)]
+                )
+                column += 3
+        A = np.hstack(pieces)
+        at = 0
+        for c in stance:
+            width = 8 if c.dim == 3 else 32
+            row = np.zeros(A.shape[1])
+            row[at : at + width] = 1.0
+            rows.append(row)
+            at += width
+        G = np.vstack([rows, -np.array(rows)])
+        h = np.concatenate([np.full(len(stance), high), np.full(len(stance), -low)]) / weight
+        truth = linprog(
+            np.zeros(A.shape[1]), A_ub=G, b_ub=h, A_eq=A, b_eq=rivals.load_of(case) / weight,
+            bounds=(0, None), method="highs",
+        ).status == 0  # fmt: skip
+        verdict = sf.can_stand(stance, case.com, case.mass, facets=8)
+        assert verdict.verify()
+        if abs(verdict.margin) > 1e-6 * weight:
+            assert bool(verdict) == truth
+        exact = sf.can_stand(stance, case.com, case.mass)
+        assert exact.verify()
+        assert exact or not verdict
+        verdicts.append(truth)
+    assert 5 < sum(verdicts) < 55
+
+
+def test_inner_below_exact_below_outer():
+    rng = np.random.default_rng(9)
+    for k in range(40):
+        case = random_case(rng, KINDS[k % 5])
+        inner, exact, outer = ask(case, facets=6), ask(case), ask(case, facets=6, fit="outer")
+        assert bool(inner) <= bool(exact) <= bool(outer)
+        assert outer.verify()
+        assert inner.verify()
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 10**6),
+    length=st.sampled_from([1e-3, 1e3, 1.0]),
+    mass=st.sampled_from([1e-6, 1e3, 1.0]),
+)
+def test_units_do_not_matter(seed, length, mass):
+    """Millimetres, kilometres, milligrams and tons: the verdict is the same, the margin scales."""
+    case = random_case(np.random.default_rng(seed), KINDS[seed % 5])
+    here = ask(case)
+    contacts = []
+    for c in case.stance:
+        if c.dim == 3:
+            contacts.append(
+                sf.PointContact(length * c.position, c.normal, c.mu, heading=c.rotation_world_contact[:, 0])
+            )
+        else:
+            sizes = (length * c.length, length * c.width)
+            contacts.append(
+                sf.PatchContact(
+                    length * c.position, *sizes, c.normal, c.mu, heading=c.rotation_world_contact[:, 0]
+                )
+            )
+    push = mass * case.external_wrench * np.array([1, 1, 1, length, length, length])
+    there = sf.can_stand(sf.Stance(contacts), length * case.com, mass * case.mass, push)
+    if abs(here.margin) > 1e-6 * np.linalg.norm(here.load):
+        assert bool(here) == bool(there)
+        assert there.verify()
+        if math.isfinite(here.margin):
+            assert there.margin == pytest.approx(mass * here.margin, rel=1e-5)
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 10**6))
+def test_moving_and_turning_the_world_changes_nothing(seed):
+    """Turned about the vertical and moved anywhere, the answer is the same."""
+    rng = np.random.default_rng(seed)
+    case = random_case(rng, KINDS[seed % 4])
+    R = Rotation.from_euler("z", rng.uniform(-np.pi, np.pi)).as_matrix()
+    shift = rng.normal(size=3) * 10.0
+    contacts = []
+    for c in case.stance:
+        place, normal, heading = R @ c.position + shift, R @ c.normal, R @ c.rotation_world_contact[:, 0]
+        sizes = () if c.dim == 3 else (c.length, c.width)
+        kind = sf.PointContact if c.dim == 3 else sf.PatchContact
+        contacts.append(kind(place, *sizes, normal=normal, mu=c.mu, heading=heading))
+    here, there = ask(case), sf.can_stand(sf.Stance(contacts), R @ case.com + shift, case.mass)
+    scale = np.linalg.norm(here.load)
+    if abs(here.margin) > 1e-6 * scale:
+        assert bool(here) == bool(there)
+        if math.isfinite(here.margin):
+            assert there.margin == pytest.approx(here.margin, rel=1e-5, abs=1e-7 * scale)
+
+
+def test_a_patch_is_its_four_corners():
+    rng = np.random.default_rng(10)
+    for _ in range(20):
+        case = random_case(rng, "patches")
+        whole, corners = ask(case), sf.can_stand(case.stance.points(), case.com, case.mass)
+        assert bool(whole) == bool(corners)
+        assert whole.margin == pytest.approx(corners.margin, abs=1e-7 * np.linalg.norm(whole.load))
+
+
+def test_certificate_is_a_separating_wrench():
+    """Two matrix products, done here by hand on a stance that slides."""
+    stance = on_slope(40)
+    verdict = sf.can_stand(stance, [0, 0, 0.3], 15.0)
+    assert not verdict
+    assert verdict.forces is None
+    assert verdict.by_contact() == []
+    assert verdict.certificate @ verdict.load < 0.0
+    forces = np.random.default_rng(0).normal(size=(500, len(stance), 3)) * 100.0
+    for k, contact in enumerate(stance):
+        forces[:, k] = contact.cone.project(forces[:, k])
+    wrenches = forces.reshape(500, -1) @ stance.grasp_map([0, 0, 0.3]).T
+    assert np.all(wrenches @ verdict.certificate >= -1e-9 * np.abs(wrenches).max())
+
+
+def test_a_wrong_proof_does_not_verify():
+    good = sf.can_stand(on_slope(10), [0, 0, 0.3], 15.0)
+    good.forces = good.forces * 1.01
+    assert not good.verify()
+    bad = sf.can_stand(on_slope(40), [0, 0, 0.3], 15.0)
+    bad.certificate = -bad.certificate
+    assert not bad.verify()
+    bad.certificate = None
+    assert not bad.verify()
+
+
+def test_largest_disturbance_is_where_the_stance_fails():
+    rng = np.random.default_rng(13)
+    checked = 0
+    for k in range(100):
+        case = random_case(rng, KINDS[k % 5], contacts=int(rng.integers(3, 7)))
+        verdict = ask(case)
+        if not verdict or verdict.margin < 1e-3:
+            continue
+        direction = rng.normal(size=6) * [1, 1, 1, 0.1, 0.1, 0.1]
+        reach = verdict.largest_disturbance(direction)
+        if math.isinf(reach):
+            push = case.external_wrench + 1e3 * case.mass * direction
+            assert sf.can_stand(case.stance, case.com, case.mass, push)
+            continue
+        checked += 1
+        for share, possible in ((0.999, True), (1.001, False)):
+            push = case.external_wrench + share * reach * direction
+            assert bool(sf.can_stand(case.stance, case.com, case.mass, push)) is possible
+    assert checked > 10
+
+
+def test_pushing_over_and_pushing_away():
+    """Four feet on level ground: sliding at mu m g, tipping at m g x / h, lifting at m g."""
+    weight = 15.0 * GRAVITY
+    low = sf.can_stand(on_slope(0), [0, 0, 0.05], 15.0)
+    assert low.largest_disturbance([1, 0, 0, 0, 0, 0]) == pytest.approx(0.6 * weight, rel=1e-6)
+    high = sf.can_stand(on_slope(0), [0.05, 0, 0.6], 15.0)
+    assert high.largest_disturbance([1, 0, 0, 0, 0, 0]) == pytest.approx(weight * 0.15 / 0.6, rel=1e-6)
+    assert high.largest_disturbance([2, 0, 0, 0, 0, 0]) == pytest.approx(weight * 0.15 / 1.2, rel=1e-6)
+    assert high.largest_disturbance([0, 0, 1, 0, 0, 0]) == pytest.approx(weight, rel=1e-6)
+    assert math.isinf(high.largest_disturbance([0, 0, -1, 0, 0, 0]))
+    assert sf.can_stand(on_slope(40), [0, 0, 0.3], 15.0).largest_disturbance([1, 0, 0, 0, 0, 0]) == 0.0
+    with pytest.raises(ProblemError, match="direction"):
+        high.largest_disturbance(np.zeros(6))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"mass": 0.0}, "mass must be positive"),
+        ({"mass": -1.0}, "mass must be positive"),
+        ({"mass": math.nan}, "mass must be"),
+        ({"mass": math.inf}, "mass must be positive"),
+        ({"mass": "heavy"}, "mass must be a number"),
+        ({"com": [0, 0]}, "com must have shape"),
+        ({"com": [0, 0, math.nan]}, r"com\[2\] is NaN"),
+        ({"com": [0, math.inf, 0]}, r"com\[1\] is infinite"),
+        ({"com": "middle"}, "com must be numeric"),
+        ({"external_wrench": [0, 0, 1]}, "external_wrench must have shape"),
+        ({"external_wrench": [0, 0, 0, 0, 0, math.nan]}, r"external_wrench\[5\] is NaN"),
+        ({"facets": 2}, "facets"),
+        ({"facets": 8, "fit": "middle"}, "inner, outer"),
+    ],
+)
+def test_bad_input_is_named(change, message):
+    with pytest.raises(ProblemError, match=message):
+        sf.can_stand(**({"stance": on_slope(0), "com": [0, 0, 0.3], "mass": 15.0} | change))
+
+
+def test_extreme_values_give_answers():
+    for scale in (1e-9, 1e9):
+        assert sf.can_stand(on_slope(0), [0, 0, 0.3], scale)
+        assert not sf.can_stand(on_slope(0), [0.3, 0, 0.3], scale)
+    far = sf.Stance([sf.PointContact([1e4 + p[0], p[1], 0]) for p in FEET])
+    assert sf.can_stand(far, [1e4, 0, 0.3], 15.0)
+    tall = sf.can_stand(on_slope(0), [0, 0, 1e4], 15.0)
+    assert tall
+    assert tall.verify()
+    tiny = sf.Stance([sf.PointContact([*p, 0], mu=1e-9) for p in FEET])
+    assert sf.can_stand(tiny, [0, 0, 0.3], 15.0)

@@ -1,0 +1,130 @@
+"""The compiled solver against Clarabel, against itself without compilation, and the row reduction."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csc_matrix
+
+from surefoot.equilibrium import cone_program, margin, reduction
+from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
+
+
+def random_program(rng, lorentz, lines, rows):
+    """Return orthonormal rows, right-hand side, a bounded objective and a strictly feasible start."""
+    m = 3 * lorentz + lines
+    B = np.linalg.qr(rng.normal(size=(m, rows)))[0].T
+    x = interior(rng, lorentz, lines)
+    dual = interior(rng, lorentz, lines)
+    c = dual + B.T @ rng.normal(size=rows)
+    return np.ascontiguousarray(B), B @ x, c, x
+
+
+def interior(rng, lorentz, lines):
+    x = rng.normal(size=3 * lorentz + lines)
+    for k in range(lorentz):
+        x[3 * k] = np.hypot(x[3 * k + 1], x[3 * k + 2]) + rng.uniform(0.1, 1.0)
+    x[3 * lorentz :] = np.abs(x[3 * lorentz :]) + 0.1
+    return x
+
+
+def clarabel_value(B, b, c, lorentz):
+    clarabel = pytest.importorskip("clarabel")
+    m = len(c)
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    kinds = [clarabel.ZeroConeT(len(b))] + [clarabel.SecondOrderConeT(3)] * lorentz
+    if m > 3 * lorentz:
+        kinds.append(clarabel.NonnegativeConeT(m - 3 * lorentz))
+    rows = csc_matrix(np.vstack([B, -np.eye(m)]))
+    right = np.concatenate([b, np.zeros(m)])
+    solution = clarabel.DefaultSolver(csc_matrix((m, m)), c, rows, right, kinds, settings).solve()
+    assert str(solution.status) == "Solved"
+    return solution.obj_val
+
+
+def solve(B, b, c, lorentz, start, kernel=minimise):
+    x, y, z = start.copy(), np.empty(len(b)), np.empty(len(c))
+    status, iterations = kernel(B, b, c, lorentz, x, y, z, 1e-10, -1e9)
+    return status, iterations, x, y, z
+
+
+@pytest.mark.parametrize(
+    ("lorentz", "lines", "rows"), [(4, 0, 5), (4, 0, 4), (0, 32, 5), (8, 10, 12), (1, 2, 1)]
+)
+def test_value_equals_clarabels_and_the_gap_closes(lorentz, lines, rows):
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        B, b, c, start = random_program(rng, lorentz, lines, rows)
+        status, iterations, x, y, z = solve(B, b, c, lorentz, start)
+        assert status == OPTIMAL
+        assert iterations <= 25
+        np.testing.assert_allclose(B @ x, b, atol=1e-9)
+        np.testing.assert_allclose(c - B.T @ y, z, atol=1e-9)
+        for v in (x, z):
+            heads = v[: 3 * lorentz].reshape(-1, 3)
+            assert np.all(heads[:, 0] >= np.hypot(heads[:, 1], heads[:, 2]))
+            assert np.all(v[3 * lorentz :] >= 0.0)
+        assert abs(c @ x - b @ y) < 1e-8
+        assert c @ x == pytest.approx(clarabel_value(B, b, c, lorentz), abs=1e-6)
+
+
+def test_compiled_and_plain_agree():
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        B, b, c, start = random_program(rng, 3, 2, 4)
+        fast, slow = solve(B, b, c, 3, start), solve(B, b, c, 3, start, minimise.py_func)
+        assert fast[:2] == slow[:2]
+        np.testing.assert_allclose(fast[2], slow[2], atol=1e-9)
+
+
+def test_unbounded_programs_are_recognised():
+    B, b = np.array([[0.0, 1.0, 0.0, 0.0]]), np.zeros(1)
+    c = np.array([0.0, 0.0, 0.0, -1.0])
+    assert solve(B, b, c, 1, np.array([1.0, 0.0, 0.0, 1.0]))[0] == UNBOUNDED
+
+
+def test_step_to_the_boundary_through_the_apex():
+    """A direction that runs through the apex has a double root, which rounding must not lose."""
+    x = np.array([1.0, 0.3, 0.2])
+    for scale in (1.0, 3.7, 1e-3):
+        assert cone_program._step_to_boundary.py_func(x, -scale * x, 1) == pytest.approx(1.0 / scale)
+    assert np.isinf(cone_program._step_to_boundary.py_func(x, x, 1))
+
+
+@pytest.mark.parametrize("rank", [1, 3, 5, 6])
+def test_reduction_finds_the_rank_and_factors(rank):
+    rng = np.random.default_rng(rank)
+    A = rng.normal(size=(6, rank)) @ rng.normal(size=(rank, 12))
+    Q, T, pivots = np.empty((6, 12)), np.empty((6, 6)), np.empty(6, dtype=np.int64)
+    assert reduction.orthonormal_rows(A, Q, T, pivots) == rank
+    np.testing.assert_allclose(Q[:rank] @ Q[:rank].T, np.eye(rank), atol=1e-12)
+    np.testing.assert_allclose(T[:, :rank] @ Q[:rank], A, atol=1e-10)
+    w, out = A @ rng.normal(size=12), np.empty(6)
+    assert reduction.coordinates(T, pivots, rank, w, out) < 1e-9
+    np.testing.assert_allclose(T[:, :rank] @ out[:rank], w, atol=1e-9)
+    y, u = rng.normal(size=rank), np.empty(6)
+    reduction.pull_back(T, pivots, rank, y, u)
+    np.testing.assert_allclose(A.T @ u, Q[:rank].T @ y, atol=1e-8)
+
+
+def test_turning_the_first_row():
+    rng = np.random.default_rng(2)
+    Q = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(12, 6)))[0].T)
+    a, b, h = rng.normal(size=6), rng.normal(size=6), np.zeros(6)
+    before, right = Q.copy(), b.copy()
+    length = reduction.turn_first_row(Q, 6, a, h, b)
+    assert length == pytest.approx(np.linalg.norm(a))
+    np.testing.assert_allclose(Q[0], a @ before / length, atol=1e-12)
+    np.testing.assert_allclose(Q @ Q.T, np.eye(6), atol=1e-12)
+    np.testing.assert_allclose(Q.T @ b, before.T @ right, atol=1e-12)
+
+
+def test_margin_kernel_and_its_plain_twin_agree():
+    rng = np.random.default_rng(3)
+    positions = np.array([[0.2, 0.1, 0], [0.2, -0.1, 0], [-0.2, 0.1, 0.05], [-0.2, -0.1, 0]])
+    rotations, mu = np.stack([np.eye(3)] * 4), rng.uniform(0.2, 1.0, 4)
+    for x in (0.0, 0.1, 0.3):
+        arguments = (positions, rotations, mu, np.array([x, 0.02, 0.3]), np.array([3.0, 0, 150.0, 0, 0, 0]))
+        fast, slow = margin.stand(*arguments), margin.stand.py_func(*arguments)
+        assert fast[0] == slow[0]
+        assert fast[1] == pytest.approx(slow[1], abs=1e-7)
+        np.testing.assert_allclose(fast[2], slow[2], atol=1e-5)
