@@ -17,6 +17,8 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
 
+NOTHING_DONE = 0.1
+"""Share of ρ ||g|| above which a gap is measured by that alone."""
 SMALL = 30
 """Number of contacts up to which velocities and residuals are computed in one compiled call."""
 
@@ -32,7 +34,9 @@ class Residuals:
     ----------
     natural_map
         ||λ - P_K(λ - ρ(u + Γ(u)))|| / max(||λ||, ρ ||g||) with ρ = 1 / ||G||₂; Γ = 0 for the convex
-        law. Dimensionless; `Status.SOLVED` is judged by it.
+        law. Dimensionless; `Status.SOLVED` is judged by it. Where the numerator exceeds a tenth of
+        ρ ||g||, forces have done nothing against the free velocity, and the scale is ρ ||g|| alone:
+        forces that run away on a problem without solution must not look like one.
     cone_violation
         Largest distance of a contact's force to its cone, normal bounds included [N].
     penetration_velocity
@@ -201,7 +205,13 @@ def _measure(
         normal_power = power if not power <= normal_power else normal_power
         lost = abs(z * limit + x * ux + y * uy)
         slip_power = lost if not lost <= slip_power else slip_power
-    scale = max(math.sqrt(force_scale), step * math.sqrt(np.sum(free * free)))
+    reach = step * math.sqrt(np.sum(free * free))
+    scale = max(math.sqrt(force_scale), reach)
+    if reach > 0.0:
+        if 4e-16 * math.sqrt(force_scale) > NOTHING_DONE * reach:  # rounding has swallowed the velocities
+            gap = max(gap, reach * reach)
+        if gap > (NOTHING_DONE * reach) ** 2:
+            scale = reach
     natural = math.sqrt(gap) / scale if scale > 0.0 else math.sqrt(gap)
     return natural, violation, approach, normal_power, slip_power
 

@@ -61,7 +61,10 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
     n = on.size
     if n == 0:
         return Answer(_spread(problem, on, []), 0)
-    low, high, mu = problem.normal_min[on], problem.normal_max[on], problem.mu[on]
+    size, length = problem.norm or 1.0, float(np.linalg.norm(g)) or 1.0
+    unit = length / size  # tolerances are absolute: hand over a problem of size one
+    G, g = G / size, g / length
+    low, high, mu = problem.normal_min[on] / unit, problem.normal_max[on] / unit, problem.mu[on]
     blocks, bounds, cones = [], [], []
     lower, upper = np.flatnonzero(low > 0.0), np.flatnonzero(np.isfinite(high))
     pick_z = _selector(n, 2)
@@ -76,8 +79,9 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
     cones += [clarabel.SecondOrderConeT(3)] * n
     options = clarabel.DefaultSettings()
     options.verbose = False
-    # its stopping test is not ours: ask for a little more than the natural map has to reach
-    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = max(1e-2 * settings.tol, 1e-13)
+    # its stopping test is not ours: on a cone's boundary the natural map is about the root of its gap
+    options.tol_gap_abs = options.tol_gap_rel = max(settings.tol**2, 1e-16)
+    options.tol_feas = max(1e-3 * settings.tol, 1e-14)
     if settings.max_iterations is not None:
         options.max_iter = settings.max_iterations
     if np.isfinite(settings.max_time):
@@ -86,7 +90,8 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
         sp.csc_matrix(np.triu(G)), g, sp.csc_matrix(sp.vstack(blocks)), np.concatenate(bounds), cones, options
     )
     found = solver.solve()
-    return Answer(_spread(problem, on, found.x), int(found.iterations), _clarabel_status(str(found.status)))
+    forces = unit * np.asarray(found.x)
+    return Answer(_spread(problem, on, forces), int(found.iterations), _clarabel_status(str(found.status)))
 
 
 def _clarabel_status(text: str) -> Status:
@@ -144,7 +149,7 @@ def _solve_qp(
     if on.size == 0:
         return Answer(_spread(problem, on, []), 0)
     C, d = pyramid_rows(problem, on)
-    size, length = max(problem.norm, 1e-300), max(float(np.linalg.norm(g)), 1e-300)
+    size, length = problem.norm or 1.0, float(np.linalg.norm(g)) or 1.0
     unit = length / size  # tolerances are absolute: hand over a problem of size one
     G, g, d = G / size, g / length, d / unit
     if name == "quadprog":  # its Cholesky factorisation needs a positive definite matrix

@@ -120,7 +120,7 @@ class _Scaling:
     def normal_matrix(self, A: FloatArray) -> FloatArray:
         """Return W⁻¹ A."""
         m = self.m
-        head = np.einsum("kij,kjc->kic", self.Wi, A[: 3 * m].reshape(m, 3, -1)).reshape(3 * m, -1)
+        head = np.einsum("kij,kjc->kic", self.Wi, A[: 3 * m].reshape(m, 3, A.shape[1])).reshape(3 * m, A.shape[1])
         return np.vstack([head, A[3 * m :] / self.d[:, None]])
 
 
