@@ -145,11 +145,21 @@ def pushed_stance(count: int = 500, period: float = 0.002) -> list[Instance]:
     return out
 
 
+def busiest(instances: list[Instance], steps: int) -> list[Instance]:
+    """Return the `steps` successive instances whose wanted wrenches stray furthest from the median."""
+    wrenches = np.array([i.wrench for i in instances])
+    away = np.linalg.norm(wrenches - np.median(wrenches, axis=0), axis=1)
+    sums = np.cumsum(np.concatenate([[0.0], away]))
+    width = min(steps, len(instances))
+    start = int(np.argmax(sums[width:] - sums[:-width]))
+    return instances[start : start + width]
+
+
 def read_log(path: Path) -> list[Instance]:
-    """Return the allocations of a controller's log.
+    """Return the allocations of a controller's log, such as `surefoot stand` writes.
 
     The .npz file holds `wrench_desired` (T, 6), `grasp_map` (T, 6, 3n), `active` (T, n), and `mu`,
-    `normal_min`, `normal_max`, each a number, (n,) or (T, n).
+    `normal_min`, `normal_max` (the last two also as ``fact_...``), each a number, (T,), (n,) or (T, n).
 
     Raises
     ------
@@ -158,7 +168,7 @@ def read_log(path: Path) -> list[Instance]:
     """
     try:
         with np.load(path) as data:
-            log = {name: data[name] for name in data.files}
+            log = {name.removeprefix("fact_"): data[name] for name in sorted(data.files)}
     except (OSError, ValueError) as error:
         raise ProblemError(f"cannot read --log {path}: {error}") from error
     wanted = ("wrench_desired", "grasp_map", "active", "mu", "normal_min", "normal_max")
@@ -167,13 +177,23 @@ def read_log(path: Path) -> list[Instance]:
         raise ProblemError(f"{path} lacks {', '.join(missing)}; it has {', '.join(sorted(log)) or 'nothing'}")
     w = finite_array("wrench_desired", log["wrench_desired"], (None, 6))
     A = finite_array("grasp_map", log["grasp_map"], (len(w), 6, None))
-    n = A.shape[2] // 3
     on = np.asarray(log["active"], dtype=bool)
-    if on.shape != (len(w), n):
-        raise ProblemError(f"active must have shape {(len(w), n)}, got {on.shape}")
-    mu, low, high = (np.broadcast_to(log[name], on.shape).astype(float) for name in wanted[3:])
+    if on.shape != (len(w), A.shape[2] // 3):
+        raise ProblemError(f"active must have shape {(len(w), A.shape[2] // 3)}, got {on.shape}")
+    mu, low, high = (_per_step(name, log[name], on.shape) for name in wanted[3:])
     low, high = np.where(on, low, 0.0), np.where(on, high, 0.0)
     return [
         Instance(np.ascontiguousarray(A[t]), w[t], mu[t], np.minimum(low[t], high[t]), high[t])
         for t in range(len(w))
     ]
+
+
+def _per_step(name: str, value: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return a number, (T,), (n,) or (T, n) value as (T, n)."""
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape == shape[:1]:
+        array = array[:, None]
+    try:
+        return np.array(np.broadcast_to(array, shape))
+    except ValueError as error:
+        raise ProblemError(f"{name} must be a number or have shape {shape}, got {array.shape}") from error

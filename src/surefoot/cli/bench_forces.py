@@ -21,17 +21,19 @@ def forces(
     quick: Annotated[bool, typer.Option("--quick", help="A fifth of the instances.")] = False,
     count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
     instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
-    log: Annotated[Path | None, typer.Option(help="A log.npz whose allocations are the trajectory.")] = None,
+    log: Annotated[
+        Path | None, typer.Option(help="A log.npz; its busiest stretch is the trajectory.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Compare exact force distribution with cone solvers, and with QP solvers on 4, 8 and 16 facets."""
     from surefoot.bench.forces import run_all
     from surefoot.bench.forces_accuracy import measure_accuracy
-    from surefoot.bench.forces_instances import random_instances, read_log
+    from surefoot.bench.forces_instances import busiest, random_instances, read_log
 
     count = max(2, count // 5) if quick else count
     progress = Console(stderr=True)
-    logged = None if log is None else read_log(log)
+    logged = None if log is None else busiest(read_log(log), 5 * count // 2)
     with progress.status("timing") as status:
         rows = run_all(count, 5 * count // 2, logged, lambda text: status.update(text))
         status.update("checking against Clarabel")
