@@ -173,14 +173,19 @@ def _best(
                 trials.append((poor, timing.median, variant))
                 if not poor:
                     break
-    variant = min(trials, key=lambda trial: trial[:2])[2]
-    packed = [rival.pack(mpc, program, variant.form) for program in programs]
-    for tol in mpc_rivals.TOLERANCES[mpc_rivals.TOLERANCES.index(variant.tol) :]:
-        variant = Variant(variant.form, variant.warm, tol)
-        timing, forces = _time(rival.make(variant), packed)
-        if _error(forces, optima) <= ACCURACY:
-            break
-    return variant, timing, forces
+    tried: list[tuple[bool, float, Variant, Timing, list[FloatArray]]] = []
+    for _, _, found in sorted(trials, key=lambda trial: trial[:2]):
+        if (found.form, found.warm) in {(v.form, v.warm) for _, _, v, _, _ in tried}:
+            continue
+        packed = [rival.pack(mpc, program, found.form) for program in programs]
+        for tol in mpc_rivals.TOLERANCES[mpc_rivals.TOLERANCES.index(found.tol) :]:
+            variant = Variant(found.form, found.warm, tol)
+            timing, forces = _time(rival.make(variant), packed)
+            error = _error(forces, optima)
+            tried.append((error > ACCURACY, error, variant, timing, forces))
+            if error <= ACCURACY:
+                return variant, timing, forces
+    return min(tried, key=lambda trial: trial[:2])[2:]
 
 
 def _error(forces: list[FloatArray], optima: list[FloatArray]) -> float:
