@@ -257,6 +257,26 @@ def test_the_command_is_optimal_under_torque_limits(name: str, seed: int) -> Non
     assert (np.abs(command.torques) <= limits + 1e-12).all()
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_leg_in_the_air_too_weak_for_its_task_gives_way_optimally(seed: int) -> None:
+    robot, q, v, tasks = random_case("go2", 600 + seed, feet_down=3)
+    foot = int(np.flatnonzero(~tasks.stance)[0])
+    tasks = replace(tasks, feet=20.0 * tasks.feet, forces=np.abs(tasks.forces))
+    free = np.full(robot.joints, np.inf)
+    bounds, mu, weights = (0.0, 400.0), 0.5, Weights(force=0.3)
+    torques = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), free).step(q, v, tasks).torques
+    leg = slice(3 * foot, 3 * foot + 3)
+    limits = np.full(robot.joints, 1e3)
+    worst = 3 * foot + int(np.abs(torques[leg]).argmax())
+    limits[worst] = 0.6 * abs(torques[worst])
+    command = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), limits).step(q, v, tasks)
+    assert command.feasible
+    assert abs(command.torques[worst]) == pytest.approx(limits[worst])
+    a, f = oracle(robot, q, v, tasks, mu, bounds, weights, 8.0, limits)
+    assert command.forces == pytest.approx(f, abs=2e-4 * robot.mass * GRAVITY)
+    assert command.accelerations == pytest.approx(a, abs=1e-2)
+
+
 def test_forces_stay_in_their_cones_whatever_is_asked() -> None:
     for seed in range(30):
         robot, q, v, tasks = random_case("go2", 300 + seed)

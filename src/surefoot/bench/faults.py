@@ -25,6 +25,7 @@ from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.standing import Ice, Push
+from surefoot.simulation.walk_terrain import PitTerrain
 from surefoot.simulation.walking import WalkScenario, run_walking
 from surefoot.stance import FlatTerrain, Terrain
 
@@ -35,6 +36,8 @@ PUSH_TIME = 0.1
 """Length of a push [s]."""
 ICE_TIME = 1.5
 """Length of the way over ice [s]."""
+HOLE_LENGTH = 0.25
+"""Length of a ditch along the way [m]."""
 SPEED = 0.5
 """Commanded speed [m/s]."""
 
@@ -115,6 +118,10 @@ def _delay(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
     return Trial(faults=Faults(delay=1e-3 * level))
 
 
+def _hole(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
+    return Trial(ground=PitTerrain(0.6 + 0.2 * float(rng.random()), HOLE_LENGTH, level))
+
+
 PUSHES = (100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0, 600.0)
 
 FAULTS: dict[str, Fault] = {
@@ -135,6 +142,9 @@ FAULTS: dict[str, Fault] = {
     "noise": Fault("sensor noise", "times ordinary", (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0), _noise),
     "weak-motor": Fault(
         "torque loss of one motor", "of its torque", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0), _weak
+    ),
+    "hole": Fault(
+        "unseen ditch, 0.25 m long", "m deep", (0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.15), _hole
     ),
     "delay": Fault("delay of the torques", "ms", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), _delay),
 }

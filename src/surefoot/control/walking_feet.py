@@ -10,6 +10,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
 from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift, swing_motion
+from surefoot.spatial import GRAVITY
 from surefoot.stance import Terrain
 from surefoot.stance.terrain import SlopeTerrain
 
@@ -19,8 +20,10 @@ LOST_TIME = 0.03
 """A foot in stance without contact for this long is looked for below [s]."""
 FREEZE = 0.75
 """After this share of the swing the target stays where it is."""
-DESCENT = 0.12
-"""Speed with which a late foot looks for the ground, as a share of sqrt(g h)."""
+DESCENT = 0.06
+"""Speed towards the ground at touchdown, as a share of sqrt(g h)."""
+SEARCH = 0.3
+"""Acceleration with which a late foot goes down from there, as a share of g."""
 PATH_SAMPLES = 7
 
 
@@ -151,11 +154,16 @@ class Feet:
 
     def motion(self, k: int, time: float) -> FloatArray:
         """Return wanted place, velocity and acceleration of a foot in the air: (3, 3)."""
-        share = self.share[k]
+        share, overdue = float(self.share[k]), 0.0
         if self.late[k]:
             _, begin, _ = self.schedule.phase(k, time)
-            share = 1.0 + max(time - max(begin, self._felt[k]), 0.0) / self.duration[k]
-        return swing_motion(
-            self.start[k], self.target[k], float(self.apex[k]), float(share), float(self.duration[k]),
+            overdue = max(time - max(begin, float(self._felt[k])), 0.0)
+            share = 1.0 + overdue / float(self.duration[k])
+        motion = swing_motion(
+            self.start[k], self.target[k], float(self.apex[k]), share, float(self.duration[k]),
             self.descent, float(self._lift_first[k]),
         )  # fmt: skip
+        if self.late[k]:
+            down = SEARCH * GRAVITY
+            motion[:, 2] -= [0.5 * down * overdue * overdue, down * overdue, down]
+        return motion

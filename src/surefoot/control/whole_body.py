@@ -10,9 +10,11 @@ contact forces near the wanted ones (those of a model-predictive controller, say
 
 Torques follow from the joints' rows and accelerations from the ground's generalised force on the base, so
 that six numbers are left: the problem becomes force distribution in the metric of the tasks, which
-`ForceDistributor` solves exactly. Where a torque limit then is violated, it solves again with the torques
-as rows; if no forces meet them all, the torques are clipped and the command is flagged. Flat feet push at
-the corners of their soles: sums of corner forces in friction cones are exactly the wrenches a sole can give.
+`ForceDistributor` solves exactly. Where a joint that carries would exceed its limit, it solves again with
+the torques as rows. A joint that no contact loads (a leg in the air, an arm) has no force to trade: its
+torque is pinned at the limit and the tasks give way (pinned torques stay pinned within a step, so that the
+answer is optimal if none of them would come back). What no forces can meet is clipped and flagged. Flat feet
+push at the corners of their soles: sums of corner forces in friction cones are exactly a sole's wrenches.
 """
 
 from __future__ import annotations
@@ -32,6 +34,8 @@ from surefoot.robot import Robot
 from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY
 
+PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
+"""How often torques may be pinned in a step, and by which share of its limit a torque exceeds it."""
 TORQUE_SLACK = 0.01
 """Torques beyond their limit by more than this share of it make a step infeasible."""
 
@@ -236,7 +240,7 @@ class WholeBodyController:
         self._limited = ForceDistributor(*bounds, 1.0, self._force_weight, torque_limit=self.limits)
         self._stance = np.ones(feet, dtype=bool)
         self._H, self._c = np.zeros((nv, nv)), np.zeros(nv)
-        rows = 6 + int(np.where(self._flat, 6, 3).sum())
+        rows = 6 + int(np.where(self._flat, 6, 3).sum()) + robot.joints
         self._E, self._e = np.zeros((rows, nv)), np.zeros(rows)
         self._offset, self._gain = np.zeros(nv), np.zeros((nv, 6))
         self._root, self._target = np.zeros((6, 6)), np.zeros(6)
@@ -272,28 +276,19 @@ class WholeBodyController:
         Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.feasible`.
         """
         rows = self._assemble(tasks)
-        solved = kernels.eliminate(
-            self._H,
-            self._c,
-            self._E[:rows],
-            self._e[:rows],
-            self._offset,
-            self._gain,
-            self._root,
-            self._target,
-        )
-        if not solved or not np.isfinite(self._target).all():
-            return self._damping()
         self._set_stance(tasks.stance)
-        A = self._root.T @ self._map[:6]
-        forces = self._distributor.solve(A, self._target, tasks.forces)
-        torques, accelerations = self._recover(forces)
+        # joints that no contact force loads
+        loose: BoolArray = np.logical_not(self._support[tasks.stance][:, 6:].any(axis=0))
+        for _ in range(PINNING_ROUNDS):
+            if not self._eliminate(rows):
+                return self._damping()
+            forces, torques, accelerations = self._share(tasks, loose)
+            over = loose & (np.abs(torques) > (1.0 + PINNED_SLACK) * self.limits)
+            if not over.any():
+                break
+            rows = self._pin_torques(rows, over, torques)
         violation = float((np.abs(torques) - self.limits).max())
-        if violation > 0.0:
-            forces = self._within_limits(A, tasks)
-            torques, accelerations = self._recover(forces)
-            violation = float((np.abs(torques) - self.limits).max())
-        if not math.isfinite(violation) and not np.isfinite(torques).all():
+        if not np.isfinite(torques).all():
             return self._damping()
         feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
         clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
@@ -344,6 +339,35 @@ class WholeBodyController:
         arms = np.matmul(self._rotations[foot], self._offsets[:, :, None])[:, :, 0]
         return np.asarray(self._places[foot] + arms - self._radii[foot, None] * normals[foot])
 
+    def _eliminate(self, rows: int) -> bool:
+        """Reduce the problem to the ground's force on the base; False for input that is not finite."""
+        return bool(
+            kernels.eliminate(
+                self._H, self._c, self._E[:rows], self._e[:rows],
+                self._offset, self._gain, self._root, self._target,
+            )
+        ) and bool(np.isfinite(self._target).all())  # fmt: skip
+
+    def _share(self, tasks: Tasks, loose: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return forces, torques and accelerations, the torques of loaded joints within their limits."""
+        A = self._root.T @ self._map[:6]
+        forces = self._distributor.solve(A, self._target, tasks.forces)
+        torques, accelerations = self._recover(forces)
+        if (~loose & (np.abs(torques) > self.limits)).any():
+            forces = self._within_limits(A, tasks, loose)
+            torques, accelerations = self._recover(forces)
+        return forces, torques, accelerations
+
+    def _pin_torques(self, rows: int, over: BoolArray, torques: FloatArray) -> int:
+        """Add constraints that hold torques at the limits that they exceed; return the number of rows."""
+        for joint in np.flatnonzero(over):
+            if rows == len(self._e):
+                break
+            self._E[rows] = self._mass_matrix[6 + joint]
+            self._e[rows] = math.copysign(self.limits[joint], torques[joint]) - self._nle[6 + joint]
+            rows += 1
+        return rows
+
     def _recover(self, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the torques and accelerations that go with contact forces."""
         ground = self._map @ forces.ravel()
@@ -357,10 +381,11 @@ class WholeBodyController:
             self._stance = stance.copy()
             self._distributor.set_active(stance[self.point_foot])
 
-    def _within_limits(self, A: FloatArray, tasks: Tasks) -> FloatArray:
-        """Return the forces that respect the torque limits, as far as that is possible: (p, 3)."""
+    def _within_limits(self, A: FloatArray, tasks: Tasks, loose: BoolArray) -> FloatArray:
+        """Return the forces that respect the loaded joints' limits, as far as that is possible: (p, 3)."""
         slope = self._mass_matrix[6:] @ (self._gain @ self._map[:6]) - self._map[6:]
         offset = self._mass_matrix[6:] @ self._offset + self._nle[6:]
+        slope[loose], offset[loose] = 0.0, 0.0
         return self._limited.solve(
             A,
             self._target,

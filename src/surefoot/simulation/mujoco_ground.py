@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from surefoot.errors import ProblemError
+from surefoot.simulation.walk_terrain import PitTerrain
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 from surefoot.stance import HeightfieldTerrain, SlopeTerrain, StairsTerrain, Terrain
 
@@ -36,19 +39,27 @@ def add_shapes(mujoco: Any, spec: Any, terrain: Terrain, common: dict[str, Any])
             **common,
         )
     elif isinstance(terrain, StairsTerrain):
-        _add_stairs(mujoco, spec, terrain, common)
+        last = terrain.tread * terrain.steps + HALF_SIZE
+        edges = [-HALF_SIZE, *(terrain.tread * np.arange(terrain.steps)).tolist(), last]
+        tops = (terrain.rise * np.arange(terrain.steps + 1)).tolist()
+        _add_levels(mujoco, spec, edges, tops, common)
+    elif isinstance(terrain, PitTerrain):
+        end = terrain.start + terrain.length
+        _add_levels(
+            mujoco, spec, [-HALF_SIZE, terrain.start, end, HALF_SIZE], [0.0, -terrain.depth, 0.0], common
+        )
     elif isinstance(terrain, HeightfieldTerrain):
         _add_field(mujoco, spec, terrain, common)
     else:
         raise ProblemError(f"the MuJoCo world has no shape for {terrain!r}")
 
 
-def _add_stairs(mujoco: Any, spec: Any, stairs: StairsTerrain, common: dict[str, Any]) -> None:
-    """Add one box for every tread and for the level ground before and after."""
-    edges = [-HALF_SIZE, *(stairs.tread * np.arange(stairs.steps)), stairs.tread * stairs.steps + HALF_SIZE]
-    bottom = min(0.0, stairs.rise * stairs.steps) - DEPTH
-    for k in range(stairs.steps + 1):
-        low, high, top = edges[k], edges[k + 1], stairs.rise * k
+def _add_levels(
+    mujoco: Any, spec: Any, edges: Sequence[float], tops: Sequence[float], common: dict[str, Any]
+) -> None:
+    """Add boxes across the way: level k from x = edges[k] to edges[k + 1], up to tops[k]."""
+    bottom = min(tops) - DEPTH
+    for k, ((low, high), top) in enumerate(zip(pairwise(edges), tops, strict=True)):
         spec.worldbody.add_geom(
             name=f"ground:{k}",
             type=mujoco.mjtGeom.mjGEOM_BOX,

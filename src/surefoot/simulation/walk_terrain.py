@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.robot import Robot, place
@@ -14,6 +15,39 @@ FIELD = (16.0, 8.0)
 """Size of rough ground along x and y [m], about the origin."""
 BEFORE_STAIRS = 3.0
 """A robot starts this far before the first riser, in heights of its base."""
+
+
+class PitTerrain(Terrain):
+    """Level ground with a ditch across the way.
+
+    Parameters
+    ----------
+    start, length
+        Where along x the ditch begins, and how long it is [m].
+    depth
+        Of the ditch [m].
+
+    Examples
+    --------
+    >>> PitTerrain(start=1.0, length=0.3, depth=0.05).height([[0.9, 0.0], [1.1, 2.0]])
+    array([ 0.  , -0.05])
+    """
+
+    def __init__(self, start: float, length: float, depth: float) -> None:
+        self.start, self.length = real_number("start", start), real_number("length", length, low=0.0)
+        self.depth = real_number("depth", depth, low=0.0)
+
+    def __repr__(self) -> str:
+        return f"PitTerrain(start={self.start:g}, length={self.length:g}, depth={self.depth:g})"
+
+    def height(self, xy: ArrayLike) -> FloatArray:
+        """Return the ground height under (..., 2) places [m]: (...)."""
+        x = np.asarray(xy, dtype=np.float64)[..., 0]
+        return np.where((x >= self.start) & (x < self.start + self.length), -self.depth, 0.0)
+
+    def normal(self, xy: ArrayLike) -> FloatArray:
+        """Return the vertical at (..., 2) places: (..., 3)."""
+        return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*np.asarray(xy).shape[:-1], 3)).copy()
 
 
 def rough_ground(seed: int, height: float) -> HeightfieldTerrain:

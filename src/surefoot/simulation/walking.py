@@ -22,6 +22,8 @@ TOUCH = 0.02
 """A foot feels the ground when its normal force exceeds this share of m g."""
 LOWEST, STEEPEST = 0.4, math.radians(60.0)
 """The robot has fallen when its base is below this share of its height over the ground, or tilts this far."""
+AT_LIMIT = 1.0 - 1e-6
+"""A torque is saturated from this share of its limit on."""
 START_SPEED = 0.01
 """Standard deviation of the seeded disturbance of the base's velocity at the start [m/s]."""
 
@@ -151,7 +153,9 @@ def _record(
     rows["contact_velocities"][k], rows["contact_positions"][k] = reading.velocities, reading.positions
     rows["forces_commanded"][k] = whole.forces
     rows["active"][k], rows["planned"][k] = command.carrying[foot], command.planned
-    rows["attained"][k], rows["saturated"][k] = whole.feasible, whole.violation > 0.0
+    limits = controller.whole_body.limits
+    rows["attained"][k] = whole.feasible
+    rows["saturated"][k] = (np.abs(whole.torques) >= AT_LIMIT * limits).any()
     rows["command"][k] = command.wanted
     if push is not None:
         rows["push"][k] = push

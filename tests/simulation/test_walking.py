@@ -1,0 +1,153 @@
+"""Whole walks in MuJoCo: velocity, cones, terrain, pushes, ice, other robots, faults, determinism."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from surefoot.control.walking import WalkingController, WalkSettings
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.robot import Robot, load_robot
+from surefoot.simulation.faults import Faults
+from surefoot.simulation.log import Log
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.standing import Ice, Push
+from surefoot.simulation.walk_summary import commanded_excess, summarise_walk
+from surefoot.simulation.walk_terrain import rough_ground, start_pose
+from surefoot.simulation.walking import WalkScenario, run_walking
+from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+
+
+@cache
+def robot_of(name: str) -> Robot:
+    return load_robot(name)
+
+
+def walk(
+    velocity: tuple[float, float, float] = (0.5, 0.0, 0.0),
+    duration: float = 4.0,
+    robot: str = "go2",
+    gait: str = "trot",
+    terrain: Terrain | None = None,
+    mu: float = 0.6,
+    pushes: tuple[Push, ...] = (),
+    ice: tuple[Ice, ...] = (),
+    faults: Faults | None = None,
+    payload: float = 0.0,
+    seed: int | None = 0,
+) -> Log:
+    ground = terrain or FlatTerrain()
+    model = robot_of(robot)
+    controller = WalkingController(
+        model, VelocityCommand.constant(*velocity), gait, ground, WalkSettings(mu=mu)
+    )
+    world = MujocoWorld(model, ground, mu, payload=payload)
+    return run_walking(
+        world, controller, start_pose(model, ground), WalkScenario(duration, mu, pushes, ice, faults, seed)
+    )
+
+
+@pytest.mark.parametrize("velocity", [(0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])
+def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, float, float]) -> None:
+    log = walk(velocity, duration=5.0)
+    summary = summarise_walk(log)
+    assert summary["walked"]
+    assert summary["laws_broken"] == []
+    for axis, wanted in zip(("forward", "left", "turn"), velocity, strict=True):
+        assert summary["velocity"][axis]["commanded"] == pytest.approx(wanted, abs=1e-6)
+        assert summary["velocity"][axis]["measured"] == pytest.approx(wanted, rel=0.1, abs=0.03)
+    assert commanded_excess(log).max() == 0.0
+    assert log["attained"].all()
+
+
+@pytest.mark.parametrize(
+    ("terrain", "speed", "duration"),
+    [
+        (SlopeTerrain(15.0), 0.4, 4.0),
+        (SlopeTerrain(-15.0), 0.4, 4.0),
+        (rough_ground(1, 0.04), 0.4, 4.0),
+        (StairsTerrain(0.08, 0.3), 0.3, 7.0),
+        (StairsTerrain(-0.08, 0.3), 0.3, 7.0),
+    ],
+    ids=repr,
+)
+def test_a_trot_masters_terrain(terrain: Terrain, speed: float, duration: float) -> None:
+    log = walk((speed, 0.0, 0.0), duration, terrain=terrain)
+    summary = summarise_walk(log)
+    assert summary["walked"]
+    assert summary["laws_broken"] == []
+    assert summary["velocity"]["forward"]["measured"] == pytest.approx(speed, rel=0.1)
+    assert commanded_excess(log).max() == 0.0
+    climbed = terrain.height(log["q"][-1, :2]) - terrain.height(log["q"][0, :2])
+    assert summary["climb"] == pytest.approx(float(climbed), abs=0.12)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_trot_survives_pushes(side: float) -> None:
+    push = Push(1.5, (0.0, 100.0 * side, 0.0), 0.1)
+    log = walk(pushes=(push,), duration=3.5)
+    left = summarise_walk(log)["velocity"]["left"]["measured"]
+    assert log.facts["outcome"] == "done"
+    peak = log["v"][1600:1700, 1]
+    assert side * peak[np.abs(peak).argmax()] > 0.3  # it was a push indeed: 10 N s on 16 kg
+    assert abs(left) < 0.15
+    assert commanded_excess(log).max() == 0.0
+
+
+def test_a_trot_crosses_ice() -> None:
+    log = walk(ice=(Ice(1.5, 0.2), Ice(3.0, 0.6)), duration=4.0)
+    assert summarise_walk(log)["walked"]
+    assert log["mu"].min() == 0.2
+
+
+@pytest.mark.parametrize("robot", ["anymal", "a1"])
+def test_other_robots_walk_with_the_same_code(robot: str) -> None:
+    summary = summarise_walk(walk(robot=robot, duration=4.0))
+    assert summary["walked"]
+    assert summary["velocity"]["within"]
+    assert summary["commanded_cone_excess"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("gait", "speed"), [("walk", 0.3), ("pace", 0.4), ("bound", 0.4), ("flying_trot", 0.6)]
+)
+def test_every_gait_walks(gait: str, speed: float) -> None:
+    log = walk((speed, 0.0, 0.0), 3.5, gait=gait)
+    summary = summarise_walk(log)
+    assert summary["walked"]
+    assert summary["velocity"]["forward"]["measured"] == pytest.approx(speed, rel=0.1)
+    assert summary["commanded_cone_excess"] == 0.0
+
+
+def test_standing_is_a_gait() -> None:
+    log = walk((0.0, 0.0, 0.0), 2.0, gait="stand")
+    assert log["active"].all()
+    assert np.abs(log["q"][-1, :3] - log["q"][0, :3]).max() < 0.02
+
+
+def test_the_same_seed_gives_the_same_log() -> None:
+    faults = Faults(noise=0.5, delay=0.002)
+    first, second = (walk(duration=1.5, faults=faults, seed=5) for _ in range(2))
+    other = walk(duration=1.5, faults=faults, seed=6)
+    for name, array in first.arrays.items():
+        if name != "controller_time":
+            assert array.tobytes() == second[name].tobytes(), name
+    assert (first["q"] != other["q"]).any()
+
+
+def test_a_walk_with_faults_and_payload_goes_on() -> None:
+    faults = Faults(noise=0.5, delay=0.003, weak_joint="FL_calf_joint", torque_loss=0.2)
+    log = walk(duration=3.5, faults=faults, payload=3.0, seed=2)
+    assert log.facts["outcome"] == "done"
+
+
+def test_too_hard_a_push_is_reported_as_a_fall() -> None:
+    log = walk(pushes=(Push(1.0, (0.0, 900.0, 0.0), 0.2),), duration=4.0)
+    summary = summarise_walk(log)
+    assert summary["outcome"] == "fell"
+    assert not summary["walked"]
+    assert len(log) < 4000
+    assert np.isfinite(log["torques"]).all()
+    assert commanded_excess(log).max() == 0.0
