@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from surefoot.equilibrium import Verdict as Verdict
     from surefoot.equilibrium import can_stand as can_stand
     from surefoot.equilibrium import com_region as com_region
+    from surefoot.equilibrium import com_volume as com_volume
     from surefoot.equilibrium import friction_needed as friction_needed
     from surefoot.equilibrium import support_polygon as support_polygon
     from surefoot.equilibrium import wrench_cone as wrench_cone
@@ -92,6 +93,7 @@ _HOMES = {
         "Verdict",
         "can_stand",
         "com_region",
+        "com_volume",
         "friction_needed",
         "support_polygon",
         "wrench_cone",

@@ -5,14 +5,17 @@ from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.equilibrium.statics import can_stand, friction_needed
 from surefoot.equilibrium.verdict import Verdict
+from surefoot.equilibrium.volume import ComVolume, com_volume
 from surefoot.equilibrium.wrench_cone import wrench_cone, wrench_cone_size
 
 __all__ = [
+    "ComVolume",
     "ForceLimits",
     "Region",
     "Verdict",
     "can_stand",
     "com_region",
+    "com_volume",
     "friction_needed",
     "support_polygon",
     "wrench_cone",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.region import Region, polygon_area
+from surefoot.equilibrium.region import Region, cut, polygon_area
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.stance import Stance
 
@@ -134,18 +134,10 @@ def clip(a: FloatArray, b: FloatArray) -> FloatArray:
     """Return the intersection of two convex, counter-clockwise polygons (Sutherland and Hodgman)."""
     if len(b) < 3:
         return np.zeros((0, 2))
-    out = list(a)
+    out = a
     for p, q in zip(b, np.roll(b, -1, axis=0), strict=True):
-        edge = q - p
-        inside = [float(edge[0] * (v[1] - p[1]) - edge[1] * (v[0] - p[0])) for v in out]
-        kept = []
-        for k, (v, s) in enumerate(zip(out, inside, strict=True)):
-            before, t = out[k - 1], inside[k - 1]
-            if s * t < 0.0:
-                kept.append(before + (v - before) * (t / (t - s)))
-            if s >= 0.0:
-                kept.append(v)
-        out = kept
-        if not out:
+        outward = np.array([q[1] - p[1], p[0] - q[0]])
+        out = cut(out, outward, float(outward @ p))
+        if not len(out):
             break
-    return np.array(out).reshape(-1, 2)
+    return out

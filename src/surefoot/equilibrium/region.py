@@ -78,14 +78,14 @@ class Region:
     @property
     def outer(self) -> FloatArray:
         """(h, 2) corners of the outer polygon, counter-clockwise [m]."""
-        n = len(self.heights)
-        out = []
-        for k in range(n):
-            pair = np.array([self.directions[k], self.directions[(k + 1) % n]])
-            right = np.array([self.heights[k], self.heights[(k + 1) % n]])
-            if abs(np.linalg.det(pair)) > 1e-9:
-                out.append(np.linalg.solve(pair, right))
-        return np.array(out).reshape(-1, 2)
+        if self.empty:
+            return np.zeros((0, 2))
+        middle = self.inner.mean(axis=0)
+        reach = 10.0 * (float(np.abs(self.heights - self.directions @ middle).max()) + self.gap)
+        polygon = middle + reach * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        for direction, height in zip(self.directions, self.heights, strict=True):
+            polygon = cut(polygon, direction, height)
+        return np.asarray(polygon)
 
     def contains(self, point: ArrayLike) -> bool:
         """Tell whether a (2,) point of the plane, or a (3,) point in space, is in the inner polygon.
@@ -128,6 +128,20 @@ def polygon_area(corners: FloatArray) -> float:
         return 0.0
     x, y = corners[:, 0] - corners[0, 0], corners[:, 1] - corners[0, 1]
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def cut(polygon: FloatArray, direction: FloatArray, height: float) -> FloatArray:
+    """Return the part of a convex polygon with direction @ point <= height."""
+    level = polygon @ direction - height
+    out = []
+    for k in range(len(polygon)):
+        v, before = polygon[k], polygon[k - 1]
+        s, t = float(level[k]), float(level[k - 1])
+        if s * t < 0.0:
+            out.append(before + (v - before) * (t / (t - s)))
+        if s <= 0.0:
+            out.append(v)
+    return np.array(out).reshape(-1, 2)
 
 
 def convex_hull(points: FloatArray) -> FloatArray:
