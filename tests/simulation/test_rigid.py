@@ -5,6 +5,9 @@ import math
 import numpy as np
 import pinocchio
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 import surefoot as sf
 from surefoot.simulation.bodies import ball, box
@@ -192,6 +195,33 @@ def test_ground_never_feeds_energy_to_a_tumbling_box(seed):
     assert max(energies) < start
     assert max(np.diff(energies[1000:])) < 1e-9  # at rest in the end
     assert world.contacts().gaps.min() > -1e-5
+
+
+@settings(max_examples=12, deadline=None, derandomize=True)
+@given(
+    spin=arrays(float, 3, elements=st.floats(-30, 30)),
+    speed=arrays(float, 3, elements=st.floats(-3, 3)),
+    turn=arrays(float, 3, elements=st.floats(-3, 3)),
+    mu=st.floats(0, 1.5),
+    degrees=st.floats(-40, 40),
+)
+def test_thrown_plank_obeys_every_law(spin, speed, turn, mu, degrees):
+    """No penetration beyond the curvature of a step, forces in their cones, no work by the ground."""
+    body = box(0.7, (0.6, 0.1, 0.02))
+    terrain = sf.SlopeTerrain(degrees)
+    world = RigidWorld(body, terrain, mu=mu)
+    q = pinocchio.integrate(body.model, on_slope(body, degrees, 0.4), np.concatenate([np.zeros(3), turn]))
+    world.reset(q, np.concatenate([speed, spin]))
+    for _ in range(400):
+        turning = np.linalg.norm(world.state()[1][3:])
+        world.step(NONE)
+        reading = world.contacts()
+        assert world.contact_work() <= 1e-10
+        tangent = np.hypot(reading.forces[:, 0], reading.forces[:, 1])
+        assert np.all(tangent <= mu * reading.forces[:, 2] + 1e-5)
+        reach = np.linalg.norm(world.state()[1][3:]) + turning
+        assert reading.gaps.min() > -1e-6 - 0.31 * (reach * world.dt) ** 2
+    assert world.unsolved == 0
 
 
 @pytest.mark.parametrize("stabilisation", ["projection", "baumgarte", "none"])

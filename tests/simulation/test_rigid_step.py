@@ -91,6 +91,12 @@ def test_near_ground_takes_what_may_touch():
     assert list(rigid_step.near_ground(J, v, -v, gaps, 1e-3, 1e-3)) == [0, 1]  # pushed up, still counted
 
 
+def test_contacts_that_the_others_push_down_join_in():
+    velocities = np.array([[0, 0, 1.0], [0, 0, -3.0], [0, 0, -3.0]])
+    more = rigid_step.with_missed(velocities, np.array([0.0, 0.002, 0.02]), 1e-3, np.array([0]))
+    assert list(more) == [0, 1]
+
+
 def test_free_velocity_keeps_a_spinning_body_on_a_straight_line():
     v = np.array([1.0, 2.0, 3.0, 4.0, -5.0, 6.0])
     drag = -np.concatenate(

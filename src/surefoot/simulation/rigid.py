@@ -25,7 +25,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, IntArray, real_number
 from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.problem import LAWS, Law
 from surefoot.errors import ProblemError, unknown_name
@@ -33,7 +33,7 @@ from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
 from surefoot.simulation.world import ContactReading
 from surefoot.solvers import solve
-from surefoot.spatial import rotation_from_quaternion
+from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
@@ -151,8 +151,7 @@ class RigidWorld:
         effort = self._effort(torques, push)
         free = rigid_step.free_velocity(self._upper, effort, self._v, self.dt, self._floating, self._L)
         near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
-        self._v = self._collide(free, near)
-        self._velocities = (self._J @ self._v).reshape(-1, 3)
+        self._collide(free, near)
         self._advance()
         self._steps += 1
 
@@ -212,8 +211,18 @@ class RigidWorld:
         self._points = centres - self._radii[:, None] * self._frames[:, :, 2]
         rigid_step.contact_rows(data.J, self._support, self._points, self._frames, self._J)
 
-    def _collide(self, free: FloatArray, near: Any) -> FloatArray:
-        """Return v⁺ after the impulses of the near contacts."""
+    def _collide(self, free: FloatArray, near: IntArray) -> None:
+        """Set v⁺, impulses and contact velocities; contacts that impulses push into the ground join in."""
+        while True:
+            self._v = self._after_impulses(free, near)
+            self._velocities = (self._J @ self._v).reshape(-1, 3)
+            more = rigid_step.with_missed(self._velocities, self._gaps, self.dt, near)
+            if more.size == near.size:
+                return
+            near = more
+
+    def _after_impulses(self, free: FloatArray, near: IntArray) -> FloatArray:
+        """Return v⁺ after the impulses of the near contacts, all others without."""
         warm = self._impulses[near]
         self._impulses[:] = 0.0
         if not near.size:
@@ -222,7 +231,7 @@ class RigidWorld:
         pull = PULL if self.stabilisation == "baumgarte" else 0.0
         Y, G, g = rigid_step.assemble(
             self._J, self._L, self._v, free, self._gaps, near, self.dt, self.restitution,
-            2.0 * self.dt * 9.81, pull,
+            2.0 * self.dt * GRAVITY, pull,
         )  # fmt: skip
         problem = ContactProblem(G, g, self.mu, law=self.law)
         self.solution = solve(problem, self.solver, self.tol, warm_start=warm)

@@ -134,6 +134,18 @@ def near_ground(
 
 
 @kernel
+def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntArray) -> IntArray:
+    """Return the near contacts and those that the impulses of the others would now push into the ground."""
+    taken = np.zeros(gaps.size, dtype=np.bool_)
+    for c in near:
+        taken[c] = True
+    for c in range(gaps.size):
+        if gaps[c] + dt * velocities[c, 2] < -1e-9:
+            taken[c] = True
+    return np.flatnonzero(taken)
+
+
+@kernel
 def assemble(
     J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray,
     dt: float, restitution: float, rest_speed: float, pull: float,
