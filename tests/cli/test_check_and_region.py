@@ -1,0 +1,145 @@
+"""`surefoot check`, `surefoot region` and `surefoot bench statics` from the command line."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from surefoot.cli.main import main
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "stances"
+SLIDES = """
+mass: 10
+com: [0.0, 0.0, 0.4]
+mu: 0.3
+contacts:
+  - {name: a, position: [0.1, 0.1, 0.0], normal: [-0.5, 0.0, 0.8660254037844386], heading: [1, 1, 0]}
+  - {name: b, position: [0.1, -0.1, 0.0], normal: [-0.5, 0.0, 0.8660254037844386], heading: [1, 1, 0]}
+  - {name: c, position: [-0.2, 0.0, -0.1], normal: [-0.5, 0.0, 0.8660254037844386], heading: [1, 1, 0]}
+"""
+
+
+@pytest.fixture
+def slides(tmp_path):
+    path = tmp_path / "slides.yaml"
+    path.write_text(SLIDES)
+    return str(path)
+
+
+def facts(capsys, *arguments):
+    code = main([*arguments, "--json"])
+    captured = capsys.readouterr()
+    return code, json.loads(captured.out)
+
+
+def test_possible_stance_exits_zero_and_says_why(capsys, tmp_path):
+    code, found = facts(capsys, "check", str(EXAMPLES / "go2_three_legs.yaml"), "--out", str(tmp_path))
+    assert code == 0
+    assert found["possible"] is True
+    assert found["verdict"].startswith("possible: margin")
+    assert sum(row["force"][2] for row in found["contacts"]) == pytest.approx(16.085 * 9.81, rel=1e-6)
+    assert found["largest_push"]["up (+z)"] == pytest.approx(16.085 * 9.81, rel=1e-6)
+    assert found["largest_push"]["down (-z)"] is None  # any amount: no infinity in JSON
+    assert found["com_region"]["distance"] < 0.0
+    assert Path(found["picture"]).stat().st_size > 10_000
+
+
+def test_impossible_stance_exits_one_with_a_certificate(capsys, slides, tmp_path):
+    code, found = facts(capsys, "check", slides, "--out", str(tmp_path / "runs"))
+    assert code == 1
+    assert found["possible"] is False
+    assert found["friction_needed"] == pytest.approx(0.57735, abs=1e-4)
+    assert len(found["certificate"]) == 6
+    assert all(row["force"] is None for row in found["contacts"])
+    assert Path(found["picture"]).exists()
+
+
+def test_more_friction_on_the_command_line_helps(capsys, slides):
+    code, found = facts(capsys, "check", slides, "--mu", "0.6", "--no-picture")
+    assert code == 0
+    assert "picture" not in found
+    code, found = facts(capsys, "check", slides, "--mu", "0.6", "--facets", "4", "--no-picture")
+    assert code == 1
+    assert "inner pyramids with 4 sides" in found["cones"]
+    code, _ = facts(capsys, "check", slides, "--mu", "0.6", "--facets", "4", "--fit", "outer", "--no-picture")
+    assert code == 0
+
+
+def test_tables_are_readable(capsys, slides):
+    assert main(["check", slides, "--no-picture"]) == 1
+    text = capsys.readouterr().out
+    assert "impossible: needs friction 0.577" in text
+    assert "gives way by the motion" in text
+    assert main(["check", str(EXAMPLES / "slope.yaml"), "--no-picture"]) == 0
+    text = capsys.readouterr().out
+    assert "push at the centre of mass" in text
+    assert "37.74" in text
+
+
+def test_robot_on_a_slope(capsys):
+    pytest.importorskip("pinocchio")
+    code, found = facts(capsys, "check", "--robot", "go2", "--slope", "30", "--mu", "0.5", "--no-picture")
+    assert code == 1
+    assert found["friction_needed"] == pytest.approx(0.57735, abs=1e-4)
+    code, found = facts(capsys, "check", "--robot", "go2", "--slope", "20", "--no-picture")
+    assert code == 0
+    assert found["motors"]["possible"] is True
+    code, found = facts(capsys, "check", "--robot", "go2", "--lift", "FL,FR", "--no-picture")
+    assert code == 1
+    assert [row["name"] for row in found["contacts"]] == ["RL_foot", "RR_foot"]
+
+
+def test_region_exits_by_where_the_weight_is(capsys, slides, tmp_path):
+    code, found = facts(capsys, "region", str(EXAMPLES / "g1_hand_on_wall.yaml"), "--out", str(tmp_path))
+    assert code == 0
+    assert found["com_inside"] is True
+    assert found["com_region"]["area"] > 0.1
+    assert len(found["differences"]) == 2
+    assert Path(found["picture"]).stat().st_size > 10_000
+    code, found = facts(capsys, "region", slides, "--no-picture")
+    assert code == 1
+    assert found["com_region"]["corners"] == []
+    assert "friction is not enough" in found["differences"][0]
+    assert main(["region", str(EXAMPLES / "chimney.yaml"), "--no-picture"]) == 0
+    assert "beyond the support polygon" in " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["check"], "give a stance file"),
+        (["check", "nowhere.yaml"], "cannot read nowhere.yaml"),
+        (["check", "nowhere.yaml", "--robot", "go2"], "exactly one"),
+        (["check", str(EXAMPLES / "slope.yaml"), "--slope", "5"], "--slope"),
+        (["check", str(EXAMPLES / "slope.yaml"), "--mu", "-1"], "mu"),
+        (["check", str(EXAMPLES / "slope.yaml"), "--facets", "2"], "--facets"),
+        (["check", str(EXAMPLES / "slope.yaml"), "--fit", "middle"], "inner, outer"),
+        (["check", str(EXAMPLES / "slope.yaml"), "--lift", "tail"], "valid names: FL, FR, RL, RR"),
+        (["region", str(EXAMPLES / "slope.yaml"), "--tol", "0"], "--tol"),
+        (["region", str(EXAMPLES / "slope.yaml"), "--lift", "FL,FR,RL,RR"], "no contacts"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_two(capsys, arguments, message):
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert message in captured.err
+    assert captured.err.count("\n") == 1
+
+
+def test_everything_lifted_cannot_stand(capsys):
+    code, found = facts(
+        capsys, "check", str(EXAMPLES / "slope.yaml"), "--lift", "FL,FR,RL,RR", "--no-picture"
+    )
+    assert code == 1
+    assert found["verdict"] == "impossible: nothing touches the ground"
+
+
+def test_bench_statics_prints_a_table_against_rivals(capsys):
+    pytest.importorskip("clarabel")
+    pytest.importorskip("cdd")
+    code, found = facts(capsys, "bench", "statics", "--cases", "12", "--calls", "20")
+    assert code == 0
+    assert [row["disagreed"] for row in found["agreement"]] == [0, 0]
+    assert {row["who"].split()[0] for row in found["speed"]} >= {"surefoot,", "Clarabel,", "SciPy", "cddlib,"}
+    assert all(row["timing"]["median"] > 0.0 for row in found["speed"])
