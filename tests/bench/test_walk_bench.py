@@ -53,7 +53,7 @@ def test_scenes_are_what_they_say(scene):
 
 
 def test_rows_add_up():
-    bench = measure(["limit"], calls=30)
+    bench = measure(["limit"], calls=30, robots=["a1"])
     assert len(bench.rows) == 1 + len(NAMES)
     ours = bench.rows[0]
     assert ours.ratio == 1.0
@@ -66,6 +66,10 @@ def test_rows_add_up():
         if "facets" in row.method:  # inner pyramids leave friction unused and cost more
             assert row.lost > 0.01
             assert row.cost > 0.0
+    step, plan = bench.steps
+    assert step.call == "whole-body step"
+    assert step.timing.calls > 10 * plan.timing.calls
+    assert 0.0 < step.timing.median < 0.1
     four, eight = (np.mean([r.lost for r in bench.rows if f"{k} facets" in r.method]) for k in (4, 8))
     assert four > eight
 

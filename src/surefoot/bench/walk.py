@@ -21,6 +21,7 @@ from surefoot.bench import mpc_rivals
 from surefoot.bench.mpc_rivals import Rival, Variant
 from surefoot.bench.mpc_scenes import TICK, MpcInput, MpcScene, choose_scenes, controller, record
 from surefoot.bench.timing import Timing, one_core
+from surefoot.bench.walk_steps import StepRow, measure_steps
 from surefoot.control import mpc_model
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
 
@@ -74,9 +75,10 @@ class MpcRow:
 
 @dataclass(frozen=True)
 class WalkBench:
-    """All rows, and the settings they were measured with."""
+    """All rows, the calls of a real walk, and the settings they were measured with."""
 
     rows: list[MpcRow]
+    steps: list[StepRow]
     horizon: int
     calls: int
 
@@ -85,16 +87,19 @@ def measure(
     names: Sequence[str] | None = None,
     calls: int = 150,
     horizon: int = 10,
+    robots: Sequence[str] = ("go2",),
     on_progress: Callable[[float], None] | None = None,
 ) -> WalkBench:
-    """Measure all methods on the named scenes (all for None).
+    """Measure all methods on the named scenes (all for None), and walking robots' own calls.
 
     Raises
     ------
     ProblemError
         For an unknown scene.
+    ModelError
+        For an unknown robot.
     MissingExtra
-        If a rival is not installed.
+        If a rival, or what the robots need, is not installed.
     """
     scenes = choose_scenes(names)
     mpc_rivals.rivals()
@@ -106,7 +111,8 @@ def measure(
                 on_progress((before + part) / len(scenes))
 
         rows += measure_scene(scene, calls, horizon, show)
-    return WalkBench(rows, horizon, calls)
+    steps = [row for robot in robots for row in measure_steps(robot)]
+    return WalkBench(rows, steps, horizon, calls)
 
 
 def measure_scene(

@@ -23,21 +23,24 @@ PAGE_WIDTH = 150
 
 
 def walk(
-    quick: Annotated[bool, typer.Option("--quick", help="Two scenes and few calls: a minute less.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Two scenes and few calls.")] = False,
     scene: Annotated[list[str] | None, typer.Option(help="Only this scene; may be repeated.")] = None,
     calls: Annotated[int, typer.Option(min=10, max=100_000, help="Calls per scene and method.")] = 150,
     horizon: Annotated[int, typer.Option(min=2, max=40, help="Steps of the horizon.")] = 10,
+    robot: Annotated[
+        list[str] | None, typer.Option(help="Robot whose whole-body step is timed; may be repeated.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Write a picture and the JSON to a new folder below this one.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Time one step of model-predictive control: ours, four QP solvers with pyramids, and Clarabel."""
+    """Time the MPC step (ours, four QP solvers with pyramids, Clarabel) and a walk's whole-body step."""
     from surefoot.bench.walk import measure
 
     names = scene or (list(QUICK_SCENES) if quick else None)
     with progress_bar(not json, "bench walk", 1.0) as show:
-        bench = measure(names, QUICK_CALLS if quick else calls, horizon, show)
+        bench = measure(names, QUICK_CALLS if quick else calls, horizon, robot or ["go2"], show)
     if json:
         print(to_json(asdict(bench)))
     else:
@@ -66,6 +69,13 @@ def _print(bench: WalkBench) -> None:
             if row.scene == scene.name:
                 table.add_row(*_cells(row))
         console.print(table)
+    table = Table(
+        "robot", "call", "median [µs]", "p99", "worst", "calls", title="on the inputs of a real walk"
+    )
+    for step in bench.steps:
+        times = (f"{1e6 * t:.0f}" for t in (step.timing.median, step.timing.p99, step.timing.worst))
+        table.add_row(step.robot, step.call, *times, str(step.timing.calls))
+    console.print(table)
     console.print(
         "ratio: median time over ours. error: distance of all forces to the method's own optimum, 95th "
         f"percentile (! where not within {ACCURACY} N). to exact: the first step's forces to the optimum on "
