@@ -94,6 +94,7 @@ def _facts(given: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict
         "motors": None
         if motor is None
         else {"possible": motor.feasible, "margin": motor.margin, "limiting": list(motor.limiting)},
+        "picture": None,
     }
     if len(asked.stance):
         region = com_region(asked.stance, asked.mass, external_wrench=asked.external_wrench)
@@ -178,5 +179,5 @@ def _print(facts: dict[str, Any]) -> None:
             soft_wrap=True,
             highlight=False,
         )
-    if facts.get("picture"):
+    if facts["picture"]:
         console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
