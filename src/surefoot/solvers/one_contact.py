@@ -103,34 +103,33 @@ def _search_circle(
 
 
 @kernel
-def _disc(
-    W: FloatArray, q0: float, q1: float, normal: float, radius: float, ex: float, ey: float
-) -> tuple[float, float]:
-    """Return the tangential force of least energy in a disc, the normal force being known."""
+def _disc(W: FloatArray, q0: float, q1: float, normal: float, radius: float) -> tuple[float, float]:
+    """Return the tangential force of least energy in a disc, the normal force being known.
+
+    On the rim (Wtt + s) r = -p with a multiplier s >= 0; Newton on 1 / |r(s)| climbs to it from s = 0.
+    """
     px, py = q0 + W[2] * normal, q1 + W[4] * normal
-    det = W[0] * W[3] - W[1] * W[1]
-    if det > 0.0:
-        x, y = -(W[3] * px - W[1] * py) / det, -(W[0] * py - W[1] * px) / det
-        if x * x + y * y <= radius * radius:
-            return x, y
-    for _ in range(40):
-        tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
-        vx, vy = px + radius * tx, py + radius * ty
-        h, s = -vx * ey + vy * ex, vx * ex + vy * ey
-        across = ey * (W[0] * ey - W[1] * ex) + ex * (W[3] * ex - W[1] * ey)
-        slope = radius * (across) - s
-        if slope > 0.0 and s < 0.0:
-            turn = max(-1.0, min(1.0, -h / slope))
-            fx, fy = ex - turn * ey, ey + turn * ex
-        else:
-            turn, fx, fy = 1.0, -vx, -vy
-        length = math.sqrt(fx * fx + fy * fy)
-        if length == 0.0:
+    s = 0.0
+    x = y = 0.0
+    for _ in range(60):
+        a, c = W[0] + s, W[3] + s
+        det = a * c - W[1] * W[1]
+        if not det > 0.0:
+            s = 1e-12 * (W[0] + W[3]) + 2.0 * s
+            continue
+        x, y = -(c * px - W[1] * py) / det, -(a * py - W[1] * px) / det
+        square = x * x + y * y
+        length = math.sqrt(square)
+        if length <= radius * (1.0 + 1e-14):
             break
-        ex, ey = fx / length, fy / length
-        if abs(turn) < 1e-14:
+        along = (c * x * x - 2.0 * W[1] * x * y + a * y * y) / det
+        if not along > 0.0:  # a radius too small to square
             break
-    return radius * ex, radius * ey
+        s += (length / radius - 1.0) * square / along
+    length = math.sqrt(x * x + y * y)
+    if length > radius:
+        x, y = radius * x / length, radius * y / length
+    return x, y
 
 
 @inline_kernel
@@ -194,17 +193,20 @@ def slide_one(
 ) -> tuple[float, float, float]:  # fmt: skip
     """Return the force of a contact that neither takes off nor sticks within its bounds."""
     lifts = q2 >= (mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0)
+    r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
+    r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
+    r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
     ex, ey, normal, good = 1.0, 0.0, 0.0, False
-    for attempt in range(0 if lifts else 2):
-        if attempt == 1:  # afresh, towards where it would stick
-            x, y = -(W[6] * q0 + W[7] * q1 + W[8] * q2), -(W[7] * q0 + W[9] * q1 + W[10] * q2)
+    if r2 > 0.0 and r0 * r0 + r1 * r1 <= (mu * r2) ** 2:  # it would stick, but for the bounds
+        normal = r2
+    elif not lifts:
         good, ex, ey = _turn(W, q0, q1, q2, mu, convex, x, y)
+        if not good:  # afresh, towards where it would stick
+            good, ex, ey = _turn(W, q0, q1, q2, mu, convex, r0, r1)
+        if not good:
+            good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
         if good:
-            break
-    if not (good or lifts):
-        good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
-    if good:
-        normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3]
+            normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3]
     if low <= normal <= high:
         return mu * normal * ex, mu * normal * ey, normal
     # a bound holds the normal force; where no sliding force exists the free normal force decides
@@ -212,5 +214,5 @@ def slide_one(
     radius = mu * normal
     if radius == 0.0:
         return 0.0, 0.0, normal
-    a, b = _disc(W, q0, q1, normal, radius, ex, ey)
+    a, b = _disc(W, q0, q1, normal, radius)
     return a, b, normal

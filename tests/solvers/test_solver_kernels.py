@@ -1,0 +1,207 @@
+"""Compiled kernels against plain NumPy twins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.contact import blocks
+from surefoot.solvers import admm, lcp_iterative, lemke, natural_map, newton, newton_sparse, nsgs, pyramid
+
+
+def problem(seed: int, contacts: int = 4, law: str = "coulomb") -> sf.ContactProblem:
+    rng = np.random.default_rng(seed)
+    J = rng.normal(size=(3 * contacts, 5 * contacts))
+    J *= np.repeat(
+        np.kron(np.eye(contacts) + np.eye(contacts, k=1) + np.eye(contacts, k=-1), np.ones((1, 5))), 3, axis=0
+    )
+    low = np.where(np.arange(contacts) == 1, 0.05, 0.0)
+    high = np.where(np.arange(contacts) == 2, 0.2, np.inf)
+    g = rng.normal(size=3 * contacts) - np.tile([0, 0, 0.5], contacts)
+    return sf.ContactProblem(J @ J.T, g, rng.uniform(0.1, 0.8, contacts), low, high, law)  # type: ignore[arg-type]
+
+
+def laws(p: sf.ContactProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return p.mu, p.normal_min, p.normal_max
+
+
+def twin_project(x: np.ndarray, mu: float, low: float, high: float) -> np.ndarray:
+    """Dykstra's alternating projections onto the cone and the slab."""
+    cone, y, a, b = sf.FrictionCone(mu), x.copy(), np.zeros(3), np.zeros(3)
+    for _ in range(3000):
+        inside = cone.project(y + a)
+        a = y + a - inside
+        z = inside + b
+        clipped = np.array([z[0], z[1], min(max(z[2], low), high)])
+        b, y = z - clipped, clipped
+    return y
+
+
+def test_projection_and_natural_gap() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        x, mu, (low, high) = rng.normal(size=3), rng.uniform(0.1, 1.0), np.sort(rng.uniform(0, 1.5, 2))
+        expected = twin_project(x, mu, low, high)
+        assert np.allclose(natural_map.project(*x, mu, low, high), expected, atol=1e-6)
+        assert np.allclose(pyramid.project_any(*x, mu, low, high, 0, True), expected, atol=1e-6)
+    assert natural_map.project(1.0, 2.0, -3.0, 0.1, -np.inf, np.inf) == (1.0, 2.0, -3.0)
+    p = problem(1)
+    force, u = rng.normal(size=12), rng.normal(size=12)
+    gap = []
+    for k in range(4):
+        i = slice(3 * k, 3 * k + 3)
+        shifted = u[i] + [0, 0, p.mu[k] * np.hypot(*u[i][:2])]
+        gap.append(
+            force[i] - twin_project(force[i] - 0.3 * shifted, p.mu[k], p.normal_min[k], p.normal_max[k])
+        )
+    found, size = natural_map.natural_gap(force, u, *laws(p), 0.3, False)
+    assert found == pytest.approx(np.linalg.norm(gap), abs=1e-5)
+    assert size == pytest.approx(np.linalg.norm(force))
+    assert admm.gap_any(force, u, *laws(p), 0.3, True, 0, True)[0] == pytest.approx(found, rel=1e-12)
+
+
+@pytest.mark.parametrize("facets", [3, 4, 8])
+@pytest.mark.parametrize("fit", ["inner", "outer"])
+def test_pyramid_projection_and_shift(facets: int, fit: str) -> None:
+    rng = np.random.default_rng(facets)
+    for _ in range(40):
+        x, mu = rng.normal(size=3), rng.uniform(0.1, 1.2)
+        cone = sf.FrictionPyramid(mu, facets, fit)  # type: ignore[arg-type]
+        found = pyramid.project_any(*x, mu, 0.0, np.inf, facets, fit == "inner")
+        assert np.allclose(found, cone.project(x), atol=1e-9)
+        limit = max(-cone.rays[:, :2] @ x[:2])
+        assert pyramid.shift_any(x[0], x[1], mu, facets, fit == "inner") == pytest.approx(limit, abs=1e-12)
+
+
+def test_block_kernels() -> None:
+    p = problem(2, 6)
+    b = p.blocks
+    full = np.zeros((18, 18))
+    for k in range(6):
+        for at in range(b.starts[k], b.starts[k + 1]):
+            j = b.columns[at]
+            full[3 * k : 3 * k + 3, 3 * j : 3 * j + 3] = b.values[at]
+    assert np.array_equal(full, p.G)
+    x = np.random.default_rng(0).normal(size=18)
+    assert np.allclose(blocks.block_product(b.starts, b.columns, b.values, x), p.G @ x)
+    u = np.empty(18)
+    nsgs.refresh_dense(p.G, p.g, x, u)
+    assert np.allclose(u, p.G @ x + p.g)
+    crooked = p.G + np.triu(np.full((18, 18), 1e-3), 1)
+    scale, gap, i, j = blocks.checked_mirror(crooked)
+    assert (scale, gap) == pytest.approx(
+        (np.abs(p.G + 1e-3 * np.triu(np.ones((18, 18)), 1)).max(), 1e-3), rel=1e-6
+    )
+    assert i != j
+    assert np.array_equal(crooked, crooked.T)
+    assert not np.isfinite(blocks.checked_mirror(np.array([[1.0, np.nan], [np.nan, 1.0]]))[0])
+
+
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+def test_sweeps_dense_and_blocks(law: str) -> None:
+    """One sweep in NumPy: each contact solved with the others held, velocities recomputed from scratch."""
+    p = problem(3, 6, law)
+    convex, b = law == "convex", p.blocks
+    local = nsgs.prepare_dense(p.G)
+    assert np.array_equal(local, nsgs.prepare_blocks(b.starts, b.columns, b.values))
+    twin = np.zeros(18)
+    for _ in range(2):
+        for k in range(6):
+            i = slice(3 * k, 3 * k + 3)
+            q = p.G[i] @ twin + p.g[i] - p.G[i, i] @ twin[i]
+            twin[i] = nsgs.solve_one(
+                local[k], *q, p.mu[k], p.normal_min[k], p.normal_max[k], convex, *twin[i][:2]
+            )
+    for form in ("dense", "blocks"):
+        force, u = np.zeros(18), p.g.copy()
+        for _ in range(2):
+            if form == "dense":
+                nsgs.sweep_dense(p.G, local, *laws(p), convex, 1.0, force, u)
+            else:
+                nsgs.sweep_blocks(b.starts, b.columns, b.values, local, *laws(p), convex, 1.0, force, u)
+        assert np.allclose(force, twin, atol=1e-7), form
+        assert np.allclose(u, p.G @ force + p.g, atol=1e-10), form
+
+
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+def test_newton_step_solves_the_linearised_equations(law: str) -> None:
+    """Near a solution one step of the kernels must square the error: the test of a right derivative."""
+    for seed in range(6):
+        p = problem(seed, 4, law)
+        exact = sf.solve(p, tol=1e-13)
+        if not exact.residuals.natural_map < 1e-12:
+            continue
+        rng = np.random.default_rng(seed)
+        errors = []
+        for size in (1e-3, 1e-4):
+            start = exact.forces.ravel() + size * rng.normal(size=12) * np.abs(exact.forces).max()
+            local = nsgs.prepare_dense(p.G)
+            step = 1.0 / p.norm
+            force, u = start.copy(), p.G @ start + p.g
+            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", step, 0.0, 1, 5, 1, local, force, u)
+            errors.append(np.abs(force - exact.forces.ravel()).max())
+        assert errors[0] < 1e-3
+        assert errors[1] < max(0.1 * errors[0], 1e-9), (seed, errors)
+
+
+def test_lu_is_numpy_solve() -> None:
+    rng = np.random.default_rng(0)
+    for m in (1, 2, 7, 30):
+        A, b = rng.normal(size=(m, m)), rng.normal(size=m)
+        expected = np.linalg.solve(A, b)
+        assert newton.lu_solve(A.copy(), b)
+        assert np.allclose(b, expected, rtol=1e-8)
+    assert not newton.lu_solve(np.zeros((2, 2)), np.ones(2))
+
+
+def test_sparse_newton_steps_are_the_dense_ones() -> None:
+    p = problem(5, 8)
+    local, b = nsgs.prepare_dense(p.G), p.blocks
+    start = sf.solve(p, "nsgs", max_iterations=3).forces.ravel()
+    dense, u = start.copy(), p.G @ start + p.g
+    newton.newton_dense(p.G, p.g, *laws(p), False, 1.0 / p.norm, 1e-10, 4, 5, 2, local, dense, u)
+    sparse = start.copy()
+    newton_sparse.newton_sparse(p, b, local, 1e-10, 4, np.inf, sparse)
+    assert np.allclose(dense, sparse, atol=1e-9)
+
+
+def test_admm_iterations() -> None:
+    """Ten iterations in NumPy, with the linear system solved instead of inverted."""
+    p = problem(6)
+    rho, eta, n = 0.7, 1e-3, 12
+    x, z, y = np.zeros(n), np.zeros(n), np.zeros(n)
+    inverse = np.linalg.inv(p.G + (rho + eta) * np.eye(n))
+    found = tuple(v.copy() for v in (x, z, y))
+    admm._iterate(inverse, p.g, *laws(p), True, 0, True, rho, eta, *found, 10)
+    for _ in range(10):
+        shift = np.zeros(n)
+        shift[2::3] = p.mu * np.hypot(y[0::3], y[1::3])
+        x = np.linalg.solve(p.G + (rho + eta) * np.eye(n), rho * z - y + eta * x - p.g - shift)
+        mixed = admm.RELAXATION * x + (1 - admm.RELAXATION) * z
+        new = np.concatenate([
+            natural_map.project(*(mixed + y / rho)[3 * k : 3 * k + 3], p.mu[k], p.normal_min[k], p.normal_max[k])
+            for k in range(4)
+        ])  # fmt: skip
+        y, z = y + rho * (mixed - new), new
+    for a, b in zip(found, (x, z, y), strict=True):
+        assert np.allclose(a, b, atol=1e-10)
+
+
+def test_lcp_kernels() -> None:
+    rng = np.random.default_rng(1)
+    J = rng.normal(size=(5, 5))
+    M, q = J @ J.T + np.eye(5), rng.normal(size=5)
+    z, twin = np.zeros(5), np.zeros(5)
+    lcp_iterative._sweeps(M, q, z, 3)
+    for _ in range(3):
+        for i in range(5):
+            twin[i] = max(0.0, twin[i] - (M[i] @ twin + q[i]) / M[i, i])
+    assert np.allclose(z, twin)
+    T = np.hstack([np.eye(5), -M, -np.ones((5, 1)), q[:, None]])
+    pivoted, expected = T.copy(), T.copy()
+    lemke._pivot(pivoted, 2, 7)
+    expected[2] /= expected[2, 7]
+    for i in (0, 1, 3, 4):
+        expected[i] -= expected[i, 7] * expected[2]
+    assert np.allclose(pivoted, expected)
