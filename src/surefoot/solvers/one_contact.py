@@ -21,6 +21,8 @@ from surefoot.kernels import inline_kernel, kernel
 
 LOCAL_DAMPING = 1e-12
 """Added to a block's diagonal, relative to its trace; a proximal term, so it moves no solution."""
+FRICTIONLESS = 1e-140
+"""Friction below this is none: its square would not be a number."""
 CLOSE = 1e-4
 """A Newton step on the angle below this squares itself away: the next sweep starts from 1e-8 of the angle."""
 
@@ -153,7 +155,7 @@ def solve_one(
     limit = mu * r2
     if low <= r2 <= high and r0 * r0 + r1 * r1 <= limit * limit:
         return r0, r1, r2
-    if mu == 0.0:
+    if mu < FRICTIONLESS:
         return 0.0, 0.0, min(max(-q2 / W[5], low), high)
     if x == 0.0 and y == 0.0:  # towards where it would stick: right where the tangents' inertias differ much
         x, y = r0, r1
