@@ -28,9 +28,10 @@ def test_growth_is_the_exponent_of_what_was_run():
     assert timing.growth("pinocchio") == pytest.approx(1.0)
 
 
-def test_command_prints_json_only(capsys):
-    assert main(["bench", "momentum", "--longest", "20", "--json"]) == 0
+def test_command_prints_json_only_and_draws(capsys, tmp_path):
+    assert main(["bench", "momentum", "--longest", "20", "--json", "--out", str(tmp_path)]) == 0
     found = json.loads(capsys.readouterr().out)
+    assert len(list(tmp_path.glob("*/momentum-timing.png"))) == 1
     assert found["links"] == [10, 20]
     assert set(found["seconds"]) == set(WAYS)
 

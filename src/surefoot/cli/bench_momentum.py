@@ -49,5 +49,6 @@ def momentum(
     if out is not None:
         from surefoot.viz.momentum_plots import plot_timing
 
-        path = plot_timing(timing, new_run_folder(out, "bench-momentum"))
+        path = new_run_folder(out, "bench-momentum") / "momentum-timing.png"
+        plot_timing(path, timing.links, timing.seconds, {way: timing.growth(way) for way in WAYS})
         typer.echo(f"picture: {path}", err=True)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.viz.style import FOOT_COLOURS, INK, MUTED, new_figure, save
-
-if TYPE_CHECKING:
-    from surefoot.bench.momentum import MomentumTiming
 
 AXES = ("x", "y", "z")
 LABELS = {
@@ -21,23 +18,36 @@ LABELS = {
 }
 
 
-def plot_timing(timing: MomentumTiming, folder: Path) -> Path:
-    """Write momentum-timing.png: time against the number of links, both logarithmic."""
+def plot_timing(
+    path: Path, chains: ArrayLike, timings: Mapping[str, ArrayLike], growth: Mapping[str, float]
+) -> Path:
+    """Write a picture of time against the number of links, both logarithmic.
+
+    Parameters
+    ----------
+    path
+        Where the picture goes.
+    chains
+        (n,) numbers of links.
+    timings
+        Way -> (n,) seconds; there must be one called "composite".
+    growth
+        Way -> exponent of its growth.
+    """
     figure, axes = new_figure(size=(7.0, 4.2))
     ax = axes[0, 0]
-    links = np.array(timing.links, dtype=np.float64)
-    for colour, (way, seconds) in zip(FOOT_COLOURS, timing.seconds.items(), strict=False):
-        label = f"{LABELS.get(way, way)}: n^{timing.growth(way):.2f}"
+    links = np.asarray(chains, dtype=np.float64)
+    for colour, (way, seconds) in zip(FOOT_COLOURS, timings.items(), strict=False):
+        label = f"{LABELS.get(way, way)}: n^{growth[way]:.2f}"
         ax.loglog(links, 1e6 * np.array(seconds), "o-", color=colour, label=label, markersize=4)
-    slowest = 1e6 * np.array(timing.seconds["composite"])
+    slowest = 1e6 * np.array(timings["composite"])
     ax.loglog(links, slowest[0] * links / links[0], "--", color=MUTED, linewidth=0.9, label="slope 1")
     ax.loglog(links, slowest[0] * (links / links[0]) ** 2, ":", color=MUTED, linewidth=0.9, label="slope 2")
-    ax.set_ylim(top=3e6 * max(timing.seconds["summed"]))
     ax.set_xlabel("links in the chain")
     ax.set_ylabel("one momentum matrix [µs]")
     ax.set_title("Centroidal momentum matrix of a chain")
     ax.legend(fontsize=8)
-    return save(figure, folder / "momentum-timing.png")
+    return save(figure, path)
 
 
 def plot_components(
