@@ -40,6 +40,7 @@ RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, Flo
 # the direction in which the multiplier moved
 HEAVY, LIGHT, MULTIPLIER, LAST, MOVED = 0, 1, 2, 3, 4
 TURNS, STUBBORN, RAISE = 30, 3, 10.0
+LEAST = 1.0 - 1e-6  # share of the last violation from which an empty set's least violation is reached
 HEAVINESS, LIGHTNESS = 100.0, 1e-3  # weights of T f - q and of q, against those of the wrench and of f
 INSET = 1e-9  # the rows are kept this much inside their limits, so that they hold in spite of rounding
 WIDEST_INSET = 1e-5  # ... or, where rounding is worse than that, up to this much
@@ -143,7 +144,7 @@ def keep_rows(
         violation, shift = update(columns, sets, points, duals, rows)
         if violation <= row_tol and shift**2 <= max(tol, floor):
             return error, violation, iterations, True, False
-        still = still + 1 if violation > max(row_tol, 0.95 * last) else 0
+        still = still + 1 if violation > max(row_tol, (LEAST if empty else 0.95) * last) else 0
         empty = empty or (violation > row_tol and proves_empty(columns, sets, rows))
         if iterations >= limit or (empty and still >= STUBBORN):
             break
@@ -219,6 +220,28 @@ def load_rows(
 
 
 @kernel
+def restore(
+    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
+    rows: FloatArray, tol: float, limit: float, contacts: int,
+) -> tuple[int, bool]:  # fmt: skip
+    """Move the forces to the nearest ones that keep the rows, whatever the wrench; a far easier program."""
+    steep = 0.0
+    for i in range(3 * contacts):
+        points[CENTRE, i] = points[VALUE, i]
+        for a in range(6):
+            columns[i, a] = 0.0
+        for j in range(rows.shape[0]):
+            steep += (columns[i, 6 + j] / rows[j, HEAVY]) ** 2
+    duals[TARGET, :6] = 0.0
+    duals[DUAL, :] = 0.0
+    rows[:, MULTIPLIER] = 0.0
+    heavy = math.sqrt(HEAVINESS * rows.shape[0] / steep) if steep > 0.0 else 1.0
+    stiffen(columns, sets, duals, rows, heavy / rows[0, HEAVY])
+    _, _, used, settled, _ = keep_rows(columns, sets, points, duals, H, rows, True, tol, INSET, limit)
+    return used, settled
+
+
+@kernel
 def distribute_with_rows(
     grasp_map: FloatArray, wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray,
     work: FloatArray, columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray,
@@ -259,6 +282,12 @@ def distribute_with_rows(
         if settled or empty or violation > WIDEST_INSET:
             break
         margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
+    solved = settled
+    for _ in range(3):
+        if not settled and not empty:
+            error = math.inf
+            used, settled = restore(columns, sets, points, duals, H, rows, tol, limit, contacts)
+            iterations += used
     for k in range(contacts):
         for i in range(3):
             work[k, base.FORCE + i] = points[VALUE, 3 * k + i]
@@ -268,9 +297,9 @@ def distribute_with_rows(
     violation = row_violation(jacobian, forces, low, high)
     work[results, base.ROW_VIOLATION] = violation
     work[results, base.ITERATIONS] += iterations
-    work[results, base.ROWS_WARM] = 1.0 if settled else 0.0
+    work[results, base.ROWS_WARM] = 1.0 if solved else 0.0
     if empty:
         return base.INFEASIBLE
-    if settled and violation <= 0.0 and error <= max(tol, base.RELATIVE * left):
+    if solved and violation <= 0.0 and error <= max(tol, base.RELATIVE * left):
         return base.SOLVED
-    return base.ALMOST if violation <= ALMOST_KEPT else base.MAX_ITERATIONS
+    return base.ALMOST if solved and violation <= ALMOST_KEPT else base.MAX_ITERATIONS
