@@ -9,38 +9,35 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
-from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
+from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 from surefoot.equilibrium.limits import equations
 from surefoot.equilibrium.margin import BAND, GAP, INFEASIBLE, UNREACHABLE, most_margin
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, turn_first_row
 from surefoot.errors import ProblemError
-from surefoot.kernels import kernel
 
 if TYPE_CHECKING:
     from surefoot.equilibrium.verdict import Verdict
 
 
-@kernel
-def farthest(A: FloatArray, w: FloatArray, d: FloatArray, lorentz: int, x: FloatArray) -> tuple[int, float]:
-    """Maximise s with A x = w + s d, x in the cone, from a strictly feasible x at s = 0 (overwritten).
+def farthest(
+    A: FloatArray, w: FloatArray, d: FloatArray, lorentz: int, start: FloatArray
+) -> tuple[int, float]:
+    """Maximise s with A x = w + s d, x in the cone, from a strictly feasible x at s = 0.
 
-    Returns the solver's status and s; s is 0 where d lies outside the rows' range.
+    Returns the solver's status and s; s is 0 where d lies outside the rows' range. (Plain Python around
+    the compiled steps: compiling them once more would take longer than it saves.)
     """
     p, m = A.shape
     Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
     b, a, h = np.zeros(p), np.zeros(p), np.zeros(p)
     rank = orthonormal_rows(A, Q, T, pivots)
     if coordinates(T, pivots, rank, d, a) > BAND:
-        return 0, 0.0
+        return OPTIMAL, 0.0
     coordinates(T, pivots, rank, w, b)
     alpha = turn_first_row(Q, rank, a, h, b)
-    c = -Q[0]
-    y, z = np.empty(rank - 1), np.empty(m)
-    status, _ = minimise(Q[1:rank], b[1:rank], c, lorentz, x, y, z, GAP, -1e6)
-    s = -b[0]
-    for i in range(m):
-        s += Q[0, i] * x[i]
-    return status, s / alpha
+    x, y, z = start.copy(), np.empty(rank - 1), np.empty(m)
+    status, _ = minimise(Q[1:rank], b[1:rank], -Q[0], lorentz, x, y, z, GAP, -1e6)
+    return status, float(Q[0] @ x - b[0]) / alpha
 
 
 def largest_disturbance(verdict: Verdict, direction: ArrayLike) -> float:
