@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surefoot.bench.mpc_rivals import Variant, rivals, solve_exact
+from surefoot.bench.mpc_rivals import Variant, matrices, rivals, solve_exact
 from surefoot.bench.mpc_scenes import SCENES, choose_scenes, controller, record, scene_names
 from surefoot.bench.walk import ACCURACY, measure
 from surefoot.errors import ProblemError
@@ -26,15 +26,17 @@ def test_every_rival_solves_in_every_form(programs, which):
         for warm in rival.warm:
             solve = rival.make(Variant(form, warm, 1e-9))
             for program in todo:
-                own = solve_exact(rival.pack(mpc, program, "condensed"), 1e-11)
+                own = solve_exact(matrices(mpc, program, rival.facets, sparse=False, dense=False), 1e-11)
                 assert np.linalg.norm(solve(rival.pack(mpc, program, form)) - own) < ACCURACY
 
 
 def test_condensed_and_sparse_are_one_problem(programs):
     mpc, todo = programs
-    rival = rivals()[-1]
     for program in todo:
-        a, b = (solve_exact(rival.pack(mpc, program, form), 1e-11) for form in ("condensed", "sparse"))
+        a, b = (
+            solve_exact(matrices(mpc, program, None, sparse=states, dense=False), 1e-11)
+            for states in (False, True)
+        )
         assert np.abs(a - b).max() < 5e-3
 
 

@@ -2,8 +2,8 @@
 
 Each rival is given the same program as ours, either condensed (the forces are the only unknowns) or sparse
 (forces and states, with the model as equations), scaled to numbers near one, as matrices ready in its own
-format: only its own update and solve are timed. Workspaces and warm starts are kept from call to call
-wherever its interface allows it.
+format: only its own update and solve are timed. One workspace per pattern of the matrices is kept from call
+to call, with its warm start, wherever its interface allows it.
 """
 
 from __future__ import annotations
@@ -63,7 +63,8 @@ class Rival:
     facets: int | None
     forms: tuple[str, ...]
     warm: tuple[bool, ...]
-    make: Callable[[Variant], Callable[[Matrices], FloatArray]] = field(repr=False)
+    ready: Callable[[Matrices], Any] = field(repr=False)
+    make: Callable[[Variant], Callable[[Any], FloatArray]] = field(repr=False)
 
     @property
     def name(self) -> str:
@@ -74,10 +75,9 @@ class Rival:
         """Return all ways to run it."""
         return [Variant(f, w, t) for f in self.forms for w in self.warm for t in TOLERANCES]
 
-    def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Matrices:
+    def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Any:
         """Return the program in this rival's format (not timed)."""
-        dense = form == "dense"
-        return matrices(mpc, program, self.facets, sparse=form == "sparse", dense=dense)
+        return self.ready(matrices(mpc, program, self.facets, sparse=form == "sparse", dense=form == "dense"))
 
 
 def rivals() -> list[Rival]:
@@ -91,12 +91,12 @@ def rivals() -> list[Rival]:
     out = []
     for facets in (4, 8):
         out += [
-            Rival("OSQP", facets, ("condensed", "sparse"), (True, False), _osqp),
-            Rival("ProxQP", facets, ("dense", "sparse"), (True, False), _proxqp),
-            Rival("PIQP", facets, ("dense", "sparse"), (False,), _piqp),
-            Rival("DAQP", facets, ("dense",), (True, False), _daqp),
+            Rival("OSQP", facets, ("condensed", "sparse"), (True, False), _osqp_ready, _osqp),
+            Rival("ProxQP", facets, ("dense", "sparse"), (True, False), _as_is, _proxqp),
+            Rival("PIQP", facets, ("dense", "sparse"), (False,), _as_is, _piqp),
+            Rival("DAQP", facets, ("dense",), (True, False), _daqp_ready, _daqp),
         ]
-    out.append(Rival("Clarabel", None, ("condensed", "sparse"), (False,), _clarabel))
+    out.append(Rival("Clarabel", None, ("condensed", "sparse"), (False,), clarabel_ready, _clarabel))
     return out
 
 
@@ -192,15 +192,22 @@ def _need(name: str) -> Any:
         raise MissingExtra(name, "qp") from error
 
 
-def _osqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
-    osqp = _need("osqp")
-    kept: dict[str, Any] = {}
+def _as_is(m: Matrices) -> Matrices:
+    return m
 
-    def solve(m: Matrices) -> FloatArray:
-        rows, low, high = _stack(m)
-        upper = sp.triu(m.P, format="csc")
-        if kept.get("structure") == m.structure:
-            solver = kept["solver"]
+
+def _osqp_ready(m: Matrices) -> tuple[Matrices, Any, Any, FloatArray, FloatArray]:
+    return m, sp.triu(m.P, format="csc"), *_stack(m)
+
+
+def _osqp(variant: Variant) -> Callable[[Any], FloatArray]:
+    osqp = _need("osqp")
+    kept: dict[Any, Any] = {}
+
+    def solve(item: tuple[Matrices, Any, Any, FloatArray, FloatArray]) -> FloatArray:
+        m, upper, rows, low, high = item
+        solver = kept.get(m.structure)
+        if solver is not None:
             solver.update(q=m.q, l=low, u=high, Px=upper.data, Ax=rows.data)
         else:
             solver = osqp.OSQP()
@@ -208,31 +215,31 @@ def _osqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
                 upper, m.q, rows, low, high, verbose=False, eps_abs=variant.tol, eps_rel=variant.tol,
                 warm_starting=variant.warm, max_iter=20_000, polishing=False, check_termination=10,
             )  # fmt: skip
-            kept["solver"], kept["structure"] = solver, m.structure
+            kept[m.structure] = solver
         return _forces(solver.solve(raise_error=False).x, m)
 
     return solve
 
 
-def _proxqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+def _proxqp(variant: Variant) -> Callable[[Any], FloatArray]:
     proxqp = _need("proxsuite").proxqp
-    kept: dict[str, Any] = {}
+    kept: dict[Any, Any] = {}
     guess = proxqp.InitialGuess
     start = (
         guess.WARM_START_WITH_PREVIOUS_RESULT if variant.warm else guess.EQUALITY_CONSTRAINED_INITIAL_GUESS
     )
 
     def solve(m: Matrices) -> FloatArray:
-        if variant.warm and kept.get("structure") == m.structure:
-            solver = kept["solver"]
+        solver = kept.get(m.structure)
+        if solver is not None:
             solver.update(H=m.P, g=m.q, A=m.A, b=m.b, C=m.C, l=m.low, u=m.high)
         else:
             module = proxqp.dense if variant.form == "dense" else proxqp.sparse
             solver = module.QP(m.q.size, m.b.size, m.low.size)
             solver.settings.eps_abs, solver.settings.eps_rel = variant.tol, 0.0
             solver.init(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
-            solver.settings.initial_guess = start if kept else guess.EQUALITY_CONSTRAINED_INITIAL_GUESS
-            kept["solver"], kept["structure"] = solver, m.structure
+            solver.settings.initial_guess = guess.EQUALITY_CONSTRAINED_INITIAL_GUESS  # nothing to go by
+            kept[m.structure] = solver
         solver.solve()
         solver.settings.initial_guess = start
         return _forces(solver.results.x, m)
@@ -240,61 +247,57 @@ def _proxqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
     return solve
 
 
-def _piqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+def _piqp(variant: Variant) -> Callable[[Any], FloatArray]:
     piqp = _need("piqp")
-    kept: dict[str, Any] = {}
+    kept: dict[Any, Any] = {}
 
     def solve(m: Matrices) -> FloatArray:
-        if kept.get("structure") == m.structure:
-            solver = kept["solver"]
+        solver = kept.get(m.structure)
+        if solver is not None:
             solver.update(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
         else:
             solver = piqp.DenseSolver() if variant.form == "dense" else piqp.SparseSolver()
             solver.settings.eps_abs = solver.settings.eps_rel = variant.tol
             solver.settings.check_duality_gap = False
             solver.setup(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
-            kept["solver"], kept["structure"] = solver, m.structure
+            kept[m.structure] = solver
         solver.solve()
         return _forces(solver.result.x, m)
 
     return solve
 
 
-def _daqp(variant: Variant) -> Callable[[Matrices], FloatArray]:
+def _daqp_ready(m: Matrices) -> Matrices:
+    return m._replace(P=np.ascontiguousarray(m.P), C=np.ascontiguousarray(m.C))
+
+
+def _daqp(variant: Variant) -> Callable[[Any], FloatArray]:
     daqp = _need("daqp")
-    kept: dict[str, Any] = {}
+    kept: dict[Any, Any] = {}
 
     def solve(m: Matrices) -> FloatArray:
-        H, C = np.ascontiguousarray(m.P), np.ascontiguousarray(m.C)
-        if variant.warm and kept.get("structure") == m.structure:
-            solver = kept["solver"]
-            solver.update(H=H, f=m.q, A=C, bupper=m.high, blower=m.low)
+        solver = kept.get(m.structure) if variant.warm else None
+        if solver is not None:
+            solver.update(H=m.P, f=m.q, A=m.C, bupper=m.high, blower=m.low)
         else:
             solver = daqp.Model()
-            solver.setup(H, m.q, C, m.high, m.low)
+            solver.setup(m.P, m.q, m.C, m.high, m.low)
             solver.settings = {"primal_tol": variant.tol, "dual_tol": variant.tol}
-            kept["solver"], kept["structure"] = solver, m.structure
+            kept[m.structure] = solver
         return _forces(solver.solve()[0], m)
 
     return solve
 
 
-def _clarabel(variant: Variant) -> Callable[[Matrices], FloatArray]:
-    return lambda m: solve_exact(m, variant.tol)
-
-
-def solve_exact(m: Matrices, tol: float) -> FloatArray:
-    """Return the (c, 3) forces by Clarabel, with the second-order cones where C holds none of their sides."""
+def clarabel_ready(m: Matrices) -> tuple[Matrices, Any, Any, FloatArray, list[Any]]:
+    """Return P, A, b and cones as Clarabel wants them; second-order cones where C holds no pyramids."""
     clarabel = _need("clarabel")
     c = m.mu.size
-    options = clarabel.DefaultSettings()
-    options.verbose = False
-    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = tol
     above, below = np.isfinite(m.high), np.isfinite(m.low)
     rows = [m.A, m.C[above], -m.C[below]]
     right = [m.b, m.high[above], -m.low[below]]
     cones = [clarabel.ZeroConeT(m.b.size), clarabel.NonnegativeConeT(int(above.sum() + below.sum()))]
-    if m.low.size == c:  # no pyramids
+    if m.low.size == c:
         at = np.arange(c)
         values = np.concatenate([-m.mu, -np.ones(2 * c)])
         where = np.concatenate([3 * at, 3 * at + 1, 3 * at + 2])
@@ -302,7 +305,30 @@ def solve_exact(m: Matrices, tol: float) -> FloatArray:
         rows.append(sp.csc_matrix((values, (where, which)), (3 * c, m.q.size)))
         right.append(np.zeros(3 * c))
         cones += [clarabel.SecondOrderConeT(3)] * c
-    solver = clarabel.DefaultSolver(
-        sp.triu(m.P, format="csc"), m.q, sp.vstack(rows, format="csc"), np.concatenate(right), cones, options
-    )
-    return _forces(solver.solve().x, m)
+    return m, sp.triu(m.P, format="csc"), sp.vstack(rows, format="csc"), np.concatenate(right), cones
+
+
+def _clarabel(variant: Variant) -> Callable[[Any], FloatArray]:
+    clarabel = _need("clarabel")
+    options = clarabel.DefaultSettings()
+    options.verbose = False
+    options.presolve_enable = False  # it would forbid updates
+    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = variant.tol
+    kept: dict[Any, Any] = {}
+
+    def solve(item: tuple[Matrices, Any, Any, FloatArray, list[Any]]) -> FloatArray:
+        m, P, A, b, cones = item
+        solver = kept.get(m.structure)
+        if solver is not None:
+            solver.update(P=P.data, q=m.q, A=A.data, b=b)
+        else:
+            solver = clarabel.DefaultSolver(P, m.q, A, b, cones, options)
+            kept[m.structure] = solver
+        return _forces(solver.solve().x, m)
+
+    return solve
+
+
+def solve_exact(m: Matrices, tol: float) -> FloatArray:
+    """Return the (c, 3) forces of a program by Clarabel, see `clarabel_ready`."""
+    return _clarabel(Variant("condensed", False, tol))(clarabel_ready(m))

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from surefoot.viz.style import FOOT_COLOURS, FORCE, INK, MUTED, new_figure, save
 
-if TYPE_CHECKING:
-    from surefoot.bench.walk import MpcRow, WalkBench
 
-
-def plot_mpc_bench(bench: WalkBench, folder: Path) -> Path:
-    """Write walk.png: the time of every method on every scene, and the friction it leaves unused."""
+def plot_mpc_bench(bench: Any, folder: Path) -> Path:
+    """Write walk.png from a `WalkBench`: every method's time per scene, and the friction it leaves unused."""
     scenes = list(dict.fromkeys(row.scene for row in bench.rows))
     methods = list(dict.fromkeys(row.method for row in bench.rows))
     figure, axes = new_figure(1, 2, size=(11.0, 4.8), width_ratios=[2.3, 1.0])
@@ -31,7 +28,7 @@ def _colour(method: str, methods: list[str]) -> str:
     return FORCE if method == methods[0] else palette[solvers.index(method.split(",")[0]) % len(palette)]
 
 
-def _draw_times(ax: Any, rows: list[MpcRow], scenes: list[str], methods: list[str]) -> None:
+def _draw_times(ax: Any, rows: list[Any], scenes: list[str], methods: list[str]) -> None:
     """Draw one column of dots per method within each scene's band; hollow dots are the finer pyramids."""
     width = 0.8 / len(methods)
     for row in rows:
@@ -64,7 +61,7 @@ def _draw_times(ax: Any, rows: list[MpcRow], scenes: list[str], methods: list[st
     )
 
 
-def _draw_lost(ax: Any, rows: list[MpcRow], methods: list[str]) -> None:
+def _draw_lost(ax: Any, rows: list[Any], methods: list[str]) -> None:
     """Draw the share of friction left unused, averaged over the scenes where the optimum uses all of it."""
     lost = [np.array([r.lost for r in rows if r.method == m and np.isfinite(r.lost)]) for m in methods]
     values = [100.0 * max(float(v.mean()), 0.0) if v.size else 0.0 for v in lost]
