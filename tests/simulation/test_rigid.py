@@ -168,7 +168,7 @@ def tumbled(body, q, v, seconds):
         cross = np.array([[s, -c, b], [c, s, -a], [-b, a, s], [-a, -b, -c]])
         return np.concatenate([0.5 * cross @ w, np.linalg.solve(inertia, -np.cross(w, inertia @ w))])
 
-    y, h = np.concatenate([q[3:7], v[3:]]), 1e-4
+    y, h = np.concatenate([q[3:7], v[3:]]), 5e-4
     for _ in range(round(seconds / h)):
         k1 = rate(y)
         k2 = rate(y + 0.5 * h * k1)
