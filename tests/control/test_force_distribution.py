@@ -296,6 +296,10 @@ def test_bad_shapes_are_named():
         fixed.solve(A, np.ones(6), reference=np.zeros(12))
     with pytest.raises(sf.ProblemError, match="without torque_limit"):
         fixed.solve(A, np.ones(6), jacobian=np.zeros((12, 3)))
+    with pytest.raises(sf.ProblemError, match="must be arrays of numbers"):
+        fixed.solve(A, ["a"] * 6)
+    with pytest.raises(sf.ProblemError, match=r"rows must have shape \(k, 12\)"):
+        fixed.solve_with_rows(A, np.ones(6), np.ones((2, 11)), [0.0, 0.0], [1.0, 1.0])
     with pytest.raises(sf.ProblemError, match="at contact 2"):
         fixed.set_bounds([0.0, 0.0, 3.0, 0.0], [1.0, 1.0, 2.0, 1.0])
 

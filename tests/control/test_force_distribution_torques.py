@@ -131,6 +131,24 @@ def test_warm_torque_limits_agree_with_cold():
         np.testing.assert_allclose(f, g, atol=1e-5)
 
 
+def test_rows_and_torques_take_turns():
+    """Another number of rows gets its own work space, and neither disturbs the other."""
+    instance = four_feet("near-boundary", 1)[0]
+    J, offset = legs(np.random.default_rng(1))
+    limit = np.full(12, 12.0)
+    distributor = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT, torque_limit=limit)
+    A, w = instance.grasp_map, instance.wrench
+    total = np.zeros((1, 12))
+    total[0, 2::3] = 1.0
+    first = distributor.solve(A, w, jacobian=J, torque_offset=offset)
+    bound = 0.8 * first[:, 2].sum()
+    for _ in range(3):
+        f = distributor.solve_with_rows(A, w, total, [0.0], [bound])
+        assert f[:, 2].sum() == pytest.approx(bound, abs=1e-6)
+        again = distributor.solve(A, w, jacobian=J, torque_offset=offset)
+        np.testing.assert_allclose(again, first, atol=1e-5)
+
+
 def test_distribute_points():
     feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
     stance = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=200.0) for p in feet])

@@ -11,7 +11,7 @@ from surefoot.arrays import FloatArray, finite_array, per_contact, real_array, r
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
 from surefoot.solvers import distribution_wrench as newton
-from surefoot.solvers.distribution_rows import distribute_with_rows, rows_work
+from surefoot.solvers.distribution_rows import RowsWork, distribute_with_rows, rows_work
 from surefoot.stance import Stance
 
 _STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
@@ -132,7 +132,7 @@ class ForceDistributor:
         rows[:, newton.DRAG : newton.DRAG + 2] = self._smoothness * units
         self._results[newton.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
         self._results[newton.LIMIT] = self._limit
-        self._rows = None if self._torque_limit is None else rows_work(count, self._torque_limit.size)
+        self._rows: RowsWork | None = None
         self.set_active(np.ones(count, dtype=bool))
 
     def solve(
@@ -175,10 +175,7 @@ class ForceDistributor:
         ProblemError
             For a wrong shape, and for nothing else.
         """
-        A = np.ascontiguousarray(grasp_map, _FLOAT)
-        w = np.ascontiguousarray(wrench, _FLOAT)
-        if A.shape != self._shape or w.shape != _WRENCH:
-            self._fit(A, w)
+        A, w = self._inputs(grasp_map, wrench)
         if active is not None:
             self.set_active(active)
         if reference is not None:
@@ -190,6 +187,16 @@ class ForceDistributor:
             self._solve_with_torques(A, w, jacobian, torque_offset, forces)
         return forces
 
+    def _inputs(self, grasp_map: ArrayLike, wrench: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return both as contiguous doubles: another type would compile another kernel."""
+        try:
+            A, w = np.ascontiguousarray(grasp_map, _FLOAT), np.ascontiguousarray(wrench, _FLOAT)
+        except (TypeError, ValueError) as error:
+            raise ProblemError("grasp_map and wrench must be arrays of numbers") from error
+        if A.shape != self._shape or w.shape != _WRENCH:
+            self._fit(A, w)
+        return A, w
+
     def _solve_with_torques(
         self,
         grasp_map: FloatArray,
@@ -199,7 +206,7 @@ class ForceDistributor:
         forces: FloatArray,
     ) -> None:
         """Fill `forces` so that the joint torques stay within their limits."""
-        if self._torque_limit is None or self._rows is None:
+        if self._torque_limit is None:
             raise ProblemError("a Jacobian was given, but ForceDistributor was built without torque_limit")
         J = np.ascontiguousarray(jacobian, _FLOAT)
         limit = self._torque_limit
@@ -209,45 +216,68 @@ class ForceDistributor:
                 f"jacobian must have shape ({self._shape[1]}, {limit.size}) and torque_offset "
                 f"({limit.size},), got {J.shape} and {shift.shape}"
             )
-        self._code = distribute_with_rows(
-            grasp_map, wrench, J, -limit - shift, limit - shift, self._work, *self._rows, forces
-        )
+        self._keep_rows(grasp_map, wrench, J, -limit - shift, limit - shift, forces)
 
-    def solve_with_sums(
+    def solve_with_rows(
         self,
-        grasp_map: FloatArray,
-        wrench: FloatArray,
-        sums: FloatArray,
-        low: FloatArray,
-        high: FloatArray,
+        grasp_map: ArrayLike,
+        wrench: ArrayLike,
+        rows: ArrayLike,
+        low: ArrayLike,
+        high: ArrayLike,
     ) -> FloatArray:
-        """Return the optimal forces that also keep ``low <= sums.T @ f <= high``.
+        """Return the optimal forces that also keep ``low <= rows @ f <= high``.
 
-        For linear rows of any kind, as the bounds on the sum of a patch's corner forces; `torque_excess`
-        and `status` speak of these rows.
+        For linear limits of any kind, as the bounds on the sum of a patch's corner forces; `status` and
+        `torque_excess` speak of these rows as they do of joint torques.
 
         Parameters
         ----------
         grasp_map, wrench
             As for `solve`.
-        sums
-            (3n, rows).
+        rows
+            (k, 3n) acting on the stacked forces.
         low, high
-            (rows,), infinite where there is no bound.
+            (k,), infinite where there is no bound.
 
         Returns
         -------
         FloatArray
             (n, 3) [N] in contact frames.
+
+        Raises
+        ------
+        ProblemError
+            For a wrong shape.
         """
+        A, w = self._inputs(grasp_map, wrench)
+        C = np.asarray(rows, dtype=_FLOAT)
+        lower, upper = np.asarray(low, dtype=_FLOAT), np.asarray(high, dtype=_FLOAT)
+        if C.ndim != 2 or C.shape[1] != self._shape[1] or not lower.shape == upper.shape == C.shape[:1]:
+            raise ProblemError(
+                f"rows must have shape (k, {self._shape[1]}) and low and high (k,), "
+                f"got {C.shape}, {lower.shape} and {upper.shape}"
+            )
         forces = np.empty(self._forces_shape)
-        if self._rows is None or self._rows[-1].shape[0] != sums.shape[1]:
-            self._rows = rows_work(forces.shape[0], sums.shape[1])
-        self._code = distribute_with_rows(
-            np.ascontiguousarray(grasp_map), wrench, np.ascontiguousarray(sums), low, high,
-            self._work, *self._rows, forces,
-        )  # fmt: skip
+        self._keep_rows(A, w, np.ascontiguousarray(C.T), lower, upper, forces)
         return forces
+
+    def _keep_rows(
+        self,
+        grasp_map: FloatArray,
+        wrench: FloatArray,
+        jacobian: FloatArray,
+        low: FloatArray,
+        high: FloatArray,
+        forces: FloatArray,
+    ) -> None:
+        """Fill `forces`; the work space is made anew only if the number of rows changes."""
+        if self._rows is None or self._rows[-1].shape[0] != low.size:
+            self._rows = rows_work(len(forces), low.size)
+            self._results[newton.ROWS_WARM] = 0.0
+        self._code = distribute_with_rows(
+            grasp_map, wrench, jacobian, low, high, self._work, *self._rows, forces
+        )
 
     def _fit(self, grasp_map: FloatArray, wrench: FloatArray) -> None:
         """Take the number of contacts from the first grasp map, or say which shape is wrong."""
@@ -299,7 +329,7 @@ class ForceDistributor:
 
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
-        self._results[newton.WARM] = 0.0
+        self._results[newton.WARM] = self._results[newton.ROWS_WARM] = 0.0
         self._results[newton.HAS_LAST] = 0.0 if forces is None else 1.0
         last = np.zeros(self._forces_shape) if forces is None else finite_array("forces", forces)
         if last.shape != self._forces_shape:
@@ -318,7 +348,10 @@ class ForceDistributor:
 
     @property
     def force_error(self) -> float:
-        """Upper bound on the distance from the last forces to the optimum, over all contacts [N]."""
+        """Upper bound on the distance from the last forces to the optimum, over all contacts [N].
+
+        With a Jacobian or rows that bind it is an estimate, infinite if the optimum was not reached.
+        """
         return float(self._results[newton.FORCE_ERROR])
 
     @property
@@ -388,20 +421,20 @@ def distribute(
     )
     if len(points) == len(stance):
         return distributor.solve(points.grasp_map(about), w)
-    forces = distributor.solve_with_sums(points.grasp_map(about), w, *_patch_sums(stance))
+    forces = distributor.solve_with_rows(points.grasp_map(about), w, *_patch_sums(stance))
     return _patch_wrenches(stance, points, forces)
 
 
 def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the (3n, patches) map from corner forces to the patches' normal forces, and its bounds."""
+    """Return the (patches, 3n) map from corner forces to the patches' normal forces, and its bounds."""
     patches = [c for c in stance.contacts if c.dim == 6]
-    sums = np.zeros((3 * len(stance.points()), len(patches)))
+    sums = np.zeros((len(patches), 3 * len(stance.points())))
     row = column = 0
     for contact in stance.contacts:
         if contact.dim == 6:
-            sums[row + 2 : row + 12 : 3, column] = 1.0
-            column += 1
-        row += 12 if contact.dim == 6 else 3
+            sums[row, column + 2 : column + 12 : 3] = 1.0
+            row += 1
+        column += 12 if contact.dim == 6 else 3
     low, high = (np.array([getattr(c, name) for c in patches]) for name in ("normal_min", "normal_max"))
     return sums, low, high
 
