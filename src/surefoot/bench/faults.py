@@ -22,7 +22,7 @@ from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.faults import Faults
+from surefoot.simulation.faults import Faults, believed_robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.standing import Ice, Push
 from surefoot.simulation.walk_terrain import PitTerrain
@@ -205,8 +205,10 @@ def survives(robot_name: str, fault: str, level: float, duration: float, seed: i
     generator = np.random.default_rng([seed, 7])
     trial = FAULTS[fault].make(robot, level, generator)
     believed = trial.mu if trial.believed_mu is None else trial.believed_mu
-    settings = WalkSettings(mu=believed, mass_factor=trial.mass_factor)
-    controller = WalkingController(robot, VelocityCommand.constant(SPEED), "trot", FlatTerrain(), settings)
+    seen = robot if trial.mass_factor == 1.0 else believed_robot(robot, trial.mass_factor)
+    controller = WalkingController(
+        seen, VelocityCommand.constant(SPEED), "trot", FlatTerrain(), WalkSettings(mu=believed)
+    )
     world = MujocoWorld(robot, trial.ground or FlatTerrain(), trial.mu, payload=trial.payload)
     scenario = WalkScenario(duration, trial.mu, trial.pushes, trial.ice, trial.faults, seed)
     return bool(run_walking(world, controller, q, scenario).facts["outcome"] == "done")

@@ -9,7 +9,7 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -52,8 +52,6 @@ class WalkSettings:
         Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
     normal_min, normal_max
         Bounds on a carrying foot's normal force, as shares of m g.
-    mass_factor
-        Mass that the controller believes in, over the true one.
     """
 
     mu: float = 0.6
@@ -67,7 +65,6 @@ class WalkSettings:
     swing_stiffness: float = 8.0
     normal_min: float = 0.02
     normal_max: float = 1.5
-    mass_factor: float = 1.0
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
 
@@ -169,7 +166,7 @@ class WalkingController:
         pinocchio.ccrba(robot.model, data, q, np.zeros(robot.model.nv))
         base = np.array(data.oMi[1].rotation)
         self._inertia = base.T @ np.array(data.Ig.inertia) @ base
-        self._mass = robot.mass * self.settings.mass_factor
+        self._mass = robot.mass
         self._radii = np.array([f.radius for f in robot.feet])
         com, centres = robot.com(q), robot.foot_positions(q)
         self._height = float(com[2] - (centres[:, 2] - self._radii).mean())
@@ -208,12 +205,16 @@ class WalkingController:
         self._level = np.zeros(len(self.robot.feet))
         self._planned_at = -math.inf
         self._plan: MpcPlan | None = None
+        self._last: WalkCommand | None = None
 
     def step(self, q: FloatArray, v: FloatArray, felt: BoolArray, time: float) -> WalkCommand:
         """Return the command for a state (Pinocchio's order) and which feet feel the ground, at a time [s].
 
-        Never raises on a hard instance; see `WholeBodyCommand.feasible`.
+        Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite gets
+        a command that slows the joints, and changes nothing else.
         """
+        if not (np.isfinite(q).all() and np.isfinite(v).all()):
+            return self._blind(v)
         now = self.whole_body.update(q, v)
         if self.feet is None:
             self._begin(now)
@@ -229,10 +230,21 @@ class WalkingController:
             self._replan(now, clock, time)
         command = self.whole_body.solve(self._tasks(now, clock, time))
         assert self._plan is not None
-        return WalkCommand(
+        self._last = WalkCommand(
             command, feet.carrying.copy(), feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(),
             feet.target.copy(), self._plan.status,
         )  # fmt: skip
+
+        return self._last
+
+    def _blind(self, v: FloatArray) -> WalkCommand:
+        """Return the command for a state that is not finite."""
+        command, n = self.whole_body.damping(v), len(self.robot.feet)
+        if self._last is not None:
+            return replace(self._last, whole_body=command)
+        flags = np.ones(n, dtype=bool)
+        frames = np.tile(np.eye(3), (n, 1, 1))
+        return WalkCommand(command, flags, flags, frames, np.zeros(3), np.zeros((n, 3)), Status.INVALID)
 
     def _begin(self, now: Kinematics) -> None:
         """Start from where the robot stands."""

@@ -97,7 +97,7 @@ class BodyPlan:
     Attributes
     ----------
     height
-        Of the centre of mass above the ground, along the vertical [m].
+        Of the centre of mass above the ground, along its normal [m].
     position, yaw
         (3,) wanted centre of mass [m], wanted heading [rad].
     velocity
@@ -138,7 +138,7 @@ class BodyPlan:
         if far > leash:
             self.position[0], self.position[1] = com[0] + x * leash / far, com[1] + y * leash / far
         self.ground += (self.slope[0] * vx + self.slope[1] * vy) * dt
-        self.position[2] = self.ground + self.height
+        self.position[2] = self.ground + self._rise()
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
@@ -146,7 +146,11 @@ class BodyPlan:
         share = 1.0 - math.exp(-dt / GROUND_TIME)
         self.slope = self.slope + share * (np.array([slope_x, slope_y]) - self.slope)
         self.ground += share * (level - self.ground)
-        self.position[2] = self.ground + self.height
+        self.position[2] = self.ground + self._rise()
+
+    def _rise(self) -> float:
+        """Return the wanted height over the ground along the vertical: `height` along the ground's normal."""
+        return self.height * math.sqrt(1.0 + float(self.slope @ self.slope))
 
     def _flow(self) -> tuple[float, float]:
         """Return the wanted velocity along x and y of the world."""

@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -36,6 +35,8 @@ from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
 """How often torques may be pinned in a step, and by which share of its limit a torque exceeds it."""
+DAMPING_RATE = 10.0
+"""Rate at which joints are slowed when nothing else can be done [1/s]."""
 TORQUE_SLACK = 0.01
 """Torques beyond their limit by more than this share of it make a step infeasible."""
 
@@ -281,7 +282,7 @@ class WholeBodyController:
         loose: BoolArray = np.logical_not(self._support[tasks.stance][:, 6:].any(axis=0))
         for _ in range(PINNING_ROUNDS):
             if not self._eliminate(rows):
-                return self._damping()
+                return self.damping(self._v)
             forces, torques, accelerations = self._share(tasks, loose)
             over = loose & (np.abs(torques) > (1.0 + PINNED_SLACK) * self.limits)
             if not over.any():
@@ -289,7 +290,7 @@ class WholeBodyController:
             rows = self._pin_torques(rows, over, torques)
         violation = float((np.abs(torques) - self.limits).max())
         if not np.isfinite(torques).all():
-            return self._damping()
+            return self.damping(self._v)
         feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
         clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
         return WholeBodyCommand(
@@ -395,14 +396,13 @@ class WholeBodyController:
             torque_offset=offset,
         )
 
-    def _damping(self) -> WholeBodyCommand:
-        """Return the safe command when nothing can be computed: torques that slow the joints, no forces."""
-        speeds: Any = self._v[6:]
-        if speeds.shape != (self.robot.joints,) or not np.isfinite(speeds).all():
-            return self._failed
-        rate = self._joint_inertia() * 10.0
-        torques = np.clip(-rate * speeds, -self.limits, self.limits)
-        return replace(self._failed, torques=torques)
+    def damping(self, v: FloatArray) -> WholeBodyCommand:
+        """Return the safe command when nothing can be computed: torques that slow the joints, no forces.
+
+        Joints whose speed in (nv,) `v` is not finite get no torque.
+        """
+        rates = DAMPING_RATE * self._joint_inertia() * np.where(np.isfinite(v), v, 0.0)[6:]
+        return replace(self._failed, torques=np.clip(-rates, -self.limits, self.limits))
 
     def _joint_inertia(self) -> FloatArray:
         """Return a typical inertia at every joint [kg m²], from the nominal pose."""

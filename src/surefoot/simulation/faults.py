@@ -9,6 +9,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.robot import Robot
 from surefoot.simulation.world import World
 from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
 
@@ -89,3 +90,20 @@ class ActiveFaults:
             self._queue.append(torques)
             torques = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()
         return torques * self.strength
+
+
+def believed_robot(robot: Robot, mass_factor: float) -> Robot:
+    """Return the robot as a controller with a wrong mass sees it: all inertias scaled, all else the same.
+
+    Raises
+    ------
+    ProblemError
+        If the factor is not positive.
+    """
+    factor = real_number("mass factor", mass_factor, low=1e-3, high=1e3)
+    model = robot.model.copy()
+    for k in range(model.njoints):
+        inertia = model.inertias[k]
+        model.inertias[k] = type(inertia)(inertia.mass * factor, inertia.lever, inertia.inertia * factor)
+    names = robot.foot_names
+    return Robot(robot.name, model, robot.collision, robot.visual, names, robot.nominal, robot.floating)

@@ -1,0 +1,84 @@
+"""Footholds: Raibert's rule, the search around edges, and the plane under the feet."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from surefoot.control.foothold import FootholdSearch, fit_plane, raibert, slope_rotation
+from surefoot.simulation.walk_terrain import rough_ground
+from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain
+
+
+def test_a_body_at_its_wanted_speed_steps_half_a_stance_ahead() -> None:
+    v = np.array([0.8, -0.2])
+    assert raibert(np.zeros(2), v, v, 0.0, 0.3, 0.25) == pytest.approx(0.125 * v)
+
+
+def test_a_body_that_is_too_fast_steps_further_towards_the_capture_point() -> None:
+    place = raibert(np.zeros(2), np.array([0.3, 0.0]), np.zeros(2), 0.0, 0.3, 0.25, capture=1.0)
+    assert place == pytest.approx([0.3 * math.sqrt(0.3 / 9.81), 0.0])
+
+
+def test_a_turning_body_leans_into_the_turn() -> None:
+    v = np.array([1.0, 0.0])
+    straight, turning = (raibert(np.zeros(2), v, v, w, 0.3, 0.25) for w in (0.0, 1.0))
+    # centripetal acceleration 1 m/s² to the left: feet go right of the path by half h/g times it
+    assert turning - straight == pytest.approx([0.0, -0.5 * 0.3 / 9.81])
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+@settings(max_examples=30, deadline=None)
+def test_the_search_leaves_planes_alone(x: float, y: float) -> None:
+    place = np.array([x, y])
+    for ground in (FlatTerrain(), SlopeTerrain(20.0)):
+        assert FootholdSearch().choose(ground, place) is place
+
+
+@given(st.floats(-0.2, 3.5))
+@settings(max_examples=60, deadline=None)
+def test_the_search_keeps_off_edges(x: float) -> None:
+    stairs, search = StairsTerrain(0.1, 0.3), FootholdSearch(reach=0.08, margin=0.03)
+    chosen = search.choose(stairs, np.array([x, 0.0]))
+    assert stairs.riser_distance(chosen) >= 0.03 - 1e-9
+    assert np.abs(chosen - [x, 0.0]).max() <= 0.08 + 1e-12
+    if stairs.riser_distance(np.array([x, 0.0])) > 0.031:
+        assert chosen == pytest.approx([x, 0.0])
+
+
+def test_the_search_prefers_level_places_on_bumps() -> None:
+    ground, search = rough_ground(3, 0.1), FootholdSearch(tilt_weight=0.5)
+    rng = np.random.default_rng(0)
+    places = rng.uniform(-2.0, 2.0, (60, 2))
+    chosen = np.array([search.choose(ground, p) for p in places])
+    tilt = [np.arccos(ground.normal(p)[..., 2]).mean() for p in (places, chosen)]
+    assert tilt[1] < 0.75 * tilt[0]
+
+
+@given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(-1.0, 1.0))
+@settings(max_examples=40, deadline=None)
+def test_the_plane_through_feet_on_a_plane_is_that_plane(a: float, b: float, level: float) -> None:
+    xy = np.array([[0.2, 0.15], [0.2, -0.15], [-0.2, 0.15], [-0.2, -0.15]]) + np.array([1.0, -2.0])
+    feet = np.column_stack([xy, level + xy @ [a, b]])
+    about = np.array([1.1, -2.1])
+    height, slope_x, slope_y = fit_plane(feet, about, damping=0.0)
+    assert (slope_x, slope_y) == pytest.approx((a, b), abs=1e-9)
+    assert height == pytest.approx(level + about @ [a, b], abs=1e-9)
+
+
+def test_feet_in_a_line_say_nothing_about_the_slope_across() -> None:
+    feet = np.array([[0.2, 0.0, 0.1], [-0.2, 0.0, 0.0]])
+    _, slope_x, slope_y = fit_plane(feet, np.zeros(2))
+    assert slope_x == pytest.approx(0.25, rel=0.01)
+    assert slope_y == pytest.approx(0.0, abs=1e-9)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
+@settings(max_examples=40, deadline=None)
+def test_the_slope_rotation_is_a_rotation_along_the_surface(yaw: float, a: float, b: float) -> None:
+    R = slope_rotation(yaw, a, b)
+    assert np.allclose(R.T @ R, np.eye(3), rtol=0.0, atol=1e-12)
+    assert np.linalg.det(R) == pytest.approx(1.0)
+    assert np.cross(R[:, 2], [-a, -b, 1.0]) == pytest.approx(np.zeros(3), abs=1e-12)

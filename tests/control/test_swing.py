@@ -1,0 +1,79 @@
+"""Swing paths: they start and end where they should, are smooth, and clear the ground."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from surefoot.control.swing import RISE, apex_height, clear_lift, smooth_step, swing_motion
+from surefoot.stance import FlatTerrain, StairsTerrain
+
+PLACES = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
+
+
+@given(PLACES, PLACES, st.floats(0.02, 0.2), st.floats(0.1, 0.5))
+@settings(max_examples=60, deadline=None)
+def test_a_swing_starts_and_ends_at_rest_and_peaks_at_its_apex(
+    start: np.ndarray, target: np.ndarray, rise: float, duration: float
+) -> None:
+    apex = max(start[2], target[2]) + rise
+    first, top, last = (swing_motion(start, target, apex, s, duration, 0.0) for s in (0.0, RISE, 1.0))
+    assert first[0] == pytest.approx(start, abs=1e-12)
+    assert last[0] == pytest.approx(target, abs=1e-12)
+    assert np.abs(first[1]).max() < 1e-9
+    assert np.abs(last[1]).max() < 1e-9
+    assert top[0, 2] == pytest.approx(apex)
+
+
+@given(PLACES, PLACES, st.floats(0.1, 0.5), st.floats(0.0, 0.3), st.floats(0.02, 0.98))
+@settings(max_examples=60, deadline=None)
+def test_velocity_and_acceleration_are_derivatives(
+    start: np.ndarray, target: np.ndarray, duration: float, descent: float, share: float
+) -> None:
+    corners = np.array([0.08, RISE, 0.5 * (1.0 + RISE), 0.92])
+    step = 1e-5
+    if np.abs(corners - share).min() < 3.0 * step:
+        share += 1e-3
+    apex = max(start[2], target[2]) + 0.1
+
+    def at(s: float) -> np.ndarray:
+        return swing_motion(start, target, apex, s, duration, descent)
+
+    rate = (at(share + step) - at(share - step)) / (2.0 * step * duration)
+    scale = 1.0 / duration**3
+    assert at(share)[1] == pytest.approx(rate[0], abs=1e-6 * scale)
+    assert at(share)[2] == pytest.approx(rate[1], abs=1e-5 * scale)
+
+
+def test_a_late_foot_keeps_going_down() -> None:
+    args = np.zeros(3), np.array([0.1, 0.0, 0.0]), 0.08
+    late, later = (swing_motion(*args, s, 0.2, 0.3) for s in (1.2, 1.7))
+    assert later[0, 2] - late[0, 2] == pytest.approx(-0.3 * 0.2 * 0.5)
+    assert late[1] == pytest.approx([0.0, 0.0, -0.3])
+    assert late[0, :2] == pytest.approx([0.1, 0.0])
+
+
+def test_the_kernels_match_their_python_twins() -> None:
+    start, target = np.array([0.0, 0.1, 0.02]), np.array([0.2, 0.0, 0.1])
+    for share in np.linspace(-0.1, 1.4, 31):
+        plain = swing_motion.py_func(start, target, 0.2, share, 0.25, 0.2)
+        assert swing_motion(start, target, 0.2, share, 0.25, 0.2) == pytest.approx(plain, abs=1e-13)
+        assert smooth_step(share) == pytest.approx(smooth_step.py_func(share))
+
+
+def test_the_apex_clears_ends_and_ground() -> None:
+    start, target = np.zeros(3), np.array([0.2, 0.0, 0.1])
+    assert apex_height(start, target, np.array([0.0, 0.05]), 0.06) == pytest.approx(0.16)
+    assert apex_height(start, target, np.array([0.0, 0.25]), 0.06) == pytest.approx(0.31)
+    assert apex_height(start, target, np.zeros(0), 0.06) == pytest.approx(0.16)
+
+
+def test_a_foot_before_a_riser_lifts_first() -> None:
+    stairs, radius = StairsTerrain(0.1, 0.3), 0.02
+    start, target = np.array([-0.035, 0.0, radius]), np.array([0.12, 0.0, 0.1 + radius])
+    apex = 0.1 + radius + 0.06
+    lift = clear_lift(start, target, apex, stairs, radius, 0.01)
+    assert lift > clear_lift(start, np.array([0.12, 0.0, radius]), apex, FlatTerrain(), radius, 0.01)
+    for share in np.linspace(0.0, 1.0, 101):
+        place = swing_motion(start, target, apex, share, 0.2, 0.0, lift)[0]
+        assert place[2] >= stairs.height(place[:2] + np.array([radius, 0.0])) + radius - 1e-3

@@ -1,0 +1,98 @@
+"""The walking controller away from any world: plans, cones, safety and refusals."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from surefoot.control.gait import ModeSchedule
+from surefoot.control.gait_library import named_gait
+from surefoot.control.walking import WalkingController, WalkSettings
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.errors import ModelError, ProblemError
+from surefoot.robot import Robot, load_robot, place
+from surefoot.stance import SlopeTerrain
+
+FORWARD = VelocityCommand.constant(0.5)
+ALL = np.ones(4, dtype=bool)
+
+
+@cache
+def robot_of(name: str) -> Robot:
+    return load_robot(name)
+
+
+def test_a_standing_robot_gets_forces_that_carry_it() -> None:
+    robot = robot_of("go2")
+    command = WalkingController(robot, FORWARD).step(place(robot), np.zeros(robot.model.nv), ALL, 0.0)
+    assert command.whole_body.feasible
+    assert command.carrying.all()
+    assert command.whole_body.forces[:, 2].sum() == pytest.approx(robot.mass * 9.81, rel=0.1)
+
+
+def test_forces_follow_the_terrain_not_the_world() -> None:
+    robot, slope = robot_of("go2"), SlopeTerrain(20.0)
+    controller = WalkingController(robot, VelocityCommand.constant(0.0), terrain=slope)
+    command = controller.step(place(robot, slope), np.zeros(robot.model.nv), ALL, 0.0)
+    world = np.einsum("nij,nj->i", command.frames, command.whole_body.forces)
+    assert world == pytest.approx([0.0, 0.0, robot.mass * 9.81], abs=0.1 * robot.mass * 9.81)
+    assert command.frames[0][:, 2] == pytest.approx(slope.normal([0.0, 0.0]))
+
+
+def test_the_gait_lifts_feet_after_the_start() -> None:
+    robot = robot_of("go2")
+    controller = WalkingController(robot, FORWARD, settings=WalkSettings(start=0.1))
+    q, v = place(robot), np.zeros(robot.model.nv)
+    lifted = [controller.step(q, v, ALL, t).carrying.tolist() for t in (0.0, 0.05, 0.15, 0.16)]
+    assert lifted[0] == lifted[1] == [True] * 4
+    assert False in lifted[2] or False in lifted[3]
+
+
+def test_swing_feet_get_exactly_no_force() -> None:
+    robot = robot_of("go2")
+    controller = WalkingController(robot, FORWARD, settings=WalkSettings(start=0.0))
+    q, v = place(robot), np.zeros(robot.model.nv)
+    for t in np.arange(0.0, 0.2, 0.005):
+        command = controller.step(q, v, ALL, float(t))
+        assert (command.whole_body.forces[~command.carrying] == 0.0).all()
+
+
+def test_a_robot_twice_as_fast_as_possible_is_slowed_and_said_so() -> None:
+    controller = WalkingController(robot_of("go2"), VelocityCommand.constant(9.0))
+    assert len(controller.notes) == 1
+    assert "slowed to" in controller.notes[0]
+    assert 0.5 < controller.command.values[0, 0] < 3.0
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_state_that_is_not_finite_gives_a_safe_command(bad: float) -> None:
+    robot = robot_of("go2")
+    controller = WalkingController(robot, FORWARD)
+    q, v = place(robot), np.zeros(robot.model.nv)
+    controller.step(q, v, ALL, 0.0)
+    v[4], v[10] = bad, 2.0
+    command = controller.step(q, v, ALL, 0.021)
+    assert command.whole_body.torques[4] < 0.0  # slows the joint that moves
+    assert not command.whole_body.feasible
+    assert np.isfinite(command.whole_body.torques).all()
+    assert (np.abs(command.whole_body.torques) <= robot.effort_limits).all()
+
+
+def test_a_mode_schedule_serves_as_a_gait() -> None:
+    robot = robot_of("go2")
+    schedule = named_gait("trot").schedule(2.0, start=0.2)
+    controller = WalkingController(robot, FORWARD, schedule, settings=WalkSettings(start=0.0))
+    q, v = place(robot), np.zeros(robot.model.nv)
+    assert controller.step(q, v, ALL, 0.0).carrying.all()
+    assert not controller.step(q, v, ALL, 0.3).carrying.all()
+
+
+def test_what_cannot_walk_is_refused() -> None:
+    with pytest.raises(ModelError, match="panda cannot walk"):
+        WalkingController(robot_of("panda"), FORWARD)
+    with pytest.raises(ModelError, match=r"g1 cannot walk here: it needs .* point feet"):
+        WalkingController(robot_of("g1"), FORWARD)
+    with pytest.raises(ProblemError, match="unknown gait for 4 feet 'hop'"):
+        WalkingController(robot_of("go2"), FORWARD, "hop")
+    with pytest.raises(ProblemError, match="the gait is for 2 feet, go2 has 4"):
+        WalkingController(robot_of("go2"), FORWARD, ModeSchedule([0.5], [3, 2], feet=2))

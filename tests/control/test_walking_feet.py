@@ -1,0 +1,83 @@
+"""The feet's state machine: lift-off and touchdown by plan, early, late, and lost."""
+
+import numpy as np
+import pytest
+
+from surefoot.control.gait import Gait
+from surefoot.control.walking_feet import EARLY, LOST_TIME, Feet
+from surefoot.stance import FlatTerrain
+
+TROT = Gait.from_phases("trot", 0.4, 0.5, [0.0, 0.5, 0.5, 0.0])
+CENTRES = np.array([[0.2, 0.15, 0.02], [0.2, -0.15, 0.02], [-0.2, 0.15, 0.02], [-0.2, -0.15, 0.02]])
+DOWN, UP = np.ones(4, dtype=bool), np.array([True, False, False, True])
+
+
+@pytest.fixture
+def feet() -> Feet:
+    return Feet(TROT, FlatTerrain(), np.full(4, 0.02), 0.06, 0.1, CENTRES.copy())
+
+
+def test_feet_lift_and_land_by_plan(feet: Feet) -> None:
+    assert feet.update(0.0, DOWN, CENTRES)
+    assert feet.carrying.tolist() == UP.tolist()
+    assert not feet.update(0.05, UP, CENTRES)
+    assert feet.share[1] == pytest.approx(0.25)
+    assert feet.update(0.2, DOWN, CENTRES)  # the others lift as these land
+    assert feet.carrying.tolist() == (~UP).tolist()
+
+
+def test_a_foot_that_touches_early_carries_until_its_next_swing(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    assert not feet.update(0.2 * EARLY - 0.01, DOWN, CENTRES)  # still brushing the ground: ignored
+    assert feet.update(0.2 * EARLY + 0.01, DOWN, CENTRES)
+    assert feet.carrying.all()
+    assert not feet.planned[1]
+    feet.update(0.19, DOWN, CENTRES)
+    assert feet.carrying[1]
+    feet.update(0.41, DOWN, CENTRES)
+    assert not feet.carrying[1]
+
+
+def test_a_late_foot_goes_on_down_until_it_feels_the_ground(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    feet.update(0.21, UP, CENTRES)
+    assert feet.late[1]
+    assert not feet.carrying[1]
+    heights = []
+    for time in (0.22, 0.26, 0.30):
+        feet.update(time, UP, CENTRES)
+        heights.append(feet.motion(1, time)[0, 2])
+    assert heights[0] < CENTRES[1, 2]
+    assert np.diff(heights).max() < -1e-3
+    low = CENTRES.copy()
+    low[1, 2] -= 0.03
+    assert feet.update(0.31, DOWN, low)
+    assert feet.carrying[1]
+    assert feet.ground[1] == pytest.approx([0.2, -0.15, -0.03])
+
+
+def test_a_foot_that_loses_the_ground_looks_for_it_below(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.update(0.05, UP, CENTRES)
+    gone = np.array([False, False, False, True])
+    assert not feet.update(0.05 + 0.9 * LOST_TIME, gone, CENTRES)
+    assert feet.update(0.051 + LOST_TIME, gone, CENTRES)
+    assert feet.late[0]
+    assert not feet.carrying[0]
+    feet.update(0.12, gone, CENTRES)
+    assert feet.motion(0, 0.12)[0] == pytest.approx(CENTRES[0], abs=0.02)
+    assert feet.motion(0, 0.12)[1, 2] < 0.0
+
+
+def test_an_aimed_foot_flies_to_its_target_over_its_apex(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, np.array([0.3, -0.1]))
+    assert feet.target[1] == pytest.approx([0.3, -0.1, 0.02])
+    heights = []
+    for time in np.linspace(0.0, 0.199, 40):
+        feet.update(float(time), UP, CENTRES)
+        heights.append(feet.motion(1, float(time))[0, 2])
+    assert max(heights) == pytest.approx(0.02 + 0.06, abs=1e-3)
+    feet.aim(1, np.array([9.0, 9.0]))  # too late to change
+    assert feet.target[1, 0] == pytest.approx(0.3)
