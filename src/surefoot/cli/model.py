@@ -87,15 +87,13 @@ def _joints(robot: Any) -> list[dict[str, Any]]:
             "type": joint.shortname().removeprefix("JointModel"),
             "mass": float(body.inertias[index].mass),
         }
-        if joint.nq == 1:
-            at, effort = joint.idx_q, robot.effort_limits[joint.idx_v - robot.base_dof]
+        if joint.nv == 1:
             speed = float(body.velocityLimit[joint.idx_v])
-            entry |= {
-                "lower": float(body.lowerPositionLimit[at]),
-                "upper": float(body.upperPositionLimit[at]),
-                "effort": float(effort),
-                "speed": speed if 0.0 < speed < 1e100 else np.inf,
-            }
+            entry["effort"] = float(robot.effort_limits[joint.idx_v - robot.base_dof])
+            entry["speed"] = speed if 0.0 < speed < 1e100 else np.inf
+        if joint.nq == 1:  # a continuous joint has two coordinates and no limits
+            entry["lower"] = float(body.lowerPositionLimit[joint.idx_q])
+            entry["upper"] = float(body.upperPositionLimit[joint.idx_q])
         out.append(entry)
     return out
 
