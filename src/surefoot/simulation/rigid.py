@@ -115,7 +115,6 @@ class RigidWorld:
         self.stabilisation, self.law, self.solver, self.tol = stabilisation, law, solver, tol
         self.set_friction(mu)
         self.model = _loaded_model(robot, real_number("payload", payload, low=0.0))
-        self.data = self.model.createData()
         self._place_feet()
         self.reset(robot.nominal)
 
@@ -198,10 +197,9 @@ class RigidWorld:
         data = self.data
         self._jacobians(self.model, data, self._q)
         self._upper = self._crba(self.model, data, self._q)
-        centres = self._centres
-        for rows, joint, offsets in self._carried:
-            pose = data.oMi[joint]
-            centres[rows] = offsets @ pose.rotation.T + pose.translation
+        self._update_frames(self.model, data)
+        places = data.oMf
+        centres = np.array([places[k].translation for k in self._sphere_frames]).reshape(-1, 3)
         if self._plane is not None:
             self._gaps = centres @ self._plane[:, 2] - self._radii
         else:
@@ -277,26 +275,30 @@ class RigidWorld:
         robot, model = self.robot, self.model
         self._floating = robot.floating
         self._jacobians, self._crba = pinocchio.computeJointJacobians, pinocchio.crba
+        self._update_frames = pinocchio.updateFramePlacements
         self._bias, self._integrate = pinocchio.nonLinearEffects, pinocchio.integrate
         self.contact_foot = np.array(
             [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
         )
         self._count = n = len(self.contact_foot)
         self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
-        self._carried: list[tuple[slice, int, FloatArray]] = []
+        self._sphere_frames: list[int] = []
         self._support = np.zeros((n, model.nv), dtype=np.bool_)
-        start = 0
-        for foot in robot.feet:
+        spheres = [(foot, centre) for foot in robot.feet for centre in foot.centres]
+        for k, (foot, centre) in enumerate(spheres):
             frame = model.frames[foot.frame]
-            joint, rows = int(frame.parentJoint), slice(start, start + len(foot.centres))
-            offsets = np.array([frame.placement.act(c) for c in foot.centres])
-            self._carried.append((rows, joint, offsets))
-            start = rows.stop
+            joint = int(frame.parentJoint)
+            place = frame.placement * pinocchio.SE3(np.eye(3), centre)
+            sphere = pinocchio.Frame(
+                f"{foot.name}:sphere{k}", joint, foot.frame, place, pinocchio.FrameType.OP_FRAME
+            )
+            self._sphere_frames.append(model.addFrame(sphere))
             while joint > 0:
                 first = model.joints[joint].idx_v
-                self._support[rows, first : first + model.joints[joint].nv] = True
+                self._support[k, first : first + model.joints[joint].nv] = True
                 joint = int(model.parents[joint])
-        self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        self.data = model.createData()
+        self._frames = np.zeros((n, 3, 3))
         self._plane = self.terrain.frame([0.0, 0.0]) if isinstance(self.terrain, SlopeTerrain) else None
         if self._plane is not None:
             self._frames[:] = self._plane
