@@ -109,14 +109,8 @@ class ForceDistributor:
         self._mu = per_contact("mu", mu, count)
         if np.isinf(self._mu).any():
             raise ProblemError("mu must be finite, got inf")
-        self._low = per_contact("normal_min", low, count)
-        self._high = per_contact("normal_max", high, count)
-        crossed = self._low > self._high
-        if crossed.any():
-            k = int(np.argmax(crossed))
-            raise ProblemError(
-                f"normal_min must be <= normal_max, got {self._low[k]:g} > {self._high[k]:g} at contact {k}"
-            )
+        self._low, self._high = _bounds(low, high, count)
+        self._all = np.ones(count, dtype=np.bool_)
         self._weights = _force_weights(weight, count)
         self._shape = (6, 3 * count)
         self._forces_shape = (count, 3)
@@ -133,7 +127,7 @@ class ForceDistributor:
         self._results[newton.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
         self._results[newton.LIMIT] = self._limit
         self._rows: RowsWork | None = None
-        self.set_active(np.ones(count, dtype=bool))
+        self.set_active(self._all)
 
     def solve(
         self,
@@ -291,14 +285,10 @@ class ForceDistributor:
 
     def set_active(self, active: ArrayLike) -> None:
         """Switch contacts on and off: (n,) mask. A contact that is off carries exactly zero."""
-        on = np.asarray(active, dtype=bool)
+        on = np.ascontiguousarray(active, dtype=np.bool_)
         if on.shape != self._mu.shape:
             raise ProblemError(f"active must have shape {self._mu.shape}, got {on.shape}")
-        rows = self._work[: on.size]
-        rows[:, newton.FLOOR] = np.where(on, self._low, 0.0)
-        rows[:, newton.CEILING] = np.where(on, self._high, 0.0)
-        rows[:, newton.LOW] = rows[:, newton.FLOOR] / rows[:, newton.NORMAL]
-        rows[:, newton.HIGH] = rows[:, newton.CEILING] / rows[:, newton.NORMAL]
+        newton.set_limits(self._work, self._low, self._high, on)
 
     def set_bounds(self, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
         """Change the bounds on the normal forces, (n,) or numbers [N]; all contacts are switched on.
@@ -310,15 +300,18 @@ class ForceDistributor:
         ProblemError
             For a wrong shape, a negative bound, or bounds out of order.
         """
-        count = self._mu.size
-        low, high = per_contact("normal_min", normal_min, count), per_contact("normal_max", normal_max, count)
-        if (low > high).any():
-            k = int(np.argmax(low > high))
-            raise ProblemError(
-                f"normal_min must be <= normal_max, got {low[k]:g} > {high[k]:g} at contact {k}"
-            )
-        self._low, self._high = low, high
-        self.set_active(np.ones(count, dtype=bool))
+        low = np.ascontiguousarray(normal_min, _FLOAT)
+        high = np.ascontiguousarray(normal_max, _FLOAT)
+        shape = self._mu.shape
+        if (
+            low.shape != shape
+            or high.shape != shape
+            or newton.set_limits(self._work, low, high, self._all) >= 0
+        ):
+            self._low, self._high = _bounds(normal_min, normal_max, self._mu.size)
+            self.set_active(self._all)
+        else:
+            self._low[:], self._high[:] = low, high
 
     def set_reference(self, forces: ArrayLike) -> None:
         """Set the wanted forces: (n, 3) [N]."""
@@ -366,6 +359,18 @@ class ForceDistributor:
     def wrench_error(self) -> float:
         """``||A f - w||_W`` of the last forces; in newtons for unit weights."""
         return float(self._results[newton.WRENCH_ERROR])
+
+
+def _bounds(low: ArrayLike, high: ArrayLike, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return the bounds on the normal forces as (n,) arrays, checked."""
+    lower, upper = per_contact("normal_min", low, count), per_contact("normal_max", high, count)
+    crossed = lower > upper
+    if crossed.any():
+        k = int(np.argmax(crossed))
+        raise ProblemError(
+            f"normal_min must be <= normal_max, got {lower[k]:g} > {upper[k]:g} at contact {k}"
+        )
+    return lower, upper
 
 
 def _force_weights(weight: ArrayLike, count: int) -> FloatArray:

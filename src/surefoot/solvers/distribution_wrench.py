@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.cones.projection import project_truncated
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.distribution_six import (
@@ -334,6 +334,20 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
             work[k, BLOCK + i], work[k, BLOCK + 6 + i], work[k, BLOCK + 12 + i] = x, y, z
             total += x * x + y * y + z * z
     return total, check + total * 0.0
+
+
+@kernel
+def set_limits(work: FloatArray, low: FloatArray, high: FloatArray, on: BoolArray) -> int:
+    """Set the normal bounds [N], zero for contacts that are off; return a contact with wrong bounds or -1."""
+    for k in range(on.size):
+        if not 0.0 <= low[k] <= high[k]:
+            return k
+    for k in range(on.size):
+        work[k, FLOOR] = low[k] if on[k] else 0.0
+        work[k, CEILING] = high[k] if on[k] else 0.0
+        work[k, LOW] = work[k, FLOOR] / work[k, NORMAL]
+        work[k, HIGH] = work[k, CEILING] / work[k, NORMAL]
+    return -1
 
 
 @kernel
