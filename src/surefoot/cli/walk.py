@@ -143,11 +143,13 @@ def _set_up(
     """Return controller, world and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
     from surefoot.simulation.mujoco import MujocoWorld
-    from surefoot.simulation.walk_terrain import start_pose
+    from surefoot.simulation.walk_terrain import check_ground, start_pose
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
-    return controller, MujocoWorld(robot, ground, mu, payload=payload), start_pose(robot, ground)
+    q = start_pose(robot, ground)
+    check_ground(robot, ground, q, mu)
+    return controller, MujocoWorld(robot, ground, mu, payload=payload), q
 
 
 def _write(

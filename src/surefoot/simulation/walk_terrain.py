@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.equilibrium import can_stand, friction_needed
+from surefoot.errors import ProblemError
 from surefoot.robot import Robot, place
 from surefoot.stance import HeightfieldTerrain, StairsTerrain, Terrain
 
@@ -13,6 +15,8 @@ BUMP = 0.2
 """Distance between the random heights of rough ground [m]."""
 FIELD = (16.0, 8.0)
 """Size of rough ground along x and y [m], about the origin."""
+HIGHEST_STEP = 0.5
+"""Highest step that legs are asked to take, in heights of the base."""
 BEFORE_STAIRS = 3.0
 """A robot starts this far before the first riser, in heights of its base."""
 
@@ -77,3 +81,27 @@ def start_pose(robot: Robot, terrain: Terrain) -> FloatArray:
     q = place(robot)
     q[0] -= BEFORE_STAIRS * float(robot.nominal[2])
     return q
+
+
+def check_ground(robot: Robot, terrain: Terrain, q: FloatArray, mu: float) -> None:
+    """Refuse ground on which a robot cannot even stand at (nq,) q, or whose steps its legs cannot take.
+
+    Raises
+    ------
+    ProblemError
+        Saying what would be needed.
+    """
+    stance, com = robot.stance(q, mu=mu, terrain=terrain), robot.com(q)
+    if not can_stand(stance, com, robot.mass).feasible:
+        needed = friction_needed(stance, com, robot.mass)
+        remedy = f"{needed:.2f} would be needed" if np.isfinite(needed) else "no friction would be enough"
+        raise ProblemError(f"{robot.name} cannot stand on {terrain!r} with friction {mu:g}: {remedy}")
+    highest, step = HIGHEST_STEP * float(robot.nominal[2]), 0.0
+    if isinstance(terrain, StairsTerrain):
+        step = abs(terrain.rise)
+    elif isinstance(terrain, HeightfieldTerrain):
+        step = float(np.ptp(terrain.heights))
+    if step > highest:
+        raise ProblemError(
+            f"{robot.name} cannot walk over {terrain!r}: steps of {step:.3g} m, its legs take {highest:.3g} m"
+        )

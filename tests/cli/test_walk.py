@@ -1,0 +1,140 @@
+"""`surefoot walk` and `surefoot bench faults` at the command line: files, JSON, exit codes, wrong input."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from surefoot.cli import parsing
+from surefoot.cli.main import main
+from surefoot.control.gait_files import write_gaits
+from surefoot.control.gait_library import named_gait
+from surefoot.errors import ProblemError
+from surefoot.simulation.log import read_log
+from surefoot.stance import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
+
+QUICK = ("--duration", "1.2", "--no-video")
+
+
+def test_walk_writes_everything(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = main(["walk", "go2", *QUICK, "--seed", "3", "--out", str(tmp_path)])
+    said = capfd.readouterr().out
+    assert code == 0
+    assert "go2 walked for 1.20 s" in said
+    assert "no commanded force left its friction cone" in said
+    (folder,) = tmp_path.iterdir()
+    names = {path.name for path in folder.iterdir()}
+    pictures = {"velocity", "footfalls", "cone_over_time", "cone_use", "normal_forces", "path", "torques"}
+    assert {"log.npz", "summary.json", "report.html"} | {f"{p}.png" for p in pictures} <= names
+    log = read_log(folder / "log.npz")
+    assert log["planned"].shape == (1200, 4)
+    assert log["command"].shape == (1200, 3)
+    report = (folder / "report.html").read_text()
+    assert "Footfalls" in report
+    assert "The three laws" in report
+
+
+def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = main(["walk", *QUICK, "--no-report", "--json", "--out", str(tmp_path)])
+    out = capfd.readouterr()
+    summary = json.loads(out.out)
+    assert (code, out.err) == (0, "")
+    assert set(summary["velocity"]) == {"forward", "left", "turn", "within"}
+    assert summary["feet"][0]["footfalls"] >= 1
+    assert summary["commanded_cone_excess"] == 0.0
+    assert summary["gait"] == "trot"
+    assert not list(tmp_path.rglob("*.html"))
+
+
+def test_velocities_and_gaits_come_from_files(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    speeds = tmp_path / "speeds.txt"
+    speeds.write_text("0 0.2 0 0\n0.5 0 0.1 0.2\n")
+    gaits = write_gaits({"mine": named_gait("walk")}, tmp_path / "gait.info")
+    options = ["--velocity-file", str(speeds), "--gait-file", str(gaits), "--gait", "mine"]
+    code = main(["walk", *QUICK, *options, "--no-report", "--json", "--out", str(tmp_path / "runs")])
+    summary = json.loads(capfd.readouterr().out)
+    assert code == 0
+    assert summary["gait"] == "mine"
+    (folder,) = (tmp_path / "runs").iterdir()
+    command = read_log(folder / "log.npz")["command"]
+    assert command[600, 0] > 0.1
+    assert command[-1].tolist() == pytest.approx([0.0, 0.1, 0.2], abs=0.02)
+
+
+def test_an_impossible_speed_is_slowed_and_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    main(
+        ["walk", "--duration", "0.5", "--no-video", "--no-report", "--velocity", "9", "--out", str(tmp_path)]
+    )
+    assert "is more than this gait can do: slowed to" in capfd.readouterr().out
+
+
+def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    options = ["--push", "0.5:0,1500,0:0.2", "--duration", "3", "--no-video", "--no-report"]
+    code = main(["walk", *options, "--out", str(tmp_path)])
+    assert code == 1
+    assert "go2 fell after" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--gait", "hop"], "unknown gait for 4 feet 'hop'"),
+        (["--velocity", "fast"], "--velocity: 'fast' is not a finite number"),
+        (["--velocity", "1,2,3,4"], "is not of the form VX,VY,WZ"),
+        (["--terrain", "moon"], "--terrain 'moon' is not one of: flat, slope:DEG"),
+        (["--terrain", "rough:0.5,0.04"], "is not one of"),
+        (["--terrain", "stairs:0.08,0"], "tread must be positive"),
+        (
+            ["--terrain", "slope:35"],
+            "cannot stand on SlopeTerrain(35) with friction 0.6: 0.70 would be needed",
+        ),
+        (["--terrain", "stairs:0.25,0.3"], "steps of 0.25 m, its legs take"),
+        (["--duration", "0"], "--duration must be between"),
+        (["--mu", "-1"], "--mu must be"),
+        (["--push", "1:2"], "is not of the form T:FX,FY,FZ:DURATION"),
+        (["--period", "0"], "period must be"),
+        (["--velocity-file", "none.txt"], "cannot read the velocity file"),
+        (["--gait-file", "none.info"], "cannot read the gait file"),
+        (["--delay", "-1"], "delay must be"),
+        (["g1"], "g1 cannot walk here"),
+    ],
+)
+def test_wrong_input_is_one_line_and_exit_code_two(
+    options: list[str], message: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    code = main(["walk", *options, "--no-video", "--no-report", "--out", str(tmp_path)])
+    said = capfd.readouterr().err
+    assert code == 2
+    assert message in said
+    assert said.count("\n") == 1
+
+
+def test_terrains_are_read() -> None:
+    assert isinstance(parsing.terrain("flat"), FlatTerrain)
+    slope, stairs, rough = (parsing.terrain(t) for t in ("slope:-10", "stairs:0.1,0.25", "rough:3,0.04"))
+    assert isinstance(slope, SlopeTerrain)
+    assert slope.degrees == -10.0
+    assert isinstance(stairs, StairsTerrain)
+    assert (stairs.rise, stairs.tread) == (0.1, 0.25)
+    assert isinstance(rough, HeightfieldTerrain)
+    assert 0.03 < rough.heights.max() <= 0.04
+    with pytest.raises(ProblemError, match="is not one of"):
+        parsing.terrain("stairs:0.1")
+
+
+def test_bench_faults_prints_what_was_survived(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    options = ["--fault", "payload", "--seeds", "1", "--duration", "2.5", "--json", "--out", str(tmp_path)]
+    assert main(["bench", "faults", *options]) == 0
+    (row,) = json.loads(capfd.readouterr().out)["faults"]
+    assert row["name"] == "payload"
+    assert row["survived"] >= 0.2
+    for _, survivors, trials in row["tried"]:
+        assert survivors <= trials == 1
+    assert len(list(tmp_path.rglob("faults.json"))) == 1
+
+
+def test_an_unknown_fault_is_told(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "faults", "--fault", "meteor"]) == 2
+    assert "unknown fault 'meteor'; valid names: delay" in capfd.readouterr().err
