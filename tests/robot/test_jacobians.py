@@ -169,6 +169,15 @@ def test_corners_of_a_patch_belong_to_its_frame(make):
     assert np.abs(J[:3] - (patch[:3] - np.cross(arm[:, None], patch[3:6], axis=0))).max() < 1e-12
 
 
+def test_short_names_of_feet_are_understood(make):
+    robot = make.robot("go2")
+    short = sf.Stance([sf.PointContact(c.position, name=c.name.split("_")[0]) for c in robot.stance()])
+    assert np.array_equal(
+        contact_jacobian(robot, robot.nominal, short),
+        contact_jacobian(robot, robot.nominal, robot.stance()),
+    )
+
+
 def test_unknown_names_are_told(make):
     robot = make.robot("go2")
     with pytest.raises(sf.ProblemError, match="unknown reference 'body'; valid names: contact, local"):

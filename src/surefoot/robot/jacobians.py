@@ -27,6 +27,7 @@ References
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -88,7 +89,7 @@ def attach(robot: Robot, q: ArrayLike, stance: Stance) -> tuple[Attachment, ...]
     ----------
     robot
         Each contact's name must be one of its frames (`Robot.stance` names them so; corners of a patch,
-        "foot.0", belong to "foot").
+        "foot.0", belong to "foot") or a foot's short name.
     q
         (nq,) configuration; a hand on a wall is a contact like any other.
     stance
@@ -108,7 +109,7 @@ def attach(robot: Robot, q: ArrayLike, stance: Stance) -> tuple[Attachment, ...]
 def _attach(robot: Robot, contact: Contact) -> Attachment:
     frame = _carrying_frame(robot, contact.name)
     pose = robot.data.oMf[frame]
-    radius = next((f.radius for f in robot.feet if f.name == contact.name and not f.flat), 0.0)
+    radius = next((f.radius for f in robot.feet if f.frame == frame and not f.flat), 0.0)
     return Attachment(
         contact.name,
         frame,
@@ -126,6 +127,8 @@ def _carrying_frame(robot: Robot, name: str) -> int:
     for candidate in (name, name.rpartition(".")[0]):
         if candidate and robot.model.existFrame(candidate):
             return int(robot.model.getFrameId(candidate))
+    with contextlib.suppress(ModelError):
+        return robot.foot(name).frame  # short names, "FL" for "FL_foot"
     raise ModelError(unknown_name(f"frame of {robot.name}", name, (f.name for f in robot.model.frames)))
 
 
