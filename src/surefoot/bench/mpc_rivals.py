@@ -20,7 +20,7 @@ from surefoot.cones import FrictionPyramid
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
 from surefoot.errors import MissingExtra
 
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 """What a rival may be set to; it runs at the loosest with which it is accurate enough."""
 
 

@@ -55,7 +55,7 @@ class MpcRow:
         Mean share of the friction left unused by contacts that use all of it at the exact optimum; NaN if
         none does.
     cost
-        Mean cost above that of the exact optimum, as a share of it.
+        Cost above that of the exact optimum, summed over all calls, as a share of it.
     accurate
         Whether `error` is within `ACCURACY`.
     """
@@ -236,7 +236,8 @@ def _row(
 ) -> MpcRow:  # fmt: skip
     """Return the figures of one method on one scene."""
     error = _error(forces, own)
-    first, outside, unused, excess = [], [0.0], [], []
+    first, outside, unused = [], [0.0], []
+    least = total = 0.0
     for f, best, program in zip(forces, exact, programs, strict=True):
         now = program.step == 0
         first.append(_distance(f[now], best[now]))
@@ -246,12 +247,12 @@ def _row(
         full = np.linalg.norm(best[:, :2], axis=1) >= 0.999 * mu * best[:, 2]
         full &= (best[:, 2] > 5.0) & (normal > 1.0)
         unused.append(1.0 - sideways[full] / (mu * normal)[full])
-        least = tracking_cost(mpc, program, best)
-        excess.append((tracking_cost(mpc, program, f) - least) / least)
+        least += tracking_cost(mpc, program, best)
+        total += tracking_cost(mpc, program, f)
     lost = np.concatenate(unused)
     return MpcRow(
         scene.name, method, variant, timing, timing.median / ours.median, error, _quantile(first),
-        max(outside), float(lost.mean()) if lost.size else float("nan"), float(np.mean(excess)),
+        max(outside), float(lost.mean()) if lost.size else float("nan"), (total - least) / least,
         error <= ACCURACY,
     )  # fmt: skip
 

@@ -99,5 +99,5 @@ def _cells(row: MpcRow) -> list[str]:
         f"{row.first_error:.2g}",
         f"{row.violation:.1g}",
         lost,
-        f"{100.0 * max(row.cost, 0.0):.1g} %",
+        f"{100.0 * max(row.cost, 0.0):.2g} %",
     ]

@@ -130,6 +130,7 @@ def build(
     heading = heading_frame(ref_rotation[N // 2])
     drift = free_motion(rotation, motion, ref_rotation, reference, heading, dt)
     q = gradient(drift, weights, terminal, dt)
+    lever = np.empty(3)
     verdict = GOOD
     at = 0
     for k in range(N):
@@ -137,24 +138,30 @@ def build(
         for i in range(n):
             if contacts[k, i]:
                 standing += 1
-        centre_of_mass = 0.5 * (reference[k, 0] + reference[k + 1, 0]) + sway[k]
         for i in range(n):
             if not contacts[k, i]:
                 continue
             step[at], foot[at] = k, i
-            limits[at] = bounds[k, i]
             if not is_rotation(frames[k, i]):
                 verdict = NOT_ROTATION
-            fill_columns(
-                feet[k, i] - centre_of_mass, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at]
-            )
             for a in range(3):
+                limits[at, a] = bounds[k, i, a]
                 centre[at, a] = mass * GRAVITY / standing * frames[k, i, 2, a]
+                lever[a] = feet[k, i, a] - 0.5 * (reference[k, 0, a] + reference[k + 1, 0, a]) - sway[k, a]
+            fill_columns(lever, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at])
             at += 1
-    total = np.sum(q) + np.sum(M) + np.sum(drift)
-    if not math.isfinite(total):
+    if not (all_finite(q) and all_finite(M.ravel()) and all_finite(drift.ravel())):
         verdict = NOT_FINITE
     return verdict, step, foot, M, limits, centre, q, drift, heading
+
+
+@inline_kernel
+def all_finite(x: FloatArray) -> bool:
+    """Return whether no entry of a flat array is NaN or infinite."""
+    total = 0.0
+    for k in range(x.size):
+        total += x[k] - x[k]
+    return total == 0.0
 
 
 @kernel
@@ -271,8 +278,7 @@ def free_motion(
 @kernel
 def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArray:
     """Return the (N + 1, 2, 6) errors under (N, 6) accelerations."""
-    out = np.empty_like(drift)
-    out[0] = drift[0]
+    out = drift.copy()
     for k in range(accelerations.shape[0]):
         for j in range(6):
             a = accelerations[k, j]
@@ -312,13 +318,16 @@ def advance(points: FloatArray, steps: float) -> FloatArray:
         high = min(low + 1, N - 1)
         share = at - low
         for i in range(n):
-            a, b = points[low, i], points[high, i]
-            if share == 0.0 or math.isnan(b[0]):
-                out[k, i] = a
-            elif math.isnan(a[0]):
-                out[k, i] = b
-            else:
-                out[k, i] = (1.0 - share) * a + share * b
+            weight = share
+            if math.isnan(points[high, i, 0]):
+                weight = 0.0
+            elif share > 0.0 and math.isnan(points[low, i, 0]):
+                weight = 1.0
+            for a in range(3):
+                here, ahead = points[low, i, a], points[high, i, a]
+                out[k, i, a] = (1.0 - weight) * here + weight * ahead
+                if weight == 0.0 or weight == 1.0:
+                    out[k, i, a] = here if weight == 0.0 else ahead
     return out
 
 

@@ -366,7 +366,8 @@ def newton(
     V, y = np.empty((q.size, q.size)), np.empty(q.size)
     for i in range(step.size):
         if math.isnan(point[i, 0] + point[i, 1] + point[i, 2]):
-            point[i] = centre[i]
+            for a in range(3):
+                point[i, a] = centre[i, a]
     begin(K, q, step, M, bounds, centre, rho, point, force, V, y)
     first = min(patience, limit)
     total, error = descend(K, P, q, step, M, bounds, rho, tol * tol, first, y, point, force, V)
@@ -375,8 +376,9 @@ def newton(
     size = 0.0
     for i in range(step.size):
         size = max(size, abs(centre[i, 2]))
+        for a in range(3):
+            point[i, a] = centre[i, a]
     raised = rho * RAISE
-    point[:] = centre
     begin(K, q, step, M, bounds, centre, raised, point, force, V, y)
     while raised > rho and total < limit:
         count, error = descend(

@@ -40,7 +40,10 @@ def _draw_times(ax: Any, rows: list[Any], scenes: list[str], methods: list[str])
         ax.plot([place], [low], "o", color=colour, markerfacecolor=fill, markersize=4.5)
     ax.set_yscale("log")
     ax.axhline(1000.0, color=MUTED, linewidth=0.9, linestyle="--")
-    ax.annotate("1 ms", (len(scenes) - 0.5, 1000.0), ha="right", va="bottom", fontsize=8, color=MUTED)
+    ax.annotate(
+        "1 ms", (1.0, 1000.0), xycoords=("axes fraction", "data"), xytext=(3, 0),
+        textcoords="offset points", va="center", fontsize=8, color=MUTED,
+    )  # fmt: skip
     ax.set_xticks(range(len(scenes)), scenes)
     ax.set_xlim(-0.5, len(scenes) - 0.5)
     ax.grid(axis="x", visible=False)
