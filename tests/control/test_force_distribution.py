@@ -95,6 +95,7 @@ def test_forces_are_always_feasible(seed, n, mu, low, extra, weight_power, wrenc
         assert f.shape == (n, 3)
         assert np.all(np.hypot(f[:, 0], f[:, 1]) <= mu * f[:, 2] + 1e-9)
         assert np.all((f[:, 2] >= low) & (f[:, 2] <= low + extra))
+        assert distributor.iterations <= limit
         assert distributor.status is not sf.Status.INVALID
 
 

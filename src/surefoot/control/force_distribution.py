@@ -76,7 +76,7 @@ class ForceDistributor:
         *,
         smoothness: float = 0.0,
         tol: float = 1e-7,
-        max_iterations: int = 100,
+        max_iterations: int = 200,
         torque_limit: ArrayLike | None = None,
     ) -> None:
         self._given = (mu, normal_min, normal_max, force_weight)

@@ -294,20 +294,24 @@ def free_dual(work: FloatArray, contacts: int, b: Six, kappa: float) -> Six:
 @kernel
 def follow_path(
     work: FloatArray, contacts: int, b: Six, kappa: float, tol: float, noise: float, limit: float,
-    shrink: float, accuracy: float,
+    last: float, shrink: float, accuracy: float,
 ) -> tuple[Six, float, int]:  # fmt: skip
-    """Solve for a large force weight first and bring it back in steps; returns what `newton` does."""
+    """Solve for a large force weight first and bring it back in steps; returns what `newton` does.
+
+    At most `limit` iterations in all and `last` in the last stage.
+    """
     y = free_dual(work, contacts, b, kappa)
     count = 0
     while kappa > 1.0:
-        y, _, used = newton(work, contacts, b, y, kappa, accuracy * dot(b, b), noise, 10.0, -1.0)
+        stage = min(10.0, limit - count)
+        y, _, used = newton(work, contacts, b, y, kappa, accuracy * dot(b, b), noise, stage, -1.0)
         count += used
         smaller = max(1.0, kappa * shrink)
         # the solution for the smaller weight if no contact changes its face
         y = times(assemble(work, contacts, kappa), y)
         y = scale(-smaller / kappa, solve_six(assemble(work, contacts, smaller), y))
         kappa = smaller
-    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, limit, -1.0)
+    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, min(last, limit - count), -1.0)
     return y, error, count + used
 
 
@@ -412,11 +416,14 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
     start = max(1.0, PATH_START * norm)
     if not error <= max(tol, noise * spread(work, contacts)):
         y, error, used = follow_path(
-            work, contacts, b, start, tol, noise, PATH_LIMIT, PATH_STEP, PATH_TOLERANCE
+            work, contacts, b, start, tol, noise, limit - count, PATH_LIMIT, PATH_STEP, PATH_TOLERANCE
         )
         count += used
     if not error <= max(tol, noise * spread(work, contacts)) and count < limit:
-        y, error, used = follow_path(work, contacts, b, start, tol, noise, limit, SMALL_STEP, TIGHT_TOLERANCE)
+        left = limit - count
+        y, error, used = follow_path(
+            work, contacts, b, start, tol, noise, left, left, SMALL_STEP, TIGHT_TOLERANCE
+        )
         count += used
     return finish(work, contacts, b, y, error, max(tol, noise * spread(work, contacts)), count, forces)
 
