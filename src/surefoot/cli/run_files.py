@@ -16,6 +16,7 @@ CAPTIONS = {
     "normal_forces": "Normal forces",
     "cone_use": "Every force inside the cross-section of its cone",
     "base": "Base",
+    "pressure": "Centre of pressure in the soles (amber while pushed)",
     "torques": "Joint torques",
     "step_times": "Controller step",
     "velocity": "Velocity",

@@ -86,12 +86,19 @@ def figure_lines(summary: dict[str, Any]) -> list[str]:
     base, step = summary["base"], summary["controller_step_us"]
     weight = summary["mass"] * 9.81
     total = summary["normal_force_total_mean"]
+    pressed = [
+        f"centre of pressure of {foot['name']} at least {1e3 * abs(foot['pressure_margin']):.0f} mm inside "
+        "its sole"
+        for foot in summary["feet"]
+        if "pressure_margin" in foot
+    ]
     return [
         f"mean total normal force {total:.2f} N, {100 * total / weight:.2f} % of m g = {weight:.1f} N",
         f"base moved at most {1e3 * base['position_max']:.1f} mm and {base['tilt_max_deg']:.2f} deg, "
         f"ended {1e3 * base['position_end']:.2f} mm and {base['tilt_end_deg']:.2f} deg from its place",
         f"hardest worked joint {summary['torque_use_joint']}, at {100 * summary['torque_use_max']:.0f} % of "
         "its limit",
+        *pressed,
         f"wanted wrench possible in {100 * summary['attained_share']:.1f} % of the steps",
         f"controller step {step['median']:.0f} us median, {step['p99']:.0f} us at the 99th percentile; "
         f"the run {summary['real_time_factor']:.1f} times faster than real time",

@@ -202,6 +202,7 @@ def _facts(
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
+        "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
         "effort_limits": robot.effort_limits,
         "normal_min": controller.normal_min,
         "normal_max": controller.normal_max,

@@ -10,6 +10,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit import check_laws, contact_use
 from surefoot.audit.laws import LOADED_SHARE
 from surefoot.simulation.log import Log
+from surefoot.simulation.pressure import sole_pressures
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 SLIP_LIMIT = 0.01
@@ -65,6 +66,8 @@ def summarise(log: Log) -> dict[str, Any]:
                 "slip": float(slip[:, mine].max()),
             }
         )
+    for sole in sole_pressures(log):
+        feet[sole.foot]["pressure_margin"] = sole.margin
     laws = check_laws(forces, log["gaps"], log["contact_velocities"], mu, weight)
     base = _base(log)
     outcome = _outcome(log, max(foot["slip"] for foot in feet), base)

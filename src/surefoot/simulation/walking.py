@@ -185,6 +185,7 @@ def _facts(
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
+        "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
         "effort_limits": robot.effort_limits,
         "normal_min": settings.normal_min * weight,
         "normal_max": settings.normal_max * weight,

@@ -147,7 +147,11 @@ def draw_step_times(log: Log, path: Path) -> Path:
 
 def draw_run(log: Log, folder: Path) -> list[Path]:
     """Draw every plot of a run into a folder and return their paths."""
+    from surefoot.viz.pressure_plots import draw_pressure
+
+    pressure = draw_pressure(log, folder / "pressure.png")
     return [
+        *([] if pressure is None else [pressure]),
         draw_normal_forces(log, folder / "normal_forces.png"),
         draw_cone_use(log, folder / "cone_use.png"),
         draw_base(log, folder / "base.png"),
