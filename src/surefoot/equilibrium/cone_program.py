@@ -210,7 +210,7 @@ def minimise(
         (m,), (r,), (m,): in, a strictly feasible x with B x = b (y, z are overwritten); out, the
         solution, the multipliers and z = c - B' y in the cone, z.x = c.x - b.y the gap.
     tol
-        The gap to reach, in the objective's units.
+        The gap to reach, in the objective's units, or else 1e-10 of the objective.
     floor
         Below this objective the program counts as unbounded.
 
@@ -238,7 +238,7 @@ def minimise(
             residual = max(residual, abs(s))
             gap += x[i] * z[i]
             value += c[i] * x[i]
-        if gap <= tol and residual <= 1e-12:
+        if gap <= tol + 1e-10 * abs(value) and residual <= 1e-12:
             return OPTIMAL, iteration
         if value < floor:
             return UNBOUNDED, iteration

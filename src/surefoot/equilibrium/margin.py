@@ -33,6 +33,8 @@ GAP = 1e-10
 """Gap between margin and certificate at which the search ends, as a share of the load."""
 BAND = 1e-9
 """Forces that leave their cones by less than this share of the load count as possible."""
+FRICTIONLESS = 1e-6
+"""Friction below which the margin of a contact is its normal force: its cone has no width to speak of."""
 _ENDLESS_MARGIN = 1e6
 _SQUEEZE = 0.1
 
@@ -92,7 +94,7 @@ def most_margin(
         for i in range(m):
             x[i] += (_SQUEEZE - t0) * e[i]
         return ENDLESS, math.inf, x, y
-    start = 1.0 / (steepest * max(1, lorentz)) - min(t0, 0.0)
+    start = 1.0 / (steepest * max(1, lorentz)) - 1.5 * min(t0, 0.0)
     if t0 > 0.0:
         start = max(0.0, start - t0)
     for i in range(m):
@@ -198,8 +200,8 @@ def stand(
 
 @inline_kernel
 def axis_scale(mu: float) -> float:
-    """Return how far the axis must move for a distance of one to the cone's boundary (1 if mu = 0)."""
-    return math.sqrt(1.0 + mu * mu) / mu if mu > 0.0 else 1.0
+    """Return how far the axis must move for a distance of one to the cone's boundary (1 if frictionless)."""
+    return math.sqrt(1.0 + mu * mu) / mu if mu > FRICTIONLESS else 1.0
 
 
 @inline_kernel

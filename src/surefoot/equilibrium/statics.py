@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.equilibrium.limits import ForceLimits, equations, normal_limits
-from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, most_margin, stand
+from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, axis_scale, most_margin, stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
@@ -160,7 +160,7 @@ def friction_needed(
         points = stance.points()
         same = np.full(len(points), mu)
         margin = stand(points.positions, points.rotations, same, about, load)[1]
-        return margin * (math.sqrt(1.0 + mu * mu) / mu if mu > 0.0 else 1.0)
+        return float(margin * axis_scale(mu))
 
     return _least_root(depth, 1e-9 * float(np.linalg.norm(load)))
 
