@@ -75,3 +75,20 @@ def test_unbounded_problem_is_not_called_solved():
     found = sf.solve(problem, solver="distribution", max_time=1.0)
     assert not found.solved
     assert np.isfinite(found.forces).all()
+
+
+def test_badly_scaled_operators():
+    """Eigenvalues over twelve decades: solved to the natural map, and soft directions are not forgotten."""
+    rng = np.random.default_rng(0)
+    compared = 0
+    for _ in range(40):
+        J = rng.normal(size=(12, 12)) * 10.0 ** rng.uniform(-3, 3, 12)
+        problem = sf.ContactProblem(J @ J.T, rng.normal(size=12) * 10, 0.5, 1.0, 100.0, law="convex")
+        found = sf.solve(problem, solver="distribution", tol=1e-9)
+        assert found.solved
+        reference = sf.solve(problem, solver="clarabel", tol=1e-9)
+        if reference.solved:
+            best = objective(problem, reference.forces)
+            assert objective(problem, found.forces) <= best + 1e-6 * abs(best)
+            compared += 1
+    assert compared > 15

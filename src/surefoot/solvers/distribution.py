@@ -1,8 +1,8 @@
 """The convex law by Newton's method on its dual: what `ForceDistributor` does, for any Delassus operator.
 
 G is split into low rank plus diagonal, G = Bᵀ B + δ I with δ its smallest eigenvalue. Where that is
-(almost) zero a proximal term takes its place, in the metric of G's largest eigenvalue, and the solve is
-repeated around its own answer (the proximal point method [1]_); every round starts from the last.
+(almost) zero a proximal term takes its place and the solve is repeated around its own answer, with a
+smaller and smaller term (the proximal point method [1]_); every round starts from the last.
 
 References
 ----------
@@ -20,11 +20,11 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import residuals
 from surefoot.contact.solution import Status
-from surefoot.solvers.distribution_newton import CENTRE, DUAL, TARGET, VALUE, minimise
+from surefoot.solvers.distribution_newton import CENTRE, DUAL, VALUE, minimise
 from surefoot.solvers.solver import Answer, Settings, register
 
 WELL_CONDITIONED = 1e-7  # smallest over largest eigenvalue from which no proximal term is needed
-PROXIMAL = 1e-5  # proximal weight over the largest eigenvalue
+PROXIMAL, LEAST_PROXIMAL, SHRINK = 1e-5, 1e-13, 0.1  # proximal weight over the largest eigenvalue
 ROUNDS, NEWTON_LIMIT = 100, 200.0
 
 
@@ -38,37 +38,43 @@ def solve_distribution(problem: ContactProblem, settings: Settings, warm_start: 
     values, vectors = np.linalg.eigh(0.5 * (problem.G + problem.G.T))
     largest = float(values[-1]) if values[-1] > 0.0 else 1.0
     own = max(float(values[0]), 0.0)
-    proximal = 0.0 if own >= WELL_CONDITIONED * largest else PROXIMAL * largest
+    share = 0.0 if own >= WELL_CONDITIONED * largest else PROXIMAL
     kept = values - own > 1e-15 * largest
-    weight = own + proximal
-    unit = 1.0 / np.sqrt(weight)
-    columns = np.ascontiguousarray(vectors[:, kept] * (unit * np.sqrt(values[kept] - own)))
-    n, m = problem.contacts, columns.shape[1]
-    sets = np.zeros((n, 4))
-    sets[:, 0], sets[:, 1], sets[:, 2] = problem.mu, problem.normal_min / unit, problem.normal_max / unit
-    points, duals, H = np.zeros((5, 3 * n)), np.zeros((5, m)), np.zeros((m, m))
+    root = np.ascontiguousarray(vectors[:, kept] * np.sqrt(values[kept] - own))
+    n, m = problem.contacts, root.shape[1]
+    sets, points = np.zeros((n, 4)), np.zeros((5, 3 * n))
+    duals, H = np.zeros((5, m)), np.zeros((m, m))
     forces = np.zeros((n, 3)) if warm_start is None else warm_start.copy()
     best, best_residual, iterations, stop = forces, np.inf, 0, Status.MAX_ITERATIONS
     limit = float(settings.max_iterations if settings.max_iterations is not None else 10_000)
-    fixed = -unit * problem.g
-    tol = (0.1 * settings.tol * float(np.linalg.norm(problem.g)) / (largest * unit)) ** 2
-    duals[DUAL] = -(columns.T @ (forces.ravel() / unit))
+    duals[DUAL] = -(root.T @ forces.ravel())
     for turn in range(ROUNDS):
-        points[CENTRE] = fixed + (proximal / weight) * forces.ravel() / unit
-        duals[TARGET] = 0.0
+        weight = own + share * largest
+        unit = 1.0 / np.sqrt(weight)
+        sets[:, 0], sets[:, 1], sets[:, 2] = problem.mu, problem.normal_min / unit, problem.normal_max / unit
+        points[CENTRE] = unit * (share * largest * forces.ravel() - problem.g)
+        tol = (0.1 * settings.tol * float(np.linalg.norm(problem.g)) / (largest * unit)) ** 2
         warm = turn > 0 or warm_start is not None
-        _, _, used = minimise(columns, sets, points, duals, H, warm, tol, min(NEWTON_LIMIT, limit))
+        error, floor, used = minimise(
+            root * unit, sets, points, duals, H, warm, tol, min(NEWTON_LIMIT, limit - iterations)
+        )
         iterations += used
-        forces = (points[VALUE] * unit).reshape(n, 3)
+        last, forces = forces, (points[VALUE] * unit).reshape(n, 3)
+        # the velocity that the proximal term still adds: the natural map hardly sees soft directions
+        drift = share * largest * float(np.linalg.norm(forces - last))
         residual = residuals(problem, forces).natural_map
         if not np.isfinite(residual):
             stop = Status.STALLED
             break
         if residual < best_residual:
             best, best_residual = forces, residual
-        if best_residual <= settings.tol or proximal == 0.0 or iterations >= limit:
+        if share == 0.0 or iterations >= limit:
+            break
+        if best_residual <= settings.tol and drift <= settings.tol * float(np.linalg.norm(problem.g)):
             break
         if time.perf_counter() - start > settings.max_time:
             stop = Status.MAX_TIME
             break
+        # the smaller the weight the fewer the rounds, as long as Newton can follow
+        share = max(SHRINK * share, LEAST_PROXIMAL) if error <= max(tol, floor) else min(share / SHRINK, 1.0)
     return Answer(best, iterations, stop)
