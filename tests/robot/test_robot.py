@@ -157,3 +157,10 @@ def test_foot_shapes() -> None:
     sole = Foot("s", 0, corners, 0.005)
     np.testing.assert_allclose(sole.size, [0.17, 0.05])
     np.testing.assert_allclose(sole.centre, [0.035, 0.0, -0.03])
+
+
+def test_joints_that_their_limits_lock_are_no_obstacle() -> None:
+    path = robots_folder() / "quadruped_description/urdf/quadruped.urdf"
+    robot = sf.load_robot(path, feet=["FL_contact", "FR_contact", "BL_contact", "BR_contact"])
+    assert np.any(robot.model.lowerPositionLimit[7:] == robot.model.upperPositionLimit[7:])
+    assert np.ptp(robot.foot_positions()[:, 2]) < 1e-2

@@ -79,6 +79,7 @@ def _bend(
     index = [model.joints[j].idx_q for j in joints]
     low = np.maximum(model.lowerPositionLimit[index], -np.pi)
     high = np.minimum(model.upperPositionLimit[index], np.pi)
+    high = np.maximum(high, low + 1e-6)  # a joint that its limits hold still is no unknown, but has bounds
     middle = np.clip(0.0, low, high)
 
     def miss(angles: FloatArray) -> FloatArray:
@@ -96,7 +97,7 @@ def _bend(
         start = middle.copy()
         start[len(joints) - (3 if level else 1)] += -2.0 * bend
         start[max(len(joints) - (4 if level else 2), 0)] += bend
-        found = least_squares(miss, np.clip(start, low + 1e-6, high - 1e-6), bounds=(low, high))
+        found = least_squares(miss, np.clip(start, low + 1e-7, high - 1e-7), bounds=(low, high))
         if best is None or found.cost < 0.999 * best.cost:
             best = found
     out = q.copy()
