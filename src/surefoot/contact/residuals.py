@@ -225,11 +225,11 @@ def certify_dense(
 
     `laws` has the rows (mu, normal_min, normal_max).
     """
-    for k in range(forces.shape[0]):
-        for a in range(3):
-            total = free[3 * k + a]
-            for j in range(forces.shape[0]):
-                for b in range(3):
-                    total += G[3 * k + a, 3 * j + b] * forces[j, b]
-            velocities[k, a] = total
+    flat = velocities.reshape(free.size)
+    flat[:] = free
+    for k in range(forces.shape[0]):  # row by row: G is symmetric, and sums of rows need no fixed order
+        x, y, z = forces[k, 0], forces[k, 1], forces[k, 2]
+        if x != 0.0 or y != 0.0 or z != 0.0:
+            for j in range(free.size):
+                flat[j] += G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
     return _measure(forces, velocities, free, laws[0], laws[1], laws[2], step, facets, inner, coulomb)

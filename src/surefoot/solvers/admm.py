@@ -26,6 +26,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import kernel
+from surefoot.solvers.natural_map import relative_gap
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
@@ -149,7 +150,7 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
             forces, problem.velocity(forces.reshape(-1, 3)).ravel(), problem.mu, problem.normal_min,
             problem.normal_max, step, coulomb, facets, inner,
         )  # fmt: skip
-        relative = gap / max(norm, free, 1e-300)
+        relative = float(relative_gap(gap, norm, free))
         if relative < best_gap:
             best, best_gap = forces, relative
         if relative <= settings.tol:

@@ -24,7 +24,7 @@ import scipy.linalg
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.natural_map import natural_gap, relative_gap
 from surefoot.solvers.newton_sparse import newton_sparse
 from surefoot.solvers.nsgs import prepare_blocks
 from surefoot.solvers.solver import Answer, Settings, register
@@ -120,7 +120,9 @@ class _Scaling:
     def normal_matrix(self, A: FloatArray) -> FloatArray:
         """Return W⁻¹ A."""
         m = self.m
-        head = np.einsum("kij,kjc->kic", self.Wi, A[: 3 * m].reshape(m, 3, A.shape[1])).reshape(3 * m, A.shape[1])
+        head = np.einsum("kij,kjc->kic", self.Wi, A[: 3 * m].reshape(m, 3, A.shape[1])).reshape(
+            3 * m, A.shape[1]
+        )
         return np.vstack([head, A[3 * m :] / self.d[:, None]])
 
 
@@ -199,7 +201,7 @@ def solve_interior_point(
         forces[p.columns] = p.scale * y
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         gap, norm = natural_gap(forces, velocities, *laws)
-        relative = gap / max(norm, free, 1e-300)
+        relative = float(relative_gap(gap, norm, free))
         since += 1
         if relative < best_gap:
             since = 0 if relative < 0.9 * best_gap else since

@@ -1,4 +1,4 @@
-"""The natural map as solvers use it to stop (the certificate is computed elsewhere, see `contact.residuals`)."""
+"""The natural map as solvers use it to stop; the certificate is `contact.residuals`, computed apart from this."""
 
 from __future__ import annotations
 
@@ -17,6 +17,20 @@ def project(x: float, y: float, z: float, mu: float, low: float, high: float) ->
     if low == -math.inf:
         return x, y, z
     return project_truncated(x, y, z, mu, low, high)
+
+
+NOTHING_DONE = 0.1
+"""Share of step ||g|| above which a gap is measured by that alone: the forces have done nothing yet."""
+
+
+@inline_kernel
+def relative_gap(gap: float, size: float, free: float) -> float:
+    """Return a gap over max(||λ||, step ||g||), or over free = step ||g|| where it exceeds a tenth of that."""
+    if free > 0.0:
+        if gap > NOTHING_DONE * free or 4e-16 * size > NOTHING_DONE * free:
+            return max(gap / free, NOTHING_DONE)
+        return gap / max(size, free)
+    return gap / size if size > 0.0 else gap
 
 
 @kernel

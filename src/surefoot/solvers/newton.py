@@ -1,14 +1,16 @@
 """Semismooth Newton on the Alart-Curnier equations, globalised by the natural map.
 
-Each contact is classified from its augmented force λ - ρ u (ρ from its own block): take-off, stick, slide, or
-held by a normal bound. The linearised equations are then reduced to the forces that are still free (3 for a
-contact that sticks, 2 for one that slides, none for one that takes off), and a small proximal term on the
-diagonal keeps redundant contacts (a rank-deficient G) solvable without moving any solution. A step counts only
-if the natural map falls; halved steps and then Gauss-Seidel sweeps are tried where it does not.
+Each contact is classified from its augmented force λ - ρ u (ρ from its own block): take-off, stick, slide,
+or held by a normal bound. The linearised equations are then reduced to the forces that are still free (3 for
+a contact that sticks, 2 for one that slides, none for one that takes off), and a small proximal term on the
+diagonal keeps redundant contacts (a rank-deficient G) solvable without moving any solution. Steps are full:
+which contacts slide sorts itself out faster over a few bad steps than under a line search. The natural map
+judges them; the best point is kept, and Gauss-Seidel sweeps take over where none comes for a while.
 
-Source: P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like solution
-methods", CMAME 92, 1991; V. Acary, M. Bremond, O. Huber, "On solving contact problems with Coulomb friction:
-formulations and numerical comparisons", 2018. For the convex law the normal velocity is shifted by mu ||u_t||.
+Source: P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like
+solution methods", CMAME 92, 1991; V. Acary, M. Bremond, O. Huber, "On solving contact problems with Coulomb
+friction: formulations and numerical comparisons", 2018. For the convex law the normal velocity is shifted by
+mu ||u_t||.
 
 Limits: fast near a solution and no promise far from one; the reduced matrix is dense in the step below.
 """
@@ -21,15 +23,16 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import kernel
-from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.natural_map import natural_gap, relative_gap
 from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
-PATIENCE, HALVINGS = 5, 2
-"""Newton steps that may pass without a better natural map, and lengths that are tried for each."""
+PATIENCE = 10
+"""Newton steps that may pass without a better natural map."""
 PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARE = 1e-9, 1e-2, 0.1
-"""The proximal term, relative to the trace of a contact's block: this share of the natural map, within bounds.
+"""The proximal term, relative to the trace of a contact's block: a share of the natural map, within bounds.
 
-Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless."""
+Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
+"""
 
 
 @kernel
@@ -200,7 +203,7 @@ def spread(
 @kernel
 def newton_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, scale: float,
-    tol: float, limit: int, patience: int, halvings: int, local: FloatArray, forces: FloatArray, velocities: FloatArray,
+    tol: float, limit: int, local: FloatArray, forces: FloatArray, velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Take Newton steps while the natural map falls well; return the steps and the relative gap reached.
 
@@ -209,14 +212,14 @@ def newton_dense(
     n = mu.size
     rows, columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
     weight, jump, target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    step, trial, moved = np.empty(3 * n), np.empty(3 * n), np.empty(3 * n)
+    step = np.empty(3 * n)
     free = scale * np.sqrt(np.sum(g * g))
     gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-    relative = gap / max(size, free)
+    relative = relative_gap(gap, size, free)
     best = relative
     best_forces, best_velocities = forces.copy(), velocities.copy()
     done = since = 0
-    while done < limit and best > tol and since < patience:
+    while done < limit and best > tol and since < PATIENCE:
         done += 1
         kinds = classify(
             forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target,
@@ -226,18 +229,11 @@ def newton_dense(
         if not lu_solve(A, b):
             break
         spread(columns, jump, kinds, b, step)
-        length = 1.0
-        for _ in range(halvings):
-            for j in range(step.size):
-                trial[j] = forces[j] + length * step[j]
-            refresh_dense(G, g, trial, moved)
-            gap, size = natural_gap(trial, moved, mu, low, high, scale, convex)
-            now = gap / max(size, free)
-            if now < (1.0 - 0.1 * length) * relative:
-                break
-            length *= 0.4
-        forces[:], velocities[:] = trial, moved
-        relative = now
+        for j in range(step.size):
+            forces[j] += step[j]
+        refresh_dense(G, g, forces, velocities)
+        gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
+        relative = relative_gap(gap, size, free)
         since += 1
         if relative < best:
             if relative < 0.9 * best:
@@ -270,15 +266,13 @@ def run_dense(
             sweeps += 1
         refresh_dense(G, g, forces, velocities)
         gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-        relative = gap / max(size, free)
+        relative = relative_gap(gap, size, free)
         if relative <= tol:
             break
         if relative > 0.5 * last and burst > 20:
             relax = max(0.6 * relax, 0.1)
         last = relative
-        used, relative = newton_dense(
-            G, g, mu, low, high, convex, scale, tol, 20, PATIENCE, HALVINGS, local, forces, velocities
-        )
+        used, relative = newton_dense(G, g, mu, low, high, convex, scale, tol, 20, local, forces, velocities)
         steps += used
         if relative <= tol:
             break

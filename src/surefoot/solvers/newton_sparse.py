@@ -13,9 +13,8 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import Blocks, block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
-from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.natural_map import natural_gap, relative_gap
 from surefoot.solvers.newton import (
-    HALVINGS,
     PATIENCE,
     PROXIMAL,
     PROXIMAL_FAR,
@@ -120,7 +119,7 @@ def newton_sparse(
     def measure(f: FloatArray) -> tuple[FloatArray, float]:
         velocities = block_product(*matrix, f) + problem.g
         gap, size = natural_gap(f, velocities, *laws, scale, convex)
-        return velocities, gap / max(size, free)
+        return velocities, float(relative_gap(gap, size, free))
 
     current = forces.copy()
     velocities, relative = measure(current)
@@ -139,14 +138,8 @@ def newton_sparse(
         if unknowns is None:
             break
         spread(columns, jump, count, unknowns, step)
-        length, before = 1.0, relative
-        for _ in range(HALVINGS):
-            trial = current + length * step
-            velocities, relative = measure(trial)
-            if relative < (1.0 - 0.1 * length) * before:
-                break
-            length *= 0.4
-        current = trial
+        current = current + step
+        velocities, relative = measure(current)
         if relative < best:
             since = 0 if relative < 0.9 * best else since
             best = relative

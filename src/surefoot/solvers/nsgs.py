@@ -19,7 +19,7 @@ from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.natural_map import natural_gap, relative_gap
 from surefoot.solvers.one_contact import prepare, solve_one
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
@@ -107,10 +107,10 @@ def run_dense(
         gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
         relax, best, since = relaxation(gap, relax, best, since)
         state[0], state[1], state[2] = relax, best, since
-        if gap <= tol * max(size, free):
+        if relative_gap(gap, size, free) <= tol:
             refresh_dense(G, g, forces, velocities)
             gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
-            if gap <= tol * max(size, free):
+            if relative_gap(gap, size, free) <= tol:
                 return count, True
     return sweeps, False
 
@@ -173,10 +173,10 @@ def run_blocks(
         gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
         relax, best, since = relaxation(gap, relax, best, since)
         state[0], state[1], state[2] = relax, best, since
-        if gap <= tol * max(size, free):
+        if relative_gap(gap, size, free) <= tol:
             velocities = block_product(starts, columns, values, forces) + g
             gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
-            if gap <= tol * max(size, free):
+            if relative_gap(gap, size, free) <= tol:
                 return count, True
     return sweeps, False
 

@@ -22,7 +22,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.solvers.auto import alternate
-from surefoot.solvers.natural_map import natural_gap
+from surefoot.solvers.natural_map import natural_gap, relative_gap
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
 MAX_ITERATIONS = 500
@@ -50,7 +50,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
         alternate(convex, Settings(tol, None, settings.max_time), end, forces, rounds=8)
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         gap, size = natural_gap(forces, velocities, *laws)
-        relative = gap / max(size, free, 1e-300)
+        relative = float(relative_gap(gap, size, free))
         since += 1
         if relative < best_gap:
             since = 0 if relative < 0.9 * best_gap else since

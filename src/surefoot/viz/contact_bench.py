@@ -39,7 +39,7 @@ def draw_profile(
     axis.set_xlabel("time over the best time of all solvers on that problem")
     axis.set_ylabel("share of problems solved")
     axis.set_title(title, loc="left")
-    figure.legend(loc="outside right center", fontsize=8)
+    figure.legend(loc="outside right center", fontsize=8, frameon=False)
     return save(figure, path)
 
 
@@ -53,7 +53,7 @@ def draw_speed_up(ratios: dict[str, float], title: str, path: Path) -> Path:
     axis.axvline(1.0, color=MUTED, linewidth=1.0)
     axis.axvline(ratios["all"], color=FOOT_COLOURS[2], linewidth=1.3, linestyle="--")
     axis.text(
-        ratios["all"], len(names) - 0.3, f" mean {ratios['all']:.1f}x", color=FOOT_COLOURS[2], va="bottom"
+        ratios["all"], len(names) - 0.3, f" geometric mean {ratios['all']:.1f}x", color=FOOT_COLOURS[2], va="bottom"
     )
     axis.set_xscale("log")
     axis.set_ylim(-0.6, len(names) + 0.6)
