@@ -39,6 +39,23 @@ def test_standing_forces_agree_within_two_percent(degrees):
     assert rigid[:, 2].min() > 30.0
 
 
+@pytest.mark.parametrize(("name", "push"), [("go2", [48.0, 24.0, 0.0]), ("g1", [40.0, 20.0, 0.0])])
+def test_a_push_moves_the_base_alike(name, push):
+    robot, ground, paths = sf.load_robot(name), sf.FlatTerrain(), []
+    q = sf.place(robot, ground)
+    for world_type in (RigidWorld, MujocoWorld):
+        controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
+        world, path = world_type(robot, ground), []
+        world.reset(q)
+        for k in range(1000):
+            torques = controller.step(*world.state(), k * world.dt).torques
+            world.step(torques, np.array(push) if 300 <= k < 500 else None)
+            path.append(world.state()[0][:3] - q[:3])
+        paths.append(np.array(path))
+    assert np.abs(paths[0]).max() > 5e-3
+    assert np.abs(paths[0] - paths[1]).max() < 0.01 * np.abs(paths[0]).max()  # measured: 0.1 %
+
+
 def slide(world_type, mu: float, speed: float):
     """Return the distance, and the total normal force and height at every step of the slide."""
     body = box(2.0, (0.3, 0.3, 0.1), rounding=0.01)

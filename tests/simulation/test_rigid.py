@@ -289,6 +289,15 @@ def test_payload_weighs():
     assert world.energy() > bare.energy() + 2.0 * GRAVITY * robot.nominal[2]
 
 
+def test_a_lost_state_is_seen_and_never_raises():
+    robot = sf.load_robot("go2")
+    world = RigidWorld(robot)
+    world.reset(sf.place(robot))
+    world.step(np.full(12, np.inf))
+    world.step(np.zeros(12))
+    assert not np.isfinite(world.state()[1]).all()
+
+
 def test_reset_repeats_a_run_exactly():
     robot = sf.load_robot("go2")
     world, ends = RigidWorld(robot), []

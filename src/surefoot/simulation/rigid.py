@@ -21,11 +21,12 @@ References
 
 from __future__ import annotations
 
+import math
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.problem import LAWS, Law
 from surefoot.errors import ProblemError, unknown_name
@@ -33,7 +34,7 @@ from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
 from surefoot.simulation.world import ContactReading
 from surefoot.solvers import solve
-from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.spatial import GRAVITY
 from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
@@ -126,7 +127,7 @@ class RigidWorld:
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
         self._q = self.robot.configuration(q)
-        self._v = np.zeros(self.model.nv) if v is None else np.array(v, dtype=np.float64)
+        self._v = np.zeros(self.model.nv) if v is None else finite_array("v", v, (self.model.nv,))
         self._steps = self.unsolved = 0
         self.worst_residual = 0.0
         self.solution: ContactSolution | None = None
@@ -143,7 +144,10 @@ class RigidWorld:
         self.mu = real_number("mu", mu, low=0.0)
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
-        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes."""
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) push on the base [N], world axes.
+
+        The push goes through the centre of mass of the base's own link.
+        """
         self._kinematics()
         if self.stabilisation == "projection":
             self._project()
@@ -189,7 +193,9 @@ class RigidWorld:
         base = self.robot.base_dof
         effort[base:] += torques
         if push is not None and base:
-            effort[:3] += rotation_from_quaternion(self._q[3:7]).T @ push
+            local = self.data.oMi[1].rotation.T @ push
+            effort[:3] += local
+            effort[3:6] += np.cross(self.robot.model.inertias[1].lever, local)
         return np.asarray(effort)
 
     def _kinematics(self) -> None:
@@ -223,7 +229,7 @@ class RigidWorld:
         """Return v⁺ after the impulses of the near contacts, all others without."""
         warm = self._impulses[near]
         self._impulses[:] = 0.0
-        if not near.size:
+        if not near.size or not math.isfinite(float(free.sum())):  # a state that is lost stays so
             self.solution = None
             return free
         pull = PULL if self.stabilisation == "baumgarte" else 0.0
