@@ -289,6 +289,8 @@ def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatA
         array = np.asarray(value, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
-    if array.shape != shape and array.shape != shape[1:]:
+    if array.shape == shape[1:]:
+        array = np.broadcast_to(array, shape)
+    elif array.shape != shape:
         raise ProblemError(f"{name} must have shape {shape[1:]} or {shape}, got {array.shape}")
-    return np.ascontiguousarray(np.broadcast_to(array, shape))
+    return np.ascontiguousarray(array)
