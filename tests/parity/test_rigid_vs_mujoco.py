@@ -39,6 +39,25 @@ def test_standing_forces_agree_within_two_percent(degrees):
     assert rigid[:, 2].min() > 30.0
 
 
+def test_soles_carry_the_same_wrench():
+    """G1's eight corners share their load as they like; each sole's force and centre of pressure agree."""
+    robot, ground, found = sf.load_robot("g1"), sf.FlatTerrain(), []
+    q = sf.place(robot, ground)
+    for world_type in (RigidWorld, MujocoWorld):
+        controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
+        world = world_type(robot, ground)
+        world.reset(q)
+        for k in range(1000):
+            world.step(controller.step(*world.state(), k * world.dt).torques)
+        reading = world.contacts()
+        normal = reading.forces[:, 2].reshape(2, 4)
+        places = reading.positions.reshape(2, 4, 3)
+        pressure = (normal[..., None] * places).sum(axis=1) / normal.sum(axis=1)[:, None]
+        found.append((normal.sum(axis=1), pressure[:, :2]))
+    assert np.allclose(found[0][0], found[1][0], rtol=5e-3)
+    assert np.abs(found[0][1] - found[1][1]).max() < 1e-3
+
+
 @pytest.mark.parametrize(("name", "push"), [("go2", [48.0, 24.0, 0.0]), ("g1", [40.0, 20.0, 0.0])])
 def test_a_push_moves_the_base_alike(name, push):
     robot, ground, paths = sf.load_robot(name), sf.FlatTerrain(), []
