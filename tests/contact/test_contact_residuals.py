@@ -51,7 +51,9 @@ def test_natural_map_is_its_definition(law: str, facets: int | None, fit: str) -
                 shifted[2] += limit
             rows = None if pyramid is None else pyramid.halfspaces
             gap.append(force[k] - nearest(force[k] - rho * shifted, float(mu[k]), low[k], high[k], rows))
-        expected = np.linalg.norm(gap) / max(np.linalg.norm(force), rho * np.linalg.norm(g))
+        reach = rho * np.linalg.norm(g)  # forces that do nothing against g are measured by g alone
+        scale = reach if np.linalg.norm(gap) > 0.1 * reach else max(np.linalg.norm(force), reach)
+        expected = np.linalg.norm(gap) / scale
         assert sf.residuals(problem, force).natural_map == pytest.approx(expected, rel=1e-5, abs=1e-7)
 
 
@@ -83,3 +85,16 @@ def test_many_contacts_and_few_are_judged_alike() -> None:
     a, b = sf.residuals(few, force), sf.residuals(many, np.tile(force, (12, 1)))
     assert a.natural_map == pytest.approx(b.natural_map, rel=1e-9)
     assert a.dissipation == pytest.approx(b.dissipation, rel=1e-12)
+
+
+def test_runaway_forces_do_not_look_like_a_solution() -> None:
+    """No force moves a zero G; the plain quotient would fall without bound as the forces grow."""
+    problem = sf.ContactProblem(np.diag([1.0, 1.0, 0.0]), [0.0, 0.0, -1.0], 0.5)
+    for size in (1.0, 1e6, 1e12, 1e18):
+        assert sf.residuals(problem, [[0.0, 0.0, size]]).natural_map >= 1.0
+
+
+def test_close_forces_are_measured_by_their_size() -> None:
+    problem = sf.ContactProblem(np.diag([1.0, 1.0, 1e-3]), [0.0, 0.0, -1.0], 0.5)
+    force = np.array([[0.0, 0.0, 990.0]])  # 1 % of the free velocity is left
+    assert sf.residuals(problem, force).natural_map == pytest.approx(0.01 / 990.0, rel=1e-9)

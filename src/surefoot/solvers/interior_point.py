@@ -243,16 +243,16 @@ def _advance(
     WA = W.normal_matrix(p.A)
     K0, K = K, K + WA.T @ WA
     K[np.diag_indices_from(K)] += 1e-15 * float(np.abs(np.diagonal(K)).max(initial=0.0))
-    lu = scipy.linalg.lu_factor(K, check_finite=False)
+    lu, pivots, _ = scipy.linalg.lapack.dgetrf(K)  # singular gives infinities, which end the solve
     middle = W.apply(z)
 
     def direction(target: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         rest = _divide(middle, target, m) - W.apply(primal, inverse=True)
-        dy = scipy.linalg.lu_solve(lu, WA.T @ rest - dual, check_finite=False)
+        dy = scipy.linalg.lapack.dgetrs(lu, pivots, WA.T @ rest - dual)[0]
         scaled = rest - WA @ dy
         dz = W.apply(scaled, inverse=True)
         for _ in range(2):  # refine: W⁻¹ is huge on the active cones
-            more = scipy.linalg.lu_solve(lu, p.A.T @ dz - K0 @ dy - dual, check_finite=False)
+            more = scipy.linalg.lapack.dgetrs(lu, pivots, p.A.T @ dz - K0 @ dy - dual)[0]
             dy = dy + more
             dz = dz - W.apply(WA @ more, inverse=True)
         return dy, p.A @ dy + primal, dz

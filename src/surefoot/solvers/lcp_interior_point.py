@@ -53,10 +53,10 @@ def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tupl
     """Take one predictor-corrector step."""
     gap = float(z @ w) / z.size
     slack = w - M @ z - q
-    lu = scipy.linalg.lu_factor(M + np.diag(w / z), check_finite=False)
+    lu, pivots, _ = scipy.linalg.lapack.dgetrf(M + np.diag(w / z))
 
     def direction(target: FloatArray) -> tuple[FloatArray, FloatArray]:
-        dz = scipy.linalg.lu_solve(lu, slack + target / z, check_finite=False)
+        dz = scipy.linalg.lapack.dgetrs(lu, pivots, slack + target / z)[0]
         return dz, M @ dz - slack
 
     dz, dw = direction(-z * w)
