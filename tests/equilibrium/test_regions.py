@@ -9,7 +9,9 @@ import surefoot as sf
 from surefoot.bench.random_stances import random_case
 from surefoot.bench.statics_rivals import highs_region
 from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
+from surefoot.equilibrium.faces import smallest_face
 from surefoot.equilibrium.region import convex_hull, polygon_area, without_flat_corners
+from surefoot.equilibrium.regions import squeeze_limit
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -42,21 +44,37 @@ def test_level_ground_gives_the_support_polygon():
 
 
 def test_region_agrees_with_can_stand_inside_and_outside():
-    empty = 0
-    for case in rough_cases(45, 0):
+    empty = squeezed = 0
+    for case in rough_cases(90, 0):
         stance = case.stance
         region = sf.com_region(stance, case.mass, tol=1e-3)
         if region.empty:
             empty += 1
             assert not sf.can_stand(stance, case.com, case.mass)
             continue
-        if len(region.inner) < 3 or region.force_limit < math.inf:
+        if len(region.inner) < 3:
             continue
+        limit = squeeze_limit(stance, region.force_limit) if region.force_limit < math.inf else None
+        squeezed += limit is not None
         for corner in grown(region.inner, -1e-5):
-            assert sf.can_stand(stance, [*corner, 0.7], case.mass)
+            assert sf.can_stand(stance, [*corner, 0.7], case.mass, limits=limit)
         for corner in grown(region.outer, 1e-5):
-            assert not sf.can_stand(stance, [*corner, 0.2], case.mass)
-    assert empty < 25
+            assert not sf.can_stand(stance, [*corner, 0.2], case.mass, limits=limit)
+    assert empty < 40
+    assert squeezed > 5
+
+
+def test_every_region_converges():
+    """Two to eight contacts of every kind, some facing each other so that the region has no bound."""
+    for case in rough_cases(150, 9, kinds=("flat", "tilted", "patches", "chimney")) + two_contacts(60):
+        region = sf.com_region(case.stance, case.mass, tol=1e-3)
+        assert region.converged
+        assert region.gap <= 1.001e-3
+
+
+def two_contacts(count):
+    rng = np.random.default_rng(10)
+    return [random_case(rng, "tilted", contacts=2) for _ in range(count)]
 
 
 @pytest.mark.parametrize("tol", [1e-2, 1e-3, 1e-4])
@@ -244,3 +262,29 @@ def test_differences_are_explained():
     assert "beyond" in compare_regions(wall, np.array([0, 0, 0.5]), 15.0).sentences[0]
     weak = level(mu=0.6, normal_max=50.0)
     assert "bounds on the normal force" in compare_regions(weak, np.array([0, 0, 0.3]), 15.0).sentences[0]
+
+
+def test_regions_without_interior_forces():
+    """At the very limit of friction every force is on its cone; a foot on a wall too steep carries nothing."""
+    slope = sf.SlopeTerrain(30.0)
+    mu = math.tan(math.radians(30.0)) * (1.0 + 1e-14)
+    limit = sf.Stance([sf.PointContact([*p, float(slope.height(p))], slope.normal(p), mu) for p in FEET])
+    assert sf.com_region(limit, 15.0).area == pytest.approx(0.12, rel=1e-4)
+    steep = np.array([0.9, 0.0, math.sqrt(1 - 0.81)])
+    useless = sf.Stance(
+        [sf.PointContact([0.3, 0.2, 0.0]), sf.PointContact([0, 0.2, 0.1], -steep * [1, 0, -1], 0.1)]
+    )
+    region = sf.com_region(useless, 15.0)
+    np.testing.assert_allclose(region.inner, [[0.3, 0.2]], atol=1e-6)
+
+
+def test_smallest_face():
+    """An interior part goes, a part on the boundary leaves one edge, a zero part stays whole."""
+    z = np.array([2.0, 0.5, 0.0, 1.0, 0.6, 0.8, 0.0, 0.0, 0.0, 0.7, 0.0])
+    face, axes, lorentz = smallest_face(z, np.arange(1.0, 12.0), 3)
+    assert (face.shape, lorentz) == ((11, 5), 1)
+    np.testing.assert_allclose(face[:, :3], np.eye(11)[:, 6:9])
+    np.testing.assert_allclose(face[3:6, 3], [1.0, -0.6, -0.8])
+    np.testing.assert_allclose(face[:, 4], np.eye(11)[10])
+    np.testing.assert_allclose(axes, [7.0, 8.0, 9.0, 4.0, 11.0])
+    np.testing.assert_allclose(z @ face, 0.0, atol=1e-12)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.equilibrium.faces import smallest_face
 from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits
-from surefoot.equilibrium.margin import BAND, most_margin
+from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, most_margin
 from surefoot.equilibrium.outline import OUT_OF_DIRECTIONS, WITHOUT_BOUND, trace
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
 from surefoot.equilibrium.region import Region, convex_hull, without_flat_corners
@@ -22,6 +23,7 @@ SQUEEZE = 10.0
 """Total normal force, as a multiple of the load, where contacts could squeeze without limit."""
 _MOST_DIRECTIONS = 2000
 _EMPTY = -1
+_ROOM = 1e-8
 
 
 def com_region(
@@ -60,8 +62,9 @@ def com_region(
     -------
     Region
         Inner polygon (all of it can be held), outer polygon (nothing beyond it can), and their gap.
-        Where contacts can squeeze each other without limit, the total normal force is held to ten times
-        the load, and `Region.force_limit` says so.
+        Where contacts can squeeze each other without limit, or carry the weight ever farther out by ever
+        larger forces, the total normal force is held to ten times the load, and `Region.force_limit`
+        says so.
 
     Raises
     ------
@@ -205,7 +208,8 @@ def _region(
     bounds = limits if bounds is None else bounds.and_also(limits)
     force_limit = math.inf
     result = _trace(equations(stance, about, load, bounds, facets, fit), rows, tol)
-    if result[0] == WITHOUT_BOUND or result[3] == math.inf:
+    endless = result[0] == OUT_OF_DIRECTIONS and result[1] > 1e3 * tol  # forces run away along some direction
+    if endless or result[0] == WITHOUT_BOUND or result[3] == math.inf:
         force_limit = SQUEEZE * float(np.linalg.norm(load[:3]))
         squeeze = squeeze_limit(stance, force_limit)
         bounds = squeeze if bounds is None else bounds.and_also(squeeze)
@@ -243,22 +247,44 @@ def _trace(
     A[: len(goal)][moments] /= eq.length
     w[: len(goal)][moments] /= eq.length
     G = (pick * unscale) @ eq.A[:6]
-    _, margin, start, _ = most_margin(np.ascontiguousarray(A), eq.e, w, eq.lorentz)
-    nothing = np.zeros((0, 2))
-    if margin < -BAND:
-        return _EMPTY, 0.0, nothing, margin, nothing, np.zeros(0)
-    if margin <= BAND:  # on the boundary: the solver needs a little room to start from
-        start = start + (2.0 * BAND - min(0.0, margin)) * eq.e
+    found = _with_interior(A, eq.e, w, eq.lorentz, G)
+    if found is None:
+        nothing = np.zeros((0, 2))
+        return _EMPTY, 0.0, nothing, -math.inf, nothing, np.zeros(0)
+    A, lorentz, G, start, margin = found
     Q, T, pivots, b = np.empty_like(A), np.empty((len(A), len(A))), np.empty(len(A), dtype=np.int64), w.copy()
     rank = orthonormal_rows(A, Q, T, pivots)
     coordinates(T, pivots, rank, w, b)
     directions, heights = np.empty((_MOST_DIRECTIONS, 2)), np.empty(_MOST_DIRECTIONS)
     points = np.empty((_MOST_DIRECTIONS, 2))
     outcome, count, gap = trace(
-        Q[:rank], b[:rank], eq.lorentz, start, np.ascontiguousarray(G), np.array(offset, dtype=float), tol,
-        directions, heights, points,
-    )  # fmt: skip
+        Q[:rank], b[:rank], lorentz, start, G, np.array(offset, dtype=float), tol, directions, heights, points
+    )
     return outcome, gap, points[:count].copy(), margin, directions[:count].copy(), heights[:count].copy()
+
+
+def _with_interior(
+    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, G: FloatArray
+) -> tuple[FloatArray, int, FloatArray, FloatArray, float] | None:
+    """Return equations, cones, point map, a strictly feasible start and its margin; None if infeasible.
+
+    Where every solution is on the cones' boundary, the cones are replaced by the face that the solutions
+    are in (`faces.smallest_face`), until there is room inside.
+    """
+    best: tuple[FloatArray, int, FloatArray, FloatArray, float] | None = None
+    for _ in range(A.shape[1] + 1):
+        A, G = np.ascontiguousarray(A), np.ascontiguousarray(G)
+        outcome, margin, start, y = most_margin(A, e, w, lorentz)
+        if outcome not in (FEASIBLE, ENDLESS):
+            return best
+        if margin > _ROOM:
+            return A, lorentz, G, start, margin
+        best = A, lorentz, G, start + (2.0 * BAND - min(0.0, margin)) * e, margin
+        face, axes, left = smallest_face(A.T @ y, e, lorentz)
+        if face.shape[1] == A.shape[1] or not face.shape[1]:
+            return best
+        A, G, e, lorentz = A @ face, G @ face, axes, left
+    return best
 
 
 def support_polygon(stance: Stance) -> FloatArray:
