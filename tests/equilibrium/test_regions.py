@@ -265,15 +265,13 @@ def test_differences_are_explained():
 
 
 def test_regions_without_interior_forces():
-    """At the very limit of friction every force is on its cone; a foot on a wall too steep carries nothing."""
+    """At the very limit of friction every force is on its cone; a hand that nothing opposes carries nothing."""
     slope = sf.SlopeTerrain(30.0)
     mu = math.tan(math.radians(30.0)) * (1.0 + 1e-14)
     limit = sf.Stance([sf.PointContact([*p, float(slope.height(p))], slope.normal(p), mu) for p in FEET])
     assert sf.com_region(limit, 15.0).area == pytest.approx(0.12, rel=1e-4)
-    steep = np.array([0.9, 0.0, math.sqrt(1 - 0.81)])
-    useless = sf.Stance(
-        [sf.PointContact([0.3, 0.2, 0.0]), sf.PointContact([0, 0.2, 0.1], -steep * [1, 0, -1], 0.1)]
-    )
+    hand = sf.PointContact([0, 0.2, 0.1], [-0.8, 0.0, 0.6], 0.1)
+    useless = sf.Stance([sf.PointContact([0.3, 0.2, 0.0], mu=0.0), hand])
     region = sf.com_region(useless, 15.0)
     np.testing.assert_allclose(region.inner, [[0.3, 0.2]], atol=1e-6)
 

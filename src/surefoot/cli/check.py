@@ -10,6 +10,7 @@ import typer
 
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.spatial import GRAVITY
 
 PUSHES = {
     "forward (+x)": (1, 0, 0),
@@ -110,7 +111,9 @@ def _sentence(asked: Any, ground: Any, motor: Any, needed: float) -> str:
     least = float(asked.stance.mu.min())
     if ground.feasible and (motor is None or motor.feasible):
         best = ground if motor is None else motor
+        edge = best.margin < 1e-6 * asked.mass * GRAVITY
         margin = "without limit" if math.isinf(best.margin) else f"{best.margin:.3g} N"
+        margin = "none, on the very edge" if edge else margin
         return f"possible: margin {margin}; friction needed {needed:.3f}, least friction here {least:g}"
     if not ground.feasible:
         if math.isinf(needed):
