@@ -265,7 +265,7 @@ def test_differences_are_explained():
 
 
 def test_regions_without_interior_forces():
-    """At the very limit of friction every force is on its cone; a hand that nothing opposes carries nothing."""
+    """At the limit of friction every force is on its cone; a hand that nothing opposes carries nothing."""
     slope = sf.SlopeTerrain(30.0)
     mu = math.tan(math.radians(30.0)) * (1.0 + 1e-14)
     limit = sf.Stance([sf.PointContact([*p, float(slope.height(p))], slope.normal(p), mu) for p in FEET])
