@@ -112,6 +112,8 @@ def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size:
     assert verdict.certificate is not None
     linear, angular = verdict.certificate[:3], verdict.certificate[3:]
     arms = stance.points().positions.reshape(-1, 3) - com
+    if len(verdict.multipliers):  # the legs give way, not the contacts: these do not move with the body
+        arms = arms[:0]
     moves = linear + np.cross(angular, arms) if len(arms) else np.zeros((0, 3))
     longest = max(
         float(np.linalg.norm(linear)), float(np.linalg.norm(moves, axis=1).max(initial=0.0)), 1e-300
