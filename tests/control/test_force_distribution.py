@@ -169,6 +169,22 @@ def test_warm_start_needs_fewer_iterations_and_gives_the_same():
     assert counts[0] < 0.7 * counts[1]
 
 
+def test_warm_start_survives_a_trot():
+    """Where feet lift off and land the warm start is no worse than a cold one."""
+    feet = np.array([[1, 0, 0, 1], [1, 1, 1, 1], [0, 1, 1, 0], [1, 1, 1, 1]], dtype=bool)
+    trajectory = pushed_stance(400)
+    warm, cold = distributor_of(trajectory[0]), distributor_of(trajectory[0])
+    counts = np.zeros(2)
+    for k, instance in enumerate(trajectory):
+        on = feet[(k // 10) % 4]
+        f = warm.solve(instance.grasp_map, instance.wrench, active=on)
+        cold.reset()
+        np.testing.assert_allclose(f, cold.solve(instance.grasp_map, instance.wrench, active=on), atol=2e-7)
+        if k % 10 == 0:
+            counts += warm.iterations, cold.iterations + 1
+    assert counts[0] < counts[1]
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("where", ["grasp_map", "wrench", "reference"])
 def test_bad_numbers_give_the_last_safe_command(bad, where):
