@@ -150,9 +150,9 @@ def test_lu_is_numpy_solve() -> None:
     for m in (1, 2, 7, 30):
         A, b = rng.normal(size=(m, m)), rng.normal(size=m)
         expected = np.linalg.solve(A, b)
-        assert newton.lu_solve(A.copy(), b)
+        assert newton.lu_solve(A.copy(), b, m)
         assert np.allclose(b, expected, rtol=1e-8)
-    assert not newton.lu_solve(np.zeros((2, 2)), np.ones(2))
+    assert not newton.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
 
 
 def test_sparse_newton_steps_are_the_dense_ones() -> None:

@@ -7,7 +7,7 @@ this file imports none of theirs, so that a certificate is an independent opinio
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,9 +55,6 @@ class Residuals:
     penetration_velocity: float
     complementarity: float
     dissipation: float
-
-
-RESIDUAL_NAMES = tuple(f.name for f in fields(Residuals))
 
 
 def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:

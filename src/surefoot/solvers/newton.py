@@ -118,47 +118,39 @@ def classify(
 @kernel
 def _assemble(
     G: FloatArray, velocities: FloatArray, rows: FloatArray, columns: FloatArray, weight: FloatArray,
-    jump: FloatArray, target: FloatArray, count: IntArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return the reduced matrix and right-hand side of the linearised equations (dense G)."""
+    jump: FloatArray, target: FloatArray, count: IntArray, moved: FloatArray, across: FloatArray,
+    A: FloatArray, b: FloatArray,
+) -> int:  # fmt: skip
+    """Fill the reduced matrix and right-hand side of the linearised equations; return their size (dense G)."""
     n = count.size
-    m = 0
-    for k in range(n):
-        m += count[k]
-    moved = velocities.copy()  # u after the known part of the step
+    moved[:] = velocities  # u after the known part of the step
     for k in range(n):
         for a in range(3):
             d = jump[k, a]
             if d != 0.0:
                 for j in range(moved.size):
                     moved[j] += G[3 * k + a, j] * d
-    across = np.zeros((m, moved.size))  # columnsᵀ G, one row per unknown
-    at = 0
-    for k in range(n):
-        for c in range(count[k]):
-            for a in range(3):
-                d = columns[k, c, a]
-                if d != 0.0:
-                    for j in range(moved.size):
-                        across[at, j] += G[3 * k + a, j] * d
-            at += 1
-    A, b = np.empty((m, m)), np.empty(m)
     i = 0
     for k in range(n):
         for c in range(count[k]):
-            r0, r1, r2 = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-            for j in range(m):
-                A[i, j] = across[j, 3 * k] * r0 + across[j, 3 * k + 1] * r1 + across[j, 3 * k + 2] * r2
+            x, y, z = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
+            for j in range(moved.size):  # this equation's row of G
+                across[j] = G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
+            at = 0
+            for h in range(n):
+                p, q, r = across[3 * h], across[3 * h + 1], across[3 * h + 2]
+                for d in range(count[h]):
+                    A[i, at] = p * columns[h, d, 0] + q * columns[h, d, 1] + r * columns[h, d, 2]
+                    at += 1
             A[i, i] += weight[k, c]
-            b[i] = target[k, c] - (moved[3 * k] * r0 + moved[3 * k + 1] * r1 + moved[3 * k + 2] * r2)
+            b[i] = target[k, c] - (moved[3 * k] * x + moved[3 * k + 1] * y + moved[3 * k + 2] * z)
             i += 1
-    return A, b
+    return i
 
 
 @kernel
-def lu_solve(A: FloatArray, b: FloatArray) -> bool:
-    """Solve A x = b in place (x in b) by Gaussian elimination with row pivoting; False for a zero pivot."""
-    m = b.size
+def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
+    """Solve A x = b in place (x in b), m equations, by elimination with row pivoting; False for a zero pivot."""
     for k in range(m):
         pivot, best = k, abs(A[k, k])
         for i in range(k + 1, m):
@@ -212,7 +204,8 @@ def newton_dense(
     n = mu.size
     rows, columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
     weight, jump, target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    step = np.empty(3 * n)
+    step, moved, b = np.empty(3 * n), np.empty(3 * n), np.empty(3 * n)
+    across, A = np.empty(3 * n), np.empty((3 * n, 3 * n))
     free = scale * np.sqrt(np.sum(g * g))
     gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
     relative = relative_gap(gap, size, free)
@@ -225,8 +218,8 @@ def newton_dense(
             forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target,
             max(PROXIMAL, min(PROXIMAL_FAR, PROXIMAL_SHARE * relative)),
         )  # fmt: skip
-        A, b = _assemble(G, velocities, rows, columns, weight, jump, target, kinds)
-        if not lu_solve(A, b):
+        m = _assemble(G, velocities, rows, columns, weight, jump, target, kinds, moved, across, A, b)
+        if not lu_solve(A, b, m):
             break
         spread(columns, jump, kinds, b, step)
         for j in range(step.size):

@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
-from surefoot.contact.residuals import RESIDUAL_NAMES, Residuals, certificate
+from surefoot.contact.residuals import Residuals, certificate
 from surefoot.contact.solution import ContactSolution, Status
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
@@ -245,7 +245,10 @@ def _solution(
 ) -> ContactSolution:
     """Return the solution object; frozen dataclasses fill field by field, this does it at once."""
     found = object.__new__(Residuals)
-    found.__dict__.update(zip(RESIDUAL_NAMES, numbers, strict=True))
+    a, b, c, d, e = numbers
+    found.__dict__.update(
+        natural_map=a, cone_violation=b, penetration_velocity=c, complementarity=d, dissipation=e
+    )
     solution = object.__new__(ContactSolution)
     solution.__dict__.update(
         problem=problem,
