@@ -54,7 +54,10 @@ def test_problem_is_the_delassus_operator_with_the_shifted_free_velocity(state):
     robot, dt, gaps = world.robot, 1e-3, np.array([0.003, -0.002, 0.001, 0.2])
     effort = rng.normal(size=18)
     M = mass_matrix(robot, q)
-    free = rigid_step.free_velocity(world._upper, effort, v, dt, False, world._L)
+    middle = v.copy()
+    free, change = rigid_step.free_velocity(world._L, effort, v, middle, dt, False)
+    assert np.allclose(middle, 0.5 * (v + free), rtol=1e-12)
+    assert change == pytest.approx(0.5 * np.abs(free - v).max())
     assert np.allclose(free, v + dt * np.linalg.solve(M, effort), rtol=1e-10)
     near = np.array([0, 1, 2])
     Y, G, g = rigid_step.assemble(world._J, world._L, v, free, gaps, near, dt, 0.0, 0.02, 0.2)
@@ -102,8 +105,9 @@ def test_free_velocity_keeps_a_spinning_body_on_a_straight_line():
     drag = -np.concatenate(
         [np.cross(v[3:], v[:3]), np.zeros(3)]
     )  # what Pinocchio's v̇ of a free point mass is
-    out = rigid_step.free_velocity(np.eye(6), drag, v, 1e-3, True, np.zeros((6, 6)))
+    out, change = rigid_step.free_velocity(np.eye(6), drag, v, v.copy(), 1e-3, True)
     assert np.allclose(out, v, atol=1e-15)
+    assert change < 1e-15
 
 
 @pytest.mark.parametrize("spin", [[1e-6, 0, 0], [2.0, -3.0, 5.0], [400.0, 900.0, -300.0]])

@@ -8,7 +8,8 @@ with a floating base's linear velocity in world axes, whatever axes v has, and w
 Coulomb and maximum dissipation exactly (`surefoot.solve`). The order in dt is one. An open contact enters
 with u_n + gap / dt >= 0, so that a foot that would hit the ground within the step stops at the surface and
 does not go below it. Impulses never do positive work where the restitution is zero and positions are not
-pulled by velocities.
+pulled by velocities. Coriolis terms are taken at the mean of the velocities before and after free motion
+(implicit midpoint), so that a spinning body keeps its energy.
 
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
 the ground; a sphere on curved ground sees the tangent plane below its centre.
@@ -46,6 +47,8 @@ SLOP = 1e-6
 """Penetration that the projection leaves alone [m]."""
 PULL = 0.2
 """Share of a penetration that Baumgarte's term takes back per step."""
+SPIN_ITERATIONS, SPIN_TOLERANCE = 6, 1e-6
+"""Most evaluations of the Coriolis terms per step, and the change of the mean velocity that ends them."""
 PROJECTIONS = 3
 """Most projections of one step; each is a Newton step on the gaps."""
 
@@ -151,8 +154,7 @@ class RigidWorld:
         self._kinematics()
         if self.stabilisation == "projection":
             self._project()
-        effort = self._effort(torques, push)
-        free = rigid_step.free_velocity(self._upper, effort, self._v, self.dt, self._floating, self._L)
+        free = self._free_velocity(self._applied(torques, push))
         near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
         self._collide(free, near)
         self._advance()
@@ -187,22 +189,31 @@ class RigidWorld:
         power = float(np.sum(self._impulses * self._velocities))
         return power - 0.5 * float(impulses @ self.solution.problem.G @ impulses)
 
-    def _effort(self, torques: FloatArray, push: FloatArray | None) -> FloatArray:
-        """Return τ - h: motors, push, Coriolis and gravity terms: (nv,)."""
-        effort = -self._bias(self.model, self.data, self._q, self._v)
-        base = self.robot.base_dof
-        effort[base:] += torques
+    def _applied(self, torques: FloatArray, push: FloatArray | None) -> FloatArray:
+        """Return the generalised forces of motors and push: (nv,)."""
+        base, out = self.robot.base_dof, np.zeros(self.model.nv)
+        out[base:] = torques
         if push is not None and base:
             local = self.data.oMi[1].rotation.T @ push
-            effort[:3] += local
-            effort[3:6] += np.cross(self.robot.model.inertias[1].lever, local)
-        return np.asarray(effort)
+            out[:3] = local
+            out[3:6] = np.cross(self.robot.model.inertias[1].lever, local)
+        return out
+
+    def _free_velocity(self, applied: FloatArray) -> FloatArray:
+        """Return the velocity after the step without contacts; Coriolis terms at the mean velocity."""
+        middle = self._v.copy()
+        for _ in range(SPIN_ITERATIONS):
+            effort = applied - self._bias(self.model, self.data, self._q, middle)
+            free, change = rigid_step.free_velocity(self._L, effort, self._v, middle, self.dt, self._floating)
+            if not change > SPIN_TOLERANCE:
+                break
+        return free
 
     def _kinematics(self) -> None:
         """Bring placements, mass matrix, gaps and contact Jacobian up to the present configuration."""
         data = self.data
         self._jacobians(self.model, data, self._q)
-        self._upper = self._crba(self.model, data, self._q)
+        rigid_step.factorise(self._crba(self.model, data, self._q), self._L)
         self._update_frames(self.model, data)
         places = data.oMf
         centres = np.array([places[k].translation for k in self._sphere_frames]).reshape(-1, 3)
@@ -265,7 +276,6 @@ class RigidWorld:
                 return
             rest = np.zeros(self.model.nv)
             near = np.flatnonzero(self._gaps < REACH)
-            rigid_step.free_velocity(self._upper, rest, rest, 1.0, False, self._L)
             Y, G, g = rigid_step.assemble(
                 self._J, self._L, rest, rest, self._gaps, near, 1.0, 0.0, np.inf, 1.0
             )

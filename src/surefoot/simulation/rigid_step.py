@@ -13,7 +13,7 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 
 
-@inline_kernel
+@kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:
     """Write the lower Cholesky factor of a matrix, given by its upper triangle, into L."""
     n = L.shape[0]
@@ -47,25 +47,32 @@ def solve_upper(L: FloatArray, x: FloatArray) -> None:
 
 @kernel
 def free_velocity(
-    upper: FloatArray, effort: FloatArray, v: FloatArray, dt: float, floating: bool, L: FloatArray
-) -> FloatArray:
-    """Return the velocity after dt without contacts, and leave the Cholesky factor of M in L.
+    L: FloatArray, effort: FloatArray, v: FloatArray, middle: FloatArray, dt: float, floating: bool
+) -> tuple[FloatArray, float]:
+    """Return the velocity after dt without contacts, and how far its mean with v is from `middle`.
+
+    `effort` is τ - h at the velocity `middle`, which becomes that mean. Repeating until it stands still is
+    the implicit midpoint rule, under which a spinning body neither gains nor loses energy.
 
     A floating base's velocity keeps the axes that the base has now: v̇ is the rate of the components in
     axes that turn along, so ω x v is added to it. Otherwise a spinning body would gain (ω dt)² / 2 of its
     speed per step.
     """
-    factorise(upper, L)
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
     if floating:
-        out[0] += v[4] * v[2] - v[5] * v[1]
-        out[1] += v[5] * v[0] - v[3] * v[2]
-        out[2] += v[3] * v[1] - v[4] * v[0]
+        a, b, c, x, y, z = middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]
+        out[0] += y * c - z * b
+        out[1] += z * a - x * c
+        out[2] += x * b - y * a
+    change = 0.0
     for i in range(out.size):
         out[i] = v[i] + dt * out[i]
-    return out
+        mean = 0.5 * (v[i] + out[i])
+        change = max(change, abs(mean - middle[i]))
+        middle[i] = mean
+    return out, change
 
 
 @kernel
