@@ -71,7 +71,7 @@ class PinocchioCall:
 def pinocchio_calls(
     problem: ContactProblem, tol: float, method: str, rule: str = "OSQP"
 ) -> Iterable[PinocchioCall]:
-    """Return calls of Pinocchio's "admm" (update rule "OSQP" or "SPECTRAL") or "pgs", loosest first."""
+    """Return calls of Pinocchio's "admm" (rule "OSQP" or "SPECTRAL") or "pgs", loosest first."""
     scale = float(np.abs(problem.g).max(initial=0.0)) or 1.0  # its tolerances are absolute velocities
     most = 20_000 if problem.contacts <= 40 else 3000
     return (PinocchioCall(problem, method, tol * step * scale, most, rule) for step in STEPS)
