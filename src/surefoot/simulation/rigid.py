@@ -8,8 +8,8 @@ with a floating base's linear velocity in world axes, whatever axes v has, and w
 Coulomb and maximum dissipation exactly (`surefoot.solve`). The order in dt is one. An open contact enters
 with u_n + gap / dt >= 0, so that a foot that would hit the ground within the step stops at the surface and
 does not go below it. Impulses never do positive work where the restitution is zero and positions are not
-pulled by velocities. Coriolis terms are taken at the mean of the velocities before and after free motion
-(implicit midpoint), so that a spinning body keeps its energy.
+pulled by velocities. Coriolis terms are taken at the mean velocity of the step (implicit midpoint), so that a
+spinning body keeps its energy.
 
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
 the ground; a sphere on curved ground sees the tangent plane below its centre.
@@ -200,14 +200,18 @@ class RigidWorld:
         return out
 
     def _free_velocity(self, applied: FloatArray) -> FloatArray:
-        """Return the velocity after the step without contacts; Coriolis terms at the mean velocity."""
-        middle = self._v.copy()
+        """Return the velocity after the step without contacts; Coriolis terms at the mean velocity.
+
+        The mean is that of the motion under no forces: what motors and gravity would add without the
+        ground's reaction is no part of a standing robot's motion.
+        """
+        gravity, middle = self._gravity(self.model, self.data, self._q), self._v.copy()
         for _ in range(SPIN_ITERATIONS):
-            effort = applied - self._bias(self.model, self.data, self._q, middle)
-            free, change = rigid_step.free_velocity(self._L, effort, self._v, middle, self.dt, self._floating)
+            coriolis = self._bias(self.model, self.data, self._q, middle) - gravity
+            change = rigid_step.mean_velocity(self._L, coriolis, self._v, middle, self.dt, self._floating)
             if not change > SPIN_TOLERANCE:
                 break
-        return free
+        return rigid_step.free_velocity(self._L, applied - gravity, self._v, middle, self.dt)
 
     def _kinematics(self) -> None:
         """Bring placements, mass matrix, gaps and contact Jacobian up to the present configuration."""
@@ -293,6 +297,7 @@ class RigidWorld:
         self._jacobians, self._crba = pinocchio.computeJointJacobians, pinocchio.crba
         self._update_frames = pinocchio.updateFramePlacements
         self._bias, self._integrate = pinocchio.nonLinearEffects, pinocchio.integrate
+        self._gravity = pinocchio.computeGeneralizedGravity
         self.contact_foot = np.array(
             [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
         )

@@ -46,33 +46,48 @@ def solve_upper(L: FloatArray, x: FloatArray) -> None:
 
 
 @kernel
-def free_velocity(
-    L: FloatArray, effort: FloatArray, v: FloatArray, middle: FloatArray, dt: float, floating: bool
-) -> tuple[FloatArray, float]:
-    """Return the velocity after dt without contacts, and how far its mean with v is from `middle`.
+def mean_velocity(
+    L: FloatArray, coriolis: FloatArray, v: FloatArray, middle: FloatArray, dt: float, floating: bool
+) -> float:
+    """Move `middle` to the mean velocity of a step under no forces; return how far it moved.
 
-    `effort` is τ - h at the velocity `middle`, which becomes that mean. Repeating until it stands still is
-    the implicit midpoint rule, under which a spinning body neither gains nor loses energy.
+    `coriolis` (nv,) are the Coriolis terms of M v̇ + h = τ at the velocity `middle`. Repeating until it
+    stands still is the implicit midpoint rule, under which a spinning body neither gains nor loses energy.
 
     A floating base's velocity keeps the axes that the base has now: v̇ is the rate of the components in
     axes that turn along, so ω x v is added to it. Otherwise a spinning body would gain (ω dt)² / 2 of its
     speed per step.
     """
+    rate = -coriolis
+    solve_lower(L, rate)
+    solve_upper(L, rate)
+    if floating:
+        a, b, c, x, y, z = middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]
+        rate[0] += y * c - z * b
+        rate[1] += z * a - x * c
+        rate[2] += x * b - y * a
+    change = 0.0
+    for i in range(v.size):
+        mean = v[i] + 0.5 * dt * rate[i]
+        change = max(change, abs(mean - middle[i]))
+        middle[i] = mean
+    return change
+
+
+@kernel
+def free_velocity(
+    L: FloatArray, effort: FloatArray, v: FloatArray, middle: FloatArray, dt: float
+) -> FloatArray:
+    """Return the velocity after dt without contacts.
+
+    `middle` is what `mean_velocity` ended with, `effort` (nv,) the motors', push's and gravity's forces.
+    """
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
-    if floating:
-        a, b, c, x, y, z = middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]
-        out[0] += y * c - z * b
-        out[1] += z * a - x * c
-        out[2] += x * b - y * a
-    change = 0.0
     for i in range(out.size):
-        out[i] = v[i] + dt * out[i]
-        mean = 0.5 * (v[i] + out[i])
-        change = max(change, abs(mean - middle[i]))
-        middle[i] = mean
-    return out, change
+        out[i] = 2.0 * middle[i] - v[i] + dt * out[i]
+    return out
 
 
 @kernel
