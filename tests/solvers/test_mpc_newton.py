@@ -24,8 +24,12 @@ def jacobian(point, bound, size=1e-6):
 
 @pytest.fixture
 def program():
-    """A random program: P, its inverse K, q, step, M, bounds, centre and points of every kind."""
-    rng = np.random.default_rng(7)
+    return random_program(7)
+
+
+def random_program(seed):
+    """Return P, its inverse K, q, step, M, bounds, wanted forces and points of every kind."""
+    rng = np.random.default_rng(seed)
     roots = rng.normal(size=(6, N, N))
     P = np.einsum("jab,jcb->jac", roots, roots) + 0.1 * np.eye(N)
     step = np.sort(rng.integers(0, N, CONTACTS))
@@ -135,8 +139,10 @@ def solve(program, tol=1e-8, patience=30, limit=100, guess=None):
 
 
 @pytest.mark.parametrize("patience", [0, 30])
-def test_the_answer_is_a_fixed_point_of_projected_gradients(program, patience):
+@pytest.mark.parametrize("seed", range(12))
+def test_the_answer_is_a_fixed_point_of_projected_gradients(seed, patience):
     """With patience, and by lowering the force weight in stages."""
+    program = random_program(seed)
     P, _, q, step, M, bounds, centre, _ = program
     _, error, _, force = solve(program, patience=patience)
     assert error <= 1e-8
