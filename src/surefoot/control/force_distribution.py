@@ -82,22 +82,25 @@ class ForceDistributor:
         max_iterations: int = 200,
         torque_limit: ArrayLike | None = None,
     ) -> None:
-        self._given = (mu, normal_min, normal_max, force_weight)
+        given = {
+            "mu": mu, "normal_min": normal_min, "normal_max": normal_max, "force_weight": force_weight,
+        }  # fmt: skip
+        self._given = [real_array(name, value) for name, value in given.items()]
         weights = finite_array("wrench_weights", wrench_weights)
         if weights.shape not in ((), (6,)):
             raise ProblemError(f"wrench_weights must be a number or have shape (6,), got {weights.shape}")
         if (weights < 0.0).any():
             raise ProblemError(f"wrench_weights must be >= 0, got {weights.min():g}")
         self._roots = np.sqrt(np.broadcast_to(weights, (6,)))
-        self._smoothness = real_number("smoothness", smoothness, low=0.0)
+        self._smoothness = real_number("smoothness", smoothness, low=0.0, high=1e300)
         self._tol = real_number("tol", tol, low=0.0)
-        self._limit = int(real_number("max_iterations", max_iterations, low=1))
+        self._limit = int(real_number("max_iterations", max_iterations, low=1, high=10**9))
         self._torque_limit = (
             None if torque_limit is None else real_array("torque_limit", torque_limit, (None,))
         )
         if self._torque_limit is not None and not (self._torque_limit >= 0.0).all():
             raise ProblemError(f"torque_limit must be >= 0, got {self._torque_limit.min():g}")
-        sizes = {len(a) for a in map(np.asarray, self._given) if a.ndim > 0}
+        sizes = {len(a) for a in self._given if a.ndim > 0}
         if len(sizes) > 1:
             raise ProblemError(
                 "mu, normal_min, normal_max and force_weight must agree on the number of contacts, "
