@@ -53,7 +53,7 @@ def main(folder: Path, kick: float = 0.4) -> dict[str, float]:
     axes[0, 0].set(
         aspect="equal", xlabel="uphill / (mu f_n)", ylabel="left / (mu f_n)", title="Forces in their cones"
     )
-    axes[0, 0].legend(loc="center left", bbox_to_anchor=(0.08, 0.5))
+    axes[0, 0].legend(loc="upper center", bbox_to_anchor=(0.5, 0.95))
     speed = plan.linear_velocity @ ground
     for j, label in enumerate(("uphill", "left", "off the ground")):
         axes[0, 1].plot(1000 * mpc.dt * np.arange(11), speed[:, j], color=FOOT_COLOURS[j], label=label)
