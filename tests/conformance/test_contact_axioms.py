@@ -142,7 +142,7 @@ def test_lemke_and_admm_agree_on_pyramids(facets: int, fit: str) -> None:
 
 @pytest.mark.parametrize("law", ["coulomb", "convex"])
 def test_a_cube_sliding_on_a_plane(law: str) -> None:
-    """Coulomb: it never lifts off and energy never grows. Convex: it glides up, the known artefact of that law."""
+    """Coulomb: it never lifts off, energy never grows. Convex: it glides up, that law's known artefact."""
     size, mass, dt, mu = 0.2, 1.5, 5e-3, 0.4
     scene = Scene(time_step=dt)
     body = scene.box(np.array([0, 0, size / 2]), np.full(3, size), mass, np.array([2.0, 0.5, 0, 0, 0, 3.0]))

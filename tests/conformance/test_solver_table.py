@@ -120,7 +120,7 @@ def test_solves_its_share_and_claims_no_more(name: str, law: str, cones: str) ->
 
 
 def hard_problems() -> dict[str, sf.ContactProblem]:
-    """Problems that tempt a solver to claim too much: contradictory, singular, badly scaled, without solution."""
+    """Problems that tempt a solver to claim too much: contradictory, singular, badly scaled, insoluble."""
     rng = np.random.default_rng(11)
     J = rng.normal(size=(12, 5))
     spread = np.repeat(10.0 ** np.array([-6.0, 0.0, 3.0, 6.0]), 3)
@@ -206,7 +206,7 @@ def test_claims_on_bounds_and_bilateral_contacts_are_kept(name: str) -> None:
         if name not in sf.solver_names(problem):
             if name not in sf.solver_names():
                 pytest.skip("its package is not installed")
-            with pytest.raises(sf.ProblemError, match="solvers that do: .*auto"):
+            with pytest.raises(sf.ProblemError, match=r"solvers that do: .*auto"):
                 sf.solve(problem, name)
             continue
         tol = 1e-7 if name == "clarabel" else 1e-8  # an interior point leaves the root of its last gap

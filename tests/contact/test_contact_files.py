@@ -145,7 +145,8 @@ def test_every_shared_file_is_solved() -> None:
 def test_shared_lcp_files() -> None:
     """Lemke solves what it can in theory, proves what has no solution, and names the ray otherwise."""
     infeasible = {
-        "lcp_CPS_4.dat", "lcp_CPS_4bis.dat", "lcp_Pang_isolated_sol.dat", "lcp_Pang_isolated_sol_perturbed.dat",
+        "lcp_CPS_4.dat", "lcp_CPS_4bis.dat", "lcp_Pang_isolated_sol.dat",
+        "lcp_Pang_isolated_sol_perturbed.dat",
         "lcp_inf_sol_perturbed.dat", "lcp_tobenna.dat",
     }  # fmt: skip
     rays = {"lcp_CPS_3.dat"}  # a bimatrix game: M is not copositive-plus, and the first pivot meets a ray

@@ -77,7 +77,7 @@ def test_matches_a_projected_fixed_point(convex: bool) -> None:
         for _ in range(4000):
             u = W @ twin + q
             shift = 0.0 if convex else mu * np.hypot(u[0], u[1])
-            twin = cone.project(twin - rho * (u + [0.0, 0.0, shift]))
+            twin = cone.project(twin - rho * (u + np.array([0.0, 0.0, shift])))
         assert local(W, q, mu, 0.0, np.inf, convex) == pytest.approx(twin, abs=1e-7)
 
 

@@ -13,13 +13,13 @@ from surefoot.solvers import admm, lcp_iterative, lemke, natural_map, newton, ne
 def problem(seed: int, contacts: int = 4, law: str = "coulomb") -> sf.ContactProblem:
     rng = np.random.default_rng(seed)
     J = rng.normal(size=(3 * contacts, 5 * contacts))
-    J *= np.repeat(
-        np.kron(np.eye(contacts) + np.eye(contacts, k=1) + np.eye(contacts, k=-1), np.ones((1, 5))), 3, axis=0
-    )
+    coupled = np.kron(sum(np.eye(contacts, k=k) for k in (-1, 0, 1)), np.ones((1, 5)))
+    J *= np.repeat(coupled, 3, axis=0)
     low = np.where(np.arange(contacts) == 1, 0.05, 0.0)
     high = np.where(np.arange(contacts) == 2, 0.2, np.inf)
     g = rng.normal(size=3 * contacts) - np.tile([0, 0, 0.5], contacts)
-    return sf.ContactProblem(J @ J.T, g, rng.uniform(0.1, 0.8, contacts), low, high, law)  # type: ignore[arg-type]
+    mu = rng.uniform(0.1, 0.8, contacts)
+    return sf.ContactProblem(J @ J.T, g, mu, low, high, law)  # type: ignore[arg-type]
 
 
 def laws(p: sf.ContactProblem) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -180,7 +180,9 @@ def test_admm_iterations() -> None:
         x = np.linalg.solve(p.G + (rho + eta) * np.eye(n), rho * z - y + eta * x - p.g - shift)
         mixed = admm.RELAXATION * x + (1 - admm.RELAXATION) * z
         new = np.concatenate([
-            natural_map.project(*(mixed + y / rho)[3 * k : 3 * k + 3], p.mu[k], p.normal_min[k], p.normal_max[k])
+            natural_map.project(
+                *(mixed + y / rho)[3 * k : 3 * k + 3], p.mu[k], p.normal_min[k], p.normal_max[k]
+            )
             for k in range(4)
         ])  # fmt: skip
         y, z = y + rho * (mixed - new), new

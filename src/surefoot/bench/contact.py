@@ -104,7 +104,8 @@ def performance_profile(times: dict[str, FloatArray], ratios: FloatArray) -> dic
 
     Examples
     --------
-    >>> found = performance_profile({"a": np.array([1.0, 4.0]), "b": np.array([2.0, 2.0])}, np.array([1.0, 2.0]))
+    >>> times = {"a": np.array([1.0, 4.0]), "b": np.array([2.0, 2.0])}
+    >>> found = performance_profile(times, np.array([1.0, 2.0]))
     >>> found["a"].tolist(), found["b"].tolist()
     ([0.5, 1.0], [0.5, 1.0])
     """

@@ -27,8 +27,8 @@ STEPS = tuple(10.0 ** -np.arange(-2, 5))
 class PinocchioCall:
     """One problem set up for one of Pinocchio's solvers; a call solves it from a cold start.
 
-    The Delassus operator, the constraint models (which carry only the friction coefficient) and the solver are
-    made beforehand, as a simulator would; only a new result object and the solve are timed.
+    The Delassus operator, the constraint models (which carry only the friction coefficient) and the solver
+    are made beforehand, as a simulator would; only a new result object and the solve are timed.
     """
 
     def __init__(self, problem: ContactProblem, method: str, tol: float, iterations: int, rule: str) -> None:

@@ -197,7 +197,7 @@ def wall(rng: np.random.Generator, rows: int, width: int, mu: float, ratio: floa
 
 
 def pile(rng: np.random.Generator, bodies: int, contacts: int, mu: float, ratio: float) -> ContactProblem:
-    """Return a heap of balls, each resting on earlier ones or the ground; extra contacts between neighbours."""
+    """Return a heap of balls that touch the ground and their nearest neighbours."""
     scene = Scene()
     side = max(2.0, bodies ** (1 / 3))
     centres: list[FloatArray] = []

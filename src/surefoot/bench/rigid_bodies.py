@@ -88,7 +88,7 @@ class Scene:
         return sp.csr_matrix(sp.block_diag(blocks))
 
     def problem(self, restitution_free_gap: FloatArray | None = None) -> ContactProblem:
-        """Return the contact problem of one time step under gravity, with a sparse G [impulses, velocities]."""
+        """Return the contact problem of one time step under gravity (impulses, velocities), G sparse."""
         J = self.jacobian()
         fall = np.zeros(6 * len(self.masses))
         fall[2::6] = -GRAVITY * self.time_step

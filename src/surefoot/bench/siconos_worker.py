@@ -1,8 +1,8 @@
 """Run Siconos on contact problems, in the system's Python.
 
 A program of its own, because Siconos comes as a Debian package for the system's interpreter; it needs NumPy
-and Siconos and nothing of Surefoot. Arguments: the .npz file with G_k, g_k, mu_k (contacts as tangent, tangent,
-normal), the output .npz, and the tolerances to try, loosest first.
+and Siconos and nothing of Surefoot. Arguments: the .npz file with G_k, g_k, mu_k (contacts as tangent,
+tangent, normal), the output .npz, and the tolerances to try, loosest first.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Redundant contacts: what a contact problem determines, and what it leaves open.
 
-If G = J M⁻¹ Jᵀ is rank-deficient, forces along its null space do nothing: they change no velocity and, M being
-positive definite, no joint torque and no net wrench (Jᵀ λ). Velocities, net wrench and motion are then as
-determined as ever; how the load is shared between the points is not, and any share is as good as another.
+If G = J M⁻¹ Jᵀ is rank-deficient, forces along its null space do nothing: they change no velocity and, M
+being positive definite, no joint torque and no net wrench (Jᵀ λ). Velocities, net wrench and motion are
+then as determined as ever; how the load is shared between the points is not, and any share is as good as
+another.
 """
 
 from __future__ import annotations
@@ -43,10 +44,10 @@ class Redundancy:
         """Return one line for a log."""
         if not self.redundant:
             return f"G has full rank {self.rank}: every contact force is determined"
-        loose = int((~self.determined).any(axis=1).sum())
+        loose, free = int((~self.determined).any(axis=1).sum()), self.size - self.rank
         return (
-            f"G has rank {self.rank} of {self.size}: velocities and the net wrench are determined, the forces of "
-            f"{loose} of {len(self.determined)} contacts only up to {self.size - self.rank} directions"
+            f"G has rank {self.rank} of {self.size}: velocities and the net wrench are determined, the "
+            f"forces of {loose} of {len(self.determined)} contacts only up to {free} directions"
         )
 
 

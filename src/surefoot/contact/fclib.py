@@ -1,8 +1,9 @@
 """FCLIB HDF5 files: local problems (W, q, mu) and global ones (M, H, f, w, mu, and G, b if there are any).
 
-Source: V. Acary, M. Bremond, T. Koziara, F. Perignon, "FCLIB: a collection of discrete 3D frictional contact
-problems", INRIA RT-0444, 2014. Matrices are sparse as in CSparse: nz = -1 columns, -2 rows, else triplets with
-p the columns. A global problem M v = H r + G l + f, u = Hᵀ v + w, Gᵀ v + b = 0 is condensed to its contacts.
+Source: V. Acary, M. Bremond, T. Koziara, F. Perignon, "FCLIB: a collection of discrete 3D frictional
+contact problems", INRIA RT-0444, 2014. Matrices are sparse as in CSparse: nz = -1 columns, -2 rows, else
+triplets with p the columns. A global problem M v = H r + G l + f, u = Hᵀ v + w, Gᵀ v + b = 0 is condensed
+to its contacts.
 """
 
 from __future__ import annotations

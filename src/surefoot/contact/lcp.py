@@ -1,7 +1,7 @@
 """Linear complementarity problems, and contact with polyhedral friction written as one.
 
-A PSD matrix gives an LCP that has a solution if it is feasible, not always. Polyhedral Coulomb friction gives a
-matrix that is neither symmetric nor PSD but copositive: a case for Lemke's method, not for a QP.
+A PSD matrix gives an LCP that has a solution if it is feasible, not always. Polyhedral Coulomb friction
+gives a matrix that is neither symmetric nor PSD but copositive: a case for Lemke's method, not for a QP.
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
 """Siconos text files: friction problems u = W r + q and linear complementarity problems.
 
-A friction problem is: dimension, number of contacts, a matrix, q, mu; an LCP is: size, a matrix, q. A matrix is
-its storage (0 dense, 1 blocks), rows, columns, and then either rows, columns and the entries row by row, or the
-blocks: their number, block rows, block columns, where block rows and columns end, the filled parts of the two
-index arrays, the arrays, and each block's number with its entries column by column. Text may follow.
+A friction problem is: dimension, number of contacts, a matrix, q, mu; an LCP is: size, a matrix, q. A
+matrix is its storage (0 dense, 1 blocks), rows, columns, and then either rows, columns and the entries row
+by row, or the blocks: their number, block rows, block columns, where block rows and columns end, the filled
+parts of the two index arrays, the arrays, and each block's number with its entries column by column. Text
+may follow.
 """
 
 from __future__ import annotations

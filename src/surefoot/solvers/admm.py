@@ -1,10 +1,10 @@
 """Proximal ADMM: a linear solve and a projection in turn, with an adaptive penalty.
 
-With z in K a copy of the forces and y the multiplier of x = z, each iteration solves
-(G + (rho + eta) I) x = rho z - y + eta x_old - g - s, projects z = P_K(x + y / rho), and moves y. For Coulomb's
-law s = (0, 0, mu ||u_t||) follows the last estimate u_t = -y_t; s = 0 for the convex law. Contacts are scaled
-by the size of their blocks first, which leaves cones as they are. The penalty is balanced between the primal
-and dual residuals and the inverse is formed anew only when it changes much.
+With z in K a copy of the forces and y the multiplier of x = z, each iteration solves (G + (rho + eta) I) x
+= rho z - y + eta x_old - g - s, projects z = P_K(x + y / rho), and moves y. For Coulomb's law s = (0, 0, mu
+||u_t||) follows the last estimate u_t = -y_t; s = 0 for the convex law. Contacts are scaled by the size of
+their blocks first, which leaves cones as they are. The penalty is balanced between the primal and dual
+residuals and the inverse is formed anew only when it changes much.
 
 Source: J. Carpentier, Q. Le Lidec, L. Montaut, "From compliant to rigid contact simulation: a unified and
 efficient approach", RSS 2024; S. Boyd et al., "Distributed optimization and statistical learning via ADMM",

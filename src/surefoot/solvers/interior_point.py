@@ -1,8 +1,8 @@
 """Primal-dual interior point on the product of second-order cones and normal bounds.
 
-Mehrotra's predictor-corrector with Nesterov-Todd scaling. For the convex law this is the textbook method for
-min 1/2 xᵀHx + cᵀx over cones. For Coulomb's law the linear term carries the De Saxcé shift mu ||u_t||, smoothed
-with the barrier and linearised along, which makes the reduced matrix non-symmetric.
+Mehrotra's predictor-corrector with Nesterov-Todd scaling. For the convex law this is the textbook method
+for min 1/2 xᵀHx + cᵀx over cones. For Coulomb's law the linear term carries the De Saxcé shift mu ||u_t||,
+smoothed with the barrier and linearised along, which makes the reduced matrix non-symmetric.
 
 Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIOPT 2, 1992;
 L. Vandenberghe, "The CVXOPT linear and quadratic cone program solvers", 2010 (scaling and corrector);
@@ -38,7 +38,7 @@ The barrier leaves about the root of its gap in contacts that are only just acti
 
 @dataclass(frozen=True)
 class _Program:
-    """The problem in scaled unknowns: x = E y with cones s = A y + b, first a block of 3 per cone, then rows."""
+    """The problem in scaled unknowns: cones s = A y + b, first a block of 3 per cone, then single rows."""
 
     H: FloatArray
     c: FloatArray
@@ -191,7 +191,8 @@ def solve_interior_point(
     end = time.perf_counter() + settings.max_time
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     best, best_gap, done, stop, since = np.zeros(3 * problem.contacts), math.inf, 0, Status.MAX_ITERATIONS, 0
-    for done in range(1, limit + 1):
+    while done < limit:
+        done += 1
         with np.errstate(all="ignore"):  # past the last digit of the barrier: found out below
             y, s, z = _advance(p, y, s, z, unit, degree, coulomb)
         if not np.isfinite(y).all():

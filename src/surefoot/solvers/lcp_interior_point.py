@@ -1,8 +1,8 @@
 """Mehrotra's predictor-corrector for monotone LCPs.
 
-Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIOPT 2, 1992; S. J. Wright,
-"Primal-Dual Interior-Point Methods", 1997, chapter 8. Limits: PSD matrices (not necessarily symmetric); on
-others it may stall, and says so.
+Source: S. Mehrotra, "On the implementation of a primal-dual interior point method", SIOPT 2, 1992; S. J.
+Wright, "Primal-Dual Interior-Point Methods", 1997, chapter 8. Limits: PSD matrices (not necessarily
+symmetric); on others it may stall, and says so.
 """
 
 from __future__ import annotations

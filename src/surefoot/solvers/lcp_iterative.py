@@ -1,8 +1,8 @@
 """Projected Gauss-Seidel (and SOR) for LCPs.
 
-Source: C. W. Cryer, "The solution of a quadratic programming problem using systematic overrelaxation", SICON 9,
-1971. Limits: converges for symmetric positive definite (with a solution also semidefinite) and for diagonally
-dominant matrices; needs a positive diagonal; linear rate.
+Source: C. W. Cryer, "The solution of a quadratic programming problem using systematic overrelaxation",
+SICON 9, 1971. Limits: converges for symmetric positive definite (with a solution also semidefinite) and for
+diagonally dominant matrices; needs a positive diagonal; linear rate.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Damped semismooth Newton on the Fischer-Burmeister equations of an LCP.
 
-phi(z, w) = sqrt(z² + w²) - z - w vanishes exactly where z >= 0, w >= 0, z w = 0; its squared norm is smooth, so
-a line search and, where Newton's direction fails, its gradient globalise the method. The linear system is
-regularised as Levenberg and Marquardt do when it is near singular.
+phi(z, w) = sqrt(z² + w²) - z - w vanishes exactly where z >= 0, w >= 0, z w = 0; its squared norm is
+smooth, so a line search and, where Newton's direction fails, its gradient globalise the method. The linear
+system is regularised as Levenberg and Marquardt do when it is near singular.
 
 Source: T. De Luca, F. Facchinei, C. Kanzow, "A semismooth equation approach to the solution of nonlinear
 complementarity problems", Mathematical Programming 75, 1996.

@@ -1,7 +1,8 @@
 """A positive semidefinite LCP as the quadratic program min zᵀ(M z + q) over z >= 0, M z + q >= 0.
 
-For a symmetric M the optimality conditions of min 1/2 zᵀMz + qᵀz over z >= 0 are the LCP itself. Source: Cottle,
-Pang, Stone 2009, section 1.4. Limits: PSD matrices only (it says so for others); needs the `qp` extra.
+For a symmetric M the optimality conditions of min 1/2 zᵀMz + qᵀz over z >= 0 are the LCP itself. Source:
+Cottle, Pang, Stone 2009, section 1.4. Limits: PSD matrices only (it says so for others); needs the `qp`
+extra.
 """
 
 from __future__ import annotations

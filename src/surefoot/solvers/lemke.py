@@ -1,14 +1,15 @@
 """Lemke's complementary pivoting with lexicographic ratio tests.
 
 A covering variable z0 makes the start feasible; each pivot brings in the complement of what left, until z0
-leaves (a solution) or nothing can (a ray). Ties are broken lexicographically by the rows of the inverse basis,
-so that no basis comes twice. The answer is computed anew from the final basis, not from the tableau.
+leaves (a solution) or nothing can (a ray). Ties are broken lexicographically by the rows of the inverse
+basis, so that no basis comes twice. The answer is computed anew from the final basis, not from the tableau.
 
-Source: R. W. Cottle, J.-S. Pang, R. E. Stone, "The Linear Complementarity Problem", 2009, algorithms 4.4.1 and
-4.4.5, theorem 4.4.12 (copositive-plus: a ray proves infeasibility); Stewart and Trinkle 1996 for friction.
+Source: R. W. Cottle, J.-S. Pang, R. E. Stone, "The Linear Complementarity Problem", 2009, algorithms 4.4.1
+and 4.4.5, theorem 4.4.12 (copositive-plus: a ray proves infeasibility); Stewart and Trinkle 1996 for
+friction.
 
-Limits: a dense tableau, O(n²) a pivot, and the number of pivots can be exponential (Murty's examples). Outside
-the classes that it processes (copositive-plus, P, E0 under conditions ...) a ray proves nothing.
+Limits: a dense tableau, O(n²) a pivot, and the number of pivots can be exponential (Murty's examples).
+Outside the classes that it processes (copositive-plus, P, E0 under conditions ...) a ray proves nothing.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from surefoot.solvers.solver import Answer, Settings, register
 PIVOT = 1e-8
 """Entries below this, relative to the largest of the entering column, are no pivots."""
 TIE = 1e-9
-"""Ratios closer than this, relatively, are ties: redundant contacts make many, and the tableau has rounding."""
+"""Ratios closer than this, relatively, are ties: redundant contacts make many, and tableaus have rounding."""
 DONE, RAY, MORE = 0, 1, 2
 
 
@@ -82,7 +83,7 @@ def _pivot(T: FloatArray, row: int, column: int) -> None:
 
 @kernel
 def _run(T: FloatArray, basis: IntArray, entering: int, limit: int) -> tuple[int, int, int]:
-    """Pivot until done, a ray, or `limit` pivots; return the outcome, the pivots and the next entering variable."""
+    """Pivot until done, a ray, or `limit`; return the outcome, the pivots and the next entering variable."""
     n = T.shape[0]
     for count in range(limit):
         row = _leaving_row(T, entering, basis, n)

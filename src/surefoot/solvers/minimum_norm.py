@@ -76,7 +76,7 @@ Kinds = list[tuple[int, int, int]]
 
 
 def _free_columns(solution: ContactSolution) -> tuple[FloatArray, Kinds]:
-    """Return the directions of force that stay free, and (contact, first column, how many) for each contact."""
+    """Return the free directions of force, and (contact, first column, how many) for each contact."""
     problem, u = solution.problem, solution.velocities
     speed = MOVING * max(float(np.abs(u).max(initial=0.0)), float(np.abs(problem.g).max(initial=0.0)), 1e-300)
     columns: list[FloatArray] = []

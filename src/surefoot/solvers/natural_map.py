@@ -1,4 +1,4 @@
-"""The natural map as solvers use it to stop; the certificate is `contact.residuals`, computed apart from this."""
+"""The natural map as solvers use it to stop; the certificate is another: `contact.residuals`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NOTHING_DONE = 0.1
 
 @inline_kernel
 def relative_gap(gap: float, size: float, free: float) -> float:
-    """Return a gap over max(||λ||, step ||g||), or over free = step ||g|| where it exceeds a tenth of that."""
+    """Return a gap over max(||λ||, free), free = step ||g||; over free if it exceeds a tenth of that."""
     if free > 0.0:
         if gap > NOTHING_DONE * free or 4e-16 * size > NOTHING_DONE * free:
             return max(gap / free, NOTHING_DONE)

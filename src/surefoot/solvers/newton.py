@@ -43,8 +43,8 @@ def classify(
 ) -> IntArray:  # fmt: skip
     """Linearise every contact: its free directions, its equations and the part of the step that is known.
 
-    For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c]; the
-    equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
+    For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c];
+    the equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
     """
     n = mu.size
     count = np.zeros(n, dtype=np.int64)
@@ -121,7 +121,7 @@ def _assemble(
     jump: FloatArray, target: FloatArray, count: IntArray, moved: FloatArray, across: FloatArray,
     A: FloatArray, b: FloatArray,
 ) -> int:  # fmt: skip
-    """Fill the reduced matrix and right-hand side of the linearised equations; return their size (dense G)."""
+    """Fill the reduced matrix and right-hand side of the linearised equations; return their size."""
     n = count.size
     moved[:] = velocities  # u after the known part of the step
     for k in range(n):
@@ -150,7 +150,7 @@ def _assemble(
 
 @kernel
 def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
-    """Solve A x = b in place (x in b), m equations, by elimination with row pivoting; False for a zero pivot."""
+    """Solve m equations A x = b in place (x in b), pivoting rows; return False for a zero pivot."""
     for k in range(m):
         pivot, best = k, abs(A[k, k])
         for i in range(k + 1, m):
@@ -194,8 +194,8 @@ def spread(
 
 @kernel
 def newton_dense(
-    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, scale: float,
-    tol: float, limit: int, local: FloatArray, forces: FloatArray, velocities: FloatArray,
+    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
+    scale: float, tol: float, limit: int, local: FloatArray, forces: FloatArray, velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Take Newton steps while the natural map falls well; return the steps and the relative gap reached.
 
@@ -239,10 +239,10 @@ def newton_dense(
 
 @kernel
 def run_dense(
-    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, scale: float,
-    tol: float, rounds: int, burst: int, forces: FloatArray,
+    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
+    scale: float, tol: float, rounds: int, burst: int, forces: FloatArray,
 ) -> tuple[int, int, float]:  # fmt: skip
-    """Alternate bursts of Gauss-Seidel sweeps with Newton steps; return sweeps, steps, and the relative gap."""
+    """Alternate Gauss-Seidel sweeps with Newton steps; return sweeps, steps, and the relative gap."""
     local = prepare_dense(G)
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)

@@ -80,7 +80,7 @@ def refresh_dense(G: FloatArray, g: FloatArray, forces: FloatArray, velocities: 
 
 @inline_kernel
 def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float, float, int]:
-    """Return the relaxation, the best gap and the sweeps since it: smaller steps when sweeps go in circles."""
+    """Return the relaxation, the best gap and the sweeps since it: shorter steps against circles."""
     if gap < 0.99 * best:
         return relax, gap, 0
     if since >= CIRCLE:
@@ -130,8 +130,8 @@ def prepare_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> F
 
 @kernel
 def sweep_blocks(
-    starts: IntArray, columns: IntArray, values: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray,
-    high: FloatArray, convex: bool, relax: float, forces: FloatArray, velocities: FloatArray,
+    starts: IntArray, columns: IntArray, values: FloatArray, local: FloatArray, mu: FloatArray,
+    low: FloatArray, high: FloatArray, convex: bool, relax: float, forces: FloatArray, velocities: FloatArray,
 ) -> None:  # fmt: skip
     """Run once over all contacts of a block matrix, updating flat forces and velocities."""
     for k in range(mu.size):
@@ -190,7 +190,6 @@ def use_blocks(problem: ContactProblem) -> bool:
 def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law by Gauss-Seidel with exact local solves; an iteration is one sweep."""
     forces = start_forces(problem, warm_start)
-    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time
     sweep = Sweeper(problem, forces)
@@ -225,6 +224,6 @@ class Sweeper:
                 self.forces, self.state,
             )  # fmt: skip
         return run_blocks(
-            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, self.step, tol, sweeps,
-            self.local, self.forces, self.state,
+            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, self.step, tol,
+            sweeps, self.local, self.forces, self.state,
         )  # fmt: skip

@@ -29,7 +29,7 @@ CLOSE = 1e-4
 
 @kernel
 def prepare(G00: float, G01: float, G02: float, G11: float, G12: float, G22: float, out: FloatArray) -> None:
-    """Fill out[0:6] with a damped 3x3 block (00, 01, 02, 11, 12, 22), [6:12] its inverse, [12] the damping."""
+    """Fill out: [0:6] the damped 3x3 block (00, 01, 02, 11, 12, 22), [6:12] its inverse, [12] the damping."""
     trace = G00 + G11 + G22
     damping = LOCAL_DAMPING * trace if trace > 0.0 else 1.0
     a, b, c = G00 + damping, G11 + damping, G22 + damping

@@ -17,7 +17,7 @@ from surefoot.solvers.natural_map import project
 def project_any(
     x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
 ) -> tuple[float, float, float]:
-    """Return the nearest admissible force; facets = 0 means the exact cone, low = -inf a bilateral contact."""
+    """Return the nearest admissible force; facets = 0 is the exact cone, low = -inf a bilateral contact."""
     if facets == 0 or low == -math.inf or mu == 0.0:
         return project(x, y, z, mu, low, high)
     half = math.pi / facets

@@ -1,11 +1,12 @@
 """Staggered: Coulomb's law as a fixed point of convex problems.
 
-With the De Saxcé shift s = mu ||u_t|| frozen, the contact laws are those of a convex program; solving it gives
-the next s. Each convex program is solved by Gauss-Seidel with Newton steps, warm-started, and only as
+With the De Saxcé shift s = mu ||u_t|| frozen, the contact laws are those of a convex program; solving it
+gives the next s. Each convex program is solved by Gauss-Seidel with Newton steps, warm-started, and only as
 accurately as the outer iteration deserves.
 
-Source: V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, "A formulation of the linear discrete Coulomb friction
-problem via convex optimization", ZAMM 91(2), 2011 (existence by this fixed point); F. Cadoux, PhD thesis, 2009.
+Source: V. Acary, F. Cadoux, C. Lemaréchal, J. Malick, "A formulation of the linear discrete Coulomb
+friction problem via convex optimization", ZAMM 91(2), 2011 (existence by this fixed point); F. Cadoux, PhD
+thesis, 2009.
 
 Limits: linear convergence, and none where mu and the coupling of normal and tangential motion are large (the
 step in s is then shortened, which helps and proves nothing). For the convex law s = 0 and one pass is enough.
@@ -43,7 +44,8 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     shift = _shift(problem, forces, held) if coulomb else np.zeros(problem.contacts)
     relax, last, done, stop = 1.0, math.inf, 0, Status.MAX_ITERATIONS
     best, best_gap, since = forces.copy(), math.inf, 0
-    for done in range(1, limit + 1):
+    while done < limit:
+        done += 1
         convex.g = problem.g.copy()
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol

@@ -53,7 +53,11 @@ def draw_speed_up(ratios: dict[str, float], title: str, path: Path) -> Path:
     axis.axvline(1.0, color=MUTED, linewidth=1.0)
     axis.axvline(ratios["all"], color=FOOT_COLOURS[2], linewidth=1.3, linestyle="--")
     axis.text(
-        ratios["all"], len(names) - 0.3, f" geometric mean {ratios['all']:.1f}x", color=FOOT_COLOURS[2], va="bottom"
+        ratios["all"],
+        len(names) - 0.3,
+        f" geometric mean {ratios['all']:.1f}x",
+        color=FOOT_COLOURS[2],
+        va="bottom",
     )
     axis.set_xscale("log")
     axis.set_ylim(-0.6, len(names) + 0.6)
