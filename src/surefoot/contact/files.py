@@ -75,7 +75,8 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
         return path
     if problem.law != "coulomb" or problem.facets is not None or _extras(problem):
         raise ProblemError(
-            f"a {path.suffix} file holds Coulomb's law on exact cones with no bounds or bilateral ones; use .npz"
+            f"a {path.suffix} file holds Coulomb's law on exact cones, without normal bounds or bilateral "
+            "contacts; use .npz"
         )
     if kind == "fclib":
         from surefoot.contact import fclib
