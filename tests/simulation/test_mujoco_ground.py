@@ -1,0 +1,92 @@
+"""MuJoCo's ground is the terrain: rays from above meet it at its height, and frames follow its normals."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from surefoot.errors import ProblemError
+from surefoot.robot import load_robot
+from surefoot.simulation.mujoco import add_ground
+from surefoot.simulation.mujoco_contacts import frames_along
+from surefoot.simulation.walk_terrain import PitTerrain, check_ground, rough_ground, start_pose
+from surefoot.spatial import rotation_from_normal
+from surefoot.stance import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain, Terrain
+
+TERRAINS = [
+    FlatTerrain(),
+    SlopeTerrain(12.0),
+    StairsTerrain(0.08, 0.3, steps=4),
+    StairsTerrain(-0.1, 0.25, steps=3),
+    PitTerrain(0.5, 0.3, 0.07),
+    rough_ground(2, 0.05),
+]
+
+
+def ground_height(model: mujoco.MjModel, data: mujoco.MjData, xy: np.ndarray) -> float:
+    hit = np.zeros(1, dtype=np.int32)
+    top = np.array([*xy, 5.0])
+    return 5.0 - mujoco.mj_ray(model, data, top, np.array([0.0, 0.0, -1.0]), None, 1, -1, hit, None)
+
+
+@pytest.mark.parametrize("terrain", TERRAINS, ids=repr)
+def test_rays_meet_the_ground_at_its_height(terrain: Terrain) -> None:
+    spec = mujoco.MjSpec()
+    add_ground(spec, terrain, 0.5)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    rng = np.random.default_rng(0)
+    places = rng.uniform([-1.0, -2.0], [3.0, 2.0], (150, 2))
+    found = [ground_height(model, data, p) for p in places]
+    # a height field is flat within its cells: curvature times the cell's square over eight, at most
+    tolerance = 2e-4 if isinstance(terrain, HeightfieldTerrain) else 1e-9
+    assert found == pytest.approx(terrain.height(places), abs=tolerance)
+
+
+def test_a_ground_without_a_shape_is_told() -> None:
+    class Odd(Terrain):
+        def height(self, xy: object) -> np.ndarray:
+            return np.zeros(np.asarray(xy).shape[:-1])
+
+        def normal(self, xy: object) -> np.ndarray:
+            return np.tile([0.0, 0.0, 1.0], (*np.asarray(xy).shape[:-1], 1))
+
+        def __repr__(self) -> str:
+            return "Odd()"
+
+    with pytest.raises(ProblemError, match="has no shape for Odd"):
+        add_ground(mujoco.MjSpec(), Odd(), 0.5)
+    with pytest.raises(ProblemError, match="height fields of up to"):
+        add_ground(mujoco.MjSpec(), HeightfieldTerrain(np.zeros((2, 2)), 100.0), 0.5)
+
+
+def test_frames_match_the_library() -> None:
+    rng = np.random.default_rng(1)
+    normals = rng.normal(size=(50, 3)) + np.array([0.0, 0.0, 2.0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    wanted = np.array([rotation_from_normal(n) for n in normals])
+    assert frames_along(normals) == pytest.approx(wanted, abs=1e-12)
+    odd = frames_along(np.array([[1.0, 0.0, 0.0]]))[0]
+    assert odd.T @ odd == pytest.approx(np.eye(3))
+    assert np.linalg.det(odd) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("terrain", TERRAINS[:4] + TERRAINS[5:], ids=repr)
+def test_robots_start_on_their_feet(terrain: Terrain) -> None:
+    robot = load_robot("go2")
+    q = start_pose(robot, terrain)
+    check_ground(robot, terrain, q, 0.6)
+    gaps = terrain.gap(robot.foot_positions(q)) - [foot.radius for foot in robot.feet]
+    assert gaps == pytest.approx(np.zeros(4), abs=1e-6)
+
+
+def test_impossible_ground_is_refused_with_what_is_needed() -> None:
+    robot = load_robot("go2")
+    steep = SlopeTerrain(35.0)
+    with pytest.raises(ProblemError, match=r"with friction 0\.6: 0\.70 would be needed"):
+        check_ground(robot, steep, start_pose(robot, steep), 0.6)
+    high = StairsTerrain(0.3, 0.3)
+    with pytest.raises(ProblemError, match=r"steps of 0\.3 m, its legs take"):
+        check_ground(robot, high, start_pose(robot, high), 0.6)
