@@ -9,6 +9,7 @@ import surefoot as sf
 from surefoot.bench.forces import best_known, judge, run_all, run_ours
 from surefoot.bench.forces_instances import CLASSES, four_feet, pushed_stance, read_log
 from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, available, objective, program
+from surefoot.bench.forces_torques import time_torque_limits
 from surefoot.cli.main import main
 from surefoot.viz.forces_bench import plot_accuracy
 
@@ -73,6 +74,12 @@ def test_table_and_picture(tmp_path):
     assert all(r.cone_violation > 1.0 for r in outer)
     path = plot_accuracy(rows, tmp_path)
     assert path.stat().st_size > 20_000
+
+
+def test_torque_limits_bind_and_are_kept():
+    loose, *tight = time_torque_limits(12)
+    assert loose.binding == 0.0
+    assert all(row.binding > 0.5 and row.solved > 0.9 and row.excess <= 1e-9 for row in tight)
 
 
 def test_command_prints_json(capsys):

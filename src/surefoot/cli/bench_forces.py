@@ -30,12 +30,14 @@ def forces(
     from surefoot.bench.forces import run_all
     from surefoot.bench.forces_accuracy import measure_accuracy
     from surefoot.bench.forces_instances import busiest, random_instances, read_log
+    from surefoot.bench.forces_torques import time_torque_limits
 
     count = max(2, count // 5) if quick else count
     progress = Console(stderr=True)
     logged = None if log is None else busiest(read_log(log), 5 * count // 2)
     with progress.status("timing") as status:
         rows = run_all(count, 5 * count // 2, logged, lambda text: status.update(text))
+        torques = time_torque_limits(count)
         status.update("checking against Clarabel")
         checks = {
             weight: measure_accuracy(random_instances(instances), weight) if instances else None
@@ -43,10 +45,13 @@ def forces(
         }
     if json:
         found = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
-        print(to_json({"rows": [asdict(row) for row in rows], "accuracy": found}))
+        rows_found = {"rows": [asdict(row) for row in rows], "torques": [asdict(row) for row in torques]}
+        print(to_json({**rows_found, "accuracy": found}))
     else:
         console = Console()
-        _print(console if console.width >= WIDTH else Console(width=WIDTH), rows, checks)
+        console = console if console.width >= WIDTH else Console(width=WIDTH)
+        _print(console, rows, checks)
+        _print_torques(console, torques)
     if out is not None:
         from surefoot.viz.forces_bench import plot_accuracy
 
@@ -81,3 +86,13 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
                 f"which {found.far_lower} have the lower objective and residual on our side; "
                 f"off the cone by at most {found.cone_violation:.1e} N"
             )
+
+
+def _print_torques(console: Console, rows: list[Any]) -> None:
+    """Print what torque limits cost, a line per limit."""
+    for row in rows:
+        console.print(
+            f"torque limit {row.limit:g} N·m: binds in {row.binding:.0%}, solved {row.solved:.0%}, "
+            f"worst excess {row.excess:.1e} N·m, {1e6 * row.timing.median:.1f} µs median, "
+            f"{1e6 * row.timing.p99:.1f} µs p99"
+        )
