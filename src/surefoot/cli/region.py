@@ -29,7 +29,7 @@ def region(
 ) -> int:
     """Draw where the centre of mass and the zero-moment point may be, and say where they differ and why.
 
-    Exit code 0 if the centre of mass is in its region, 1 if not, 2 for bad input.
+    Exit code 0, or 2 for bad input; `surefoot check` is the command that judges.
     """
     from surefoot.cli.stance_input import asked
     from surefoot.equilibrium.comparison import compare_regions
@@ -59,7 +59,7 @@ def region(
         print(to_json(facts))
     else:
         _print(facts)
-    return 0 if inside else 1
+    return 0
 
 
 def _region_facts(region: Any) -> dict[str, Any]:
