@@ -71,7 +71,7 @@ def test_go2_on_a_slope_holds_by_friction():
 
 
 def flailing_gain(name: str, dt: float) -> float:
-    """Largest energy gain of a limp robot that tumbles in the air for 0.5 s, as a share of its kinetic energy."""
+    """Largest energy gain of a limp robot tumbling for 0.5 s, as a share of its kinetic energy."""
     robot, rng = sf.load_robot(name), np.random.default_rng(0)
     world = RigidWorld(robot, dt=dt)
     turn = np.concatenate([[0, 0, 3.0], rng.normal(size=3), 0.3 * rng.normal(size=robot.joints)])
