@@ -70,6 +70,20 @@ def test_go2_on_a_slope_holds_by_friction():
     assert rows["gap"].min() > -5e-4
 
 
+@pytest.mark.parametrize(
+    "terrain", [sf.HeightfieldTerrain.rough(seed=1), sf.StairsTerrain(0.05, 0.2, 5)], ids=["rough", "stairs"]
+)
+def test_go2_stands_on_uneven_ground(terrain):
+    world, rows = dropped("go2", 0.0, 0.5, terrain)
+    reading = world.contacts()
+    frames = np.array([terrain.frame(p[:2]) for p in reading.positions])
+    total = np.einsum("nij,nj->i", frames, reading.forces)
+    assert total == pytest.approx([0, 0, world.robot.mass * GRAVITY], abs=3.0)
+    assert rows["gap"].min() > -5e-5
+    assert rows["speed"][-1] < 0.05
+    assert world.unsolved == 0
+
+
 def flailing_gain(name: str, dt: float) -> float:
     """Largest energy gain of a limp robot tumbling for 0.5 s, as a share of its kinetic energy."""
     robot, rng = sf.load_robot(name), np.random.default_rng(0)

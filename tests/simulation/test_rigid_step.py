@@ -11,7 +11,7 @@ from surefoot.robot.dynamics import delassus_dense, mass_matrix
 from surefoot.robot.jacobians import contact_jacobian
 from surefoot.simulation import rigid_step
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.spatial import rotation_about, rotation_from_quaternion
+from surefoot.spatial import rotation_about, rotation_from_normal, rotation_from_quaternion
 
 
 @pytest.fixture
@@ -38,6 +38,17 @@ def test_factor_and_solves(n):
     rigid_step.solve_lower(L, y)
     rigid_step.solve_upper(L, y)
     assert np.allclose(y, np.linalg.solve(M, x), rtol=1e-10)
+
+
+def test_surface_frames_are_those_of_single_normals():
+    rng = np.random.default_rng(3)
+    normals = rng.normal(size=(50, 3))
+    normals[:6] = np.vstack([np.eye(3), -np.eye(3)])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    frames = np.zeros((50, 3, 3))
+    rigid_step.surface_frames(normals, frames)
+    expected = np.array([rotation_from_normal(n) for n in normals])
+    assert np.allclose(frames, expected, atol=1e-12)
 
 
 def test_contact_rows_are_the_contact_jacobian(state):

@@ -225,8 +225,7 @@ class RigidWorld:
             self._gaps = centres @ self._plane[:, 2] - self._radii
         else:
             self._gaps = self.terrain.gap(centres) - self._radii
-            for k, centre in enumerate(centres):
-                self._frames[k] = self.terrain.frame(centre[:2])
+            rigid_step.surface_frames(self.terrain.normal(centres[:, :2]), self._frames)
         self._points = centres - self._radii[:, None] * self._frames[:, :, 2]
         rigid_step.contact_rows(data.J, self._support, self._points, self._frames, self._J)
 
