@@ -139,7 +139,7 @@ def test_newton_step_solves_the_linearised_equations(law: str) -> None:
             local = nsgs.prepare_dense(p.G)
             step = 1.0 / p.norm
             force, u = start.copy(), p.G @ start + p.g
-            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", step, 0.0, 1, local, force, u)
+            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", step, 0.0, 1, 0.1, local, force, u)
             errors.append(np.abs(force - exact.forces.ravel()).max())
         assert errors[0] < 1e-3
         assert errors[1] < max(0.1 * errors[0], 1e-9), (seed, errors)
@@ -160,9 +160,9 @@ def test_sparse_newton_steps_are_the_dense_ones() -> None:
     local, b = nsgs.prepare_dense(p.G), p.blocks
     start = sf.solve(p, "nsgs", max_iterations=3).forces.ravel()
     dense, u = start.copy(), p.G @ start + p.g
-    newton.newton_dense(p.G, p.g, *laws(p), False, 1.0 / p.norm, 1e-10, 4, local, dense, u)
+    newton.newton_dense(p.G, p.g, *laws(p), False, 1.0 / p.norm, 1e-10, 4, 0.1, local, dense, u)
     sparse = start.copy()
-    newton_sparse.newton_sparse(p, b, local, 1e-10, 4, np.inf, sparse)
+    newton_sparse.newton_sparse(p, b, local, 1e-10, 4, 0.1, np.inf, sparse)
     assert np.allclose(dense, sparse, atol=1e-9)
 
 

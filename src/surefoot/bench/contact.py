@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.bench.contact_rivals import pinocchio_calls, siconos_installed, siconos_runs
+from surefoot.bench.contact_rivals import Measured, pinocchio_calls, siconos_installed, siconos_runs
 from surefoot.bench.problems import NamedProblem
 from surefoot.bench.timing import one_core
 from surefoot.contact import ContactProblem, read_problem, residuals
@@ -26,6 +27,7 @@ RIVALS = {
 }
 OURS = ("auto", "nsgs", "newton", "admm", "interior_point", "staggered")
 ROBOT_SCALE = 25
+RIVAL_STACK = 512 * 2**20
 
 
 @dataclass(frozen=True)
@@ -160,8 +162,38 @@ def compare(
     progress
         Is told the name of each problem.
     """
-    runs: list[Run] = []
     siconos = siconos_runs([p.problem for p in problems], tol) if rivals and siconos_installed() else {}
+    runs: list[Run] = []
+    faults: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            runs.extend(_all_runs(problems, tol, solvers, rivals, max_time, progress, siconos))
+        except BaseException as fault:
+            faults.append(fault)
+
+    # Pinocchio keeps its temporaries on the stack and dies of a common one at a few hundred contacts
+    before = threading.stack_size(RIVAL_STACK)
+    thread = threading.Thread(target=work)
+    thread.start()
+    threading.stack_size(before)
+    thread.join()
+    if faults:
+        raise faults[0]
+    return Comparison(tol, tuple(runs))
+
+
+def _all_runs(
+    problems: Sequence[NamedProblem],
+    tol: float,
+    solvers: Sequence[str],
+    rivals: bool,
+    max_time: float,
+    progress: Callable[[str], None],
+    siconos: dict[str, list[list[Measured]]],
+) -> list[Run]:
+    """Return every run, on one core."""
+    runs: list[Run] = []
     with one_core():
         for k, named in enumerate(problems):
             progress(named.name)
@@ -171,7 +203,7 @@ def compare(
                 runs.append(_pinocchio(named, name, method, rule, tol))
             for name, found in siconos.items():
                 runs.append(_siconos(named, name, found[k], tol))
-    return Comparison(tol, tuple(runs))
+    return runs
 
 
 def _run(named: NamedProblem, solver: str, seconds: float, residual: float, tol: float) -> Run:

@@ -21,7 +21,7 @@ from surefoot.contact.residuals import certificate, certify_dense
 from surefoot.contact.solution import Status
 from surefoot.errors import SurefootError
 from surefoot.kernels import kernel
-from surefoot.solvers.newton import run_dense
+from surefoot.solvers.newton import PROXIMAL_SHARES, run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
 from surefoot.solvers.nsgs import Sweeper
 from surefoot.solvers.solver import (
@@ -162,14 +162,16 @@ def alternate(
     """Alternate sweeps and Newton steps on the blocks of G; update flat forces in place."""
     sweep = Sweeper(problem, forces, blocks=True)
     done, relative = 0, math.inf
-    for _ in range(rounds):
+    for attempt in range(rounds):
         sweeps, solved = sweep(settings.tol, burst)
         done += sweeps
         if solved:
             return done, 0.0
         if time.perf_counter() > end:
             break
-        steps, relative = newton_sparse(problem, problem.blocks, sweep.local, settings.tol, 30, end, forces)
+        steps, relative = newton_sparse(
+            problem, problem.blocks, sweep.local, settings.tol, 30, PROXIMAL_SHARES[attempt % 3], end, forces
+        )
         done += steps
         if relative <= settings.tol or time.perf_counter() > end:
             break

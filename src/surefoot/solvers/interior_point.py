@@ -218,7 +218,7 @@ def solve_interior_point(
     if settings.tol < best_gap < POLISH and time.perf_counter() < end:
         blocks = problem.blocks
         local = prepare_blocks(blocks.starts, blocks.columns, blocks.values)
-        steps, _ = newton_sparse(problem, blocks, local, settings.tol, 20, end, best)
+        steps, _ = newton_sparse(problem, blocks, local, settings.tol, 20, 0.1, end, best)
         done += steps
     return Answer(best.reshape(-1, 3), done, stop)
 

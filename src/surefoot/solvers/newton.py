@@ -28,10 +28,11 @@ from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
 PATIENCE = 10
 """Newton steps that may pass without a better natural map."""
-PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARE = 1e-9, 1e-2, 0.1
+PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARES = 1e-9, 1e-2, (0.1, 1e-6, 1.0)
 """The proximal term, relative to the trace of a contact's block: a share of the natural map, within bounds.
 
 Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
+Attempts take turns with the shares: what holds one back lets the next one through.
 """
 
 
@@ -195,7 +196,8 @@ def spread(
 @kernel
 def newton_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    scale: float, tol: float, limit: int, local: FloatArray, forces: FloatArray, velocities: FloatArray,
+    scale: float, tol: float, limit: int, share: float, local: FloatArray, forces: FloatArray,
+    velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Take Newton steps while the natural map falls well; return the steps and the relative gap reached.
 
@@ -216,7 +218,7 @@ def newton_dense(
         done += 1
         kinds = classify(
             forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target,
-            max(PROXIMAL, min(PROXIMAL_FAR, PROXIMAL_SHARE * relative)),
+            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)),
         )  # fmt: skip
         m = _assemble(G, velocities, rows, columns, weight, jump, target, kinds, moved, across, A, b)
         if not lu_solve(A, b, m):
@@ -253,7 +255,7 @@ def run_dense(
     sweeps = steps = 0
     relative = last = np.inf
     relax = 1.0
-    for _ in range(rounds):
+    for attempt in range(rounds):
         for _ in range(burst):
             sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
             sweeps += 1
@@ -265,7 +267,21 @@ def run_dense(
         if relative > 0.5 * last and burst > 20:
             relax = max(0.6 * relax, 0.1)
         last = relative
-        used, relative = newton_dense(G, g, mu, low, high, convex, scale, tol, 20, local, forces, velocities)
+        used, relative = newton_dense(
+            G,
+            g,
+            mu,
+            low,
+            high,
+            convex,
+            scale,
+            tol,
+            20,
+            PROXIMAL_SHARES[attempt % 3],
+            local,
+            forces,
+            velocities,
+        )
         steps += used
         if relative <= tol:
             break

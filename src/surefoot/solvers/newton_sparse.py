@@ -18,7 +18,6 @@ from surefoot.solvers.newton import (
     PATIENCE,
     PROXIMAL,
     PROXIMAL_FAR,
-    PROXIMAL_SHARE,
     classify,
     spread,
 )
@@ -102,6 +101,7 @@ def newton_sparse(
     local: FloatArray,
     tol: float,
     limit: int,
+    share: float,
     end: float,
     forces: FloatArray,
 ) -> tuple[int, float]:
@@ -129,7 +129,7 @@ def newton_sparse(
         since += 1
         count = classify(
             current, velocities, local, *laws, convex, rows, columns, weight, jump, target,
-            max(PROXIMAL, min(PROXIMAL_FAR, PROXIMAL_SHARE * relative)),
+            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)),
         )  # fmt: skip
         first = np.concatenate([[0], np.cumsum(count)])
         moved = velocities + block_product(*matrix, jump.ravel())
