@@ -19,7 +19,7 @@ ITERATIONS, ITERATIONS_LARGE, LARGE = 20_000, 2000, 40
 """Sweeps of its Gauss-Seidel, fewer above so many contacts."""
 NEWTON_CONTACTS = 150
 """Its Newton method factorises dense matrices: left out above so many contacts."""
-BUDGET = 5.0
+BUDGET = 2.0
 """Seconds that one method may spend on one problem before tighter tolerances are left out."""
 
 
