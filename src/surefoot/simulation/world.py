@@ -67,7 +67,10 @@ class World(Protocol):
         """Return q (nq,) and v (nv,) in Pinocchio's order."""
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
-        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base, world axes [N]."""
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) force [N] in world axes.
+
+        The force acts at the centre of mass of the base's link.
+        """
 
     def contacts(self) -> ContactReading:
         """Return what the ground did during the last step."""
