@@ -22,8 +22,9 @@ from surefoot.spatial import GRAVITY
 from surefoot.stance import Terrain
 from surefoot.stance.terrain import SlopeTerrain
 
-CAPTURE_SHARE = 0.5
-"""Share of the capture point's offset sqrt(h / g) that corrects the foothold; 1 would stop the body."""
+CAPTURE_SHARE = 1.0
+"""Share of the capture point's offset sqrt(h / g) by which a speed error moves the foothold; at 1 a pendulum
+would come to rest over it."""
 
 
 def raibert(

@@ -18,8 +18,8 @@ EARLY = 0.6
 """A foot that touches after this share of its swing has landed early; before, it only brushes the ground."""
 LOST_TIME = 0.03
 """A foot in stance without contact for this long is looked for below [s]."""
-FREEZE = 0.75
-"""After this share of the swing the target stays where it is."""
+FREEZE, FREEZE_ROUGH = 0.75, 0.4
+"""After this share of the swing the target stays where it is; where the path must clear edges, earlier."""
 DESCENT = 0.06
 """Speed towards the ground at touchdown, as a share of sqrt(g h)."""
 SEARCH = 0.3
@@ -134,7 +134,7 @@ class Feet:
 
     def aim(self, k: int, place: FloatArray) -> None:
         """Set the target of a foot in the air: (2,) nominal place, moved to good ground."""
-        if self.share[k] > FREEZE:
+        if self.share[k] > (FREEZE if self._plane else FREEZE_ROUGH):
             return
         xy = self._search.choose(self.terrain, place)
         normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)

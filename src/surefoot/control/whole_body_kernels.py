@@ -303,6 +303,38 @@ def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
 
 
 @kernel
+def reduce_cost(
+    H: FloatArray, c: FloatArray, offset: FloatArray, gain: FloatArray, root: FloatArray, target: FloatArray
+) -> bool:
+    """Fill root and target so that a = offset + gain w costs ½ ||rootᵀ w - target||²; see `eliminate`."""
+    nv = H.shape[0]
+    HX = np.empty((nv, 6))
+    product(H, gain, HX)
+    root[:] = 0.0
+    trace = 0.0
+    for i in range(6):
+        s = 0.0
+        for j in range(nv):
+            s += HX[j, i] * offset[j] - gain[j, i] * c[j]
+        target[i] = -s
+        for k in range(6):
+            for j in range(nv):
+                root[i, k] += gain[j, i] * HX[j, k]
+        trace += root[i, i]
+    for i in range(6):
+        root[i, i] += 1e-12 * trace
+    if not cholesky(root):
+        return False
+    for i in range(6):
+        for k in range(i):
+            target[i] -= root[i, k] * target[k]
+        target[i] /= root[i, i]
+        for k in range(i + 1, 6):
+            root[i, k] = 0.0
+    return True
+
+
+@kernel
 def eliminate(
     H: FloatArray, c: FloatArray, E: FloatArray, e: FloatArray, offset: FloatArray, gain: FloatArray,
     root: FloatArray, target: FloatArray,
@@ -359,27 +391,4 @@ def eliminate(
         offset[j] = free[j, 0] + X[j, 6]
         for i in range(6):
             gain[j, i] = X[j, i]
-    HX = np.empty((nv, 6))
-    product(H, gain, HX)
-    root[:] = 0.0
-    trace = 0.0
-    for i in range(6):
-        s = 0.0
-        for j in range(nv):
-            s += HX[j, i] * offset[j] - gain[j, i] * c[j]
-        target[i] = -s
-        for k in range(6):
-            for j in range(nv):
-                root[i, k] += gain[j, i] * HX[j, k]
-        trace += root[i, i]
-    for i in range(6):
-        root[i, i] += 1e-12 * trace
-    if not cholesky(root):
-        return False
-    for i in range(6):
-        for k in range(i):
-            target[i] -= root[i, k] * target[k]
-        target[i] /= root[i, i]
-        for k in range(i + 1, 6):
-            root[i, k] = 0.0
-    return True
+    return reduce_cost(H, c, offset, gain, root, target)
