@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import cast
 
@@ -11,6 +12,8 @@ from surefoot.cli import bench, check, cone, model, region, solve, stand, walk
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
+PIPE_WIDTH = "120"
+"""Columns of a table that goes to a file or a pipe, where there is no terminal to fit."""
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 """Click's class for wrong usage, whether Typer brings Click along or depends on it."""
 
@@ -33,6 +36,8 @@ app.add_typer(bench.app, name="bench")
 
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
+    if not sys.stdout.isatty():
+        os.environ.setdefault("COLUMNS", PIPE_WIDTH)
     sys.exit(main(arguments))
 
 
