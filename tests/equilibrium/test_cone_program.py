@@ -43,7 +43,7 @@ def clarabel_value(B, b, c, lorentz):
 
 def solve(B, b, c, lorentz, start, kernel=minimise):
     x, y, z = start.copy(), np.empty(len(b)), np.empty(len(c))
-    status, iterations = kernel(B, b, c, lorentz, x, y, z, 1e-10, -1e9)
+    status, iterations = kernel(B, b, c, lorentz, x, y, z, 1e-10, -1e9, 0.0)
     return status, iterations, x, y, z
 
 

@@ -10,8 +10,8 @@ from surefoot.bench.random_stances import random_case
 from surefoot.bench.statics_rivals import highs_region
 from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
 from surefoot.equilibrium.faces import smallest_face
+from surefoot.equilibrium.limits import squeeze_limit
 from surefoot.equilibrium.region import convex_hull, polygon_area, without_flat_corners
-from surefoot.equilibrium.regions import squeeze_limit
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 

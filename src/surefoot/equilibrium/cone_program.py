@@ -8,8 +8,8 @@ how much push a stance withstands.
 
 Method: Nesterov-Todd scaling with Mehrotra's predictor and corrector, as in L. Vandenberghe, "The
 CVXOPT linear and quadratic cone program solvers" (2010), sections 4-7. The primal equations hold at
-every iterate, since the start satisfies them and no step leaves them; the dual equations hold after the
-first full dual step.
+every iterate, since the start satisfies them and every step makes up for rounding; the dual equations
+hold after the first full dual step.
 
 Limits: dense normal equations of the number of rows; an unbounded program is recognised by its
 growing value, not by a proof.
@@ -175,12 +175,12 @@ def _corrector_target(
 @inline_kernel
 def _direction(
     B: FloatArray, BW: FloatArray, M: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int,
-    target: FloatArray, Wrd: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
+    rp: FloatArray, target: FloatArray, Wrd: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
 ) -> None:  # fmt: skip
-    """Solve B dx = 0, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
+    """Solve B dx = rp, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
     r, m = B.shape
     for j in range(r):
-        s = 0.0
+        s = rp[j]
         for i in range(m):
             s += BW[j, i] * (Wrd[i] - target[i])
         dy[j] = s
@@ -196,7 +196,7 @@ def _direction(
 @kernel
 def minimise(
     B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
-    tol: float, floor: float,
+    tol: float, floor: float, zero: float,
 ) -> tuple[int, int]:  # fmt: skip
     """Solve the cone program in place, from a strictly feasible x.
 
@@ -210,9 +210,11 @@ def minimise(
         (m,), (r,), (m,): in, a strictly feasible x with B x = b (y, z are overwritten); out, the
         solution, the multipliers and z = c - B' y in the cone, z.x = c.x - b.y the gap.
     tol
-        The gap to reach, in the objective's units, or else 1e-10 of the objective.
+        The gap to reach, in the objective's units, or else 1e-10 of the objective less `zero`.
     floor
         Below this objective the program counts as unbounded.
+    zero
+        What the objective is counted from: it may carry a large constant.
 
     Returns
     -------
@@ -226,7 +228,7 @@ def minimise(
     v, lam, target, Wrd, dx, dz, ux, uz, rd = (
         work[0], work[1], work[2], work[3], work[4], work[5], work[6], work[7], work[8],
     )  # fmt: skip
-    BW, M, dy, eta = np.empty((r, m)), np.empty((r, r)), np.empty(r), np.empty(lorentz)
+    BW, M, dy, rp, eta = np.empty((r, m)), np.empty((r, r)), np.empty(r), np.empty(r), np.empty(lorentz)
     _dual_start(B, c, lorentz, y, z)
     for iteration in range(_MOST_ITERATIONS):
         gap, value, residual = 0.0, 0.0, 0.0
@@ -238,13 +240,19 @@ def minimise(
             residual = max(residual, abs(s))
             gap += x[i] * z[i]
             value += c[i] * x[i]
-        if gap <= tol + 1e-10 * abs(value) and residual <= 1e-12:
+        if gap <= tol + 1e-10 * abs(value - zero) and residual <= 1e-12:
             return OPTIMAL, iteration
         if value < floor:
             return UNBOUNDED, iteration
         if not _scale(x, z, lorentz, v, eta):
             return STALLED, iteration
         mu = gap / degree
+        for j in range(r):
+            s, size = b[j], abs(b[j])
+            for i in range(m):
+                s -= B[j, i] * x[i]
+                size += abs(B[j, i] * x[i])
+            rp[j] = s if abs(s) > 1e-11 * size else 0.0  # else it is rounding of its own
         _apply(v, eta, lorentz, False, z, lam)
         _apply(v, eta, lorentz, False, rd, Wrd)
         _normal_matrix(B, v, eta, lorentz, BW, M)
@@ -257,7 +265,7 @@ def minimise(
             else:
                 for i in range(m):
                     target[i] = -lam[i]
-            _direction(B, BW, M, v, eta, lorentz, target, Wrd, dx, dz, dy)
+            _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy)
             primal = _step_to_boundary(lam, dx, lorentz)
             dual = _step_to_boundary(lam, dz, lorentz)
             sigma = (1.0 - min(1.0, primal, dual)) ** 3

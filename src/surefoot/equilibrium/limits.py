@@ -69,6 +69,14 @@ def normal_limits(stance: Stance) -> ForceLimits | None:
     return ForceLimits(np.array(rows), np.array(bound), tuple(names))
 
 
+def squeeze_limit(stance: Stance, most: float) -> ForceLimits:
+    """Return one bound on the sum of all normal forces [N]."""
+    row = np.zeros((1, stance.dim))
+    for part in stance.slices:
+        row[0, part.start + 2] = 1.0
+    return ForceLimits(row, np.array([most]), ("total normal force",))
+
+
 @dataclass(frozen=True)
 class Equations:
     """A stance's question in the solver's coordinates: A x = w, x in Lorentz cones and half-lines.
@@ -155,12 +163,15 @@ def equations(
     if limits is not None and len(limits):
         size = np.linalg.norm(limits.rows, axis=1)
         kept = (limits.bound < _IRRELEVANT * scale * size) | (size == 0.0)
-        row_scale = np.where(size > 0.0, size, 1.0)[kept]
+        size = np.where(size > 0.0, size, 1.0)[kept]
+        distance = limits.bound[kept] / (size * scale)  # of the bound from zero force, in loads
+        reach = np.maximum(1.0, np.abs(distance))  # slacks are counted in it, to be of size one
+        row_scale = size * reach
         rows = (limits.rows[kept] @ stance.corner_map @ force) / row_scale[:, None]
         count = len(row_scale)
         A = np.block([[wrench, np.zeros((6, count))], [rows, np.eye(count)]])
-        w = np.concatenate([w, limits.bound[kept] / (row_scale * scale)])
-        axis = np.concatenate([axis, np.ones(count)])
+        w = np.concatenate([w, distance / reach])
+        axis = np.concatenate([axis, 1.0 / reach])
         force = np.hstack([force, np.zeros((len(force), count))])
     else:
         A = wrench

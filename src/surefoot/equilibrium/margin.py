@@ -101,7 +101,7 @@ def most_margin(
         x[i] += start * e[i]
     dual, z = np.empty(rank - 1), np.empty(m)
     tol, floor = GAP * alpha, b[0] - _ENDLESS_MARGIN * alpha
-    status, _ = minimise(Q[1:rank], b[1:rank], Q[0], lorentz, x, dual, z, tol, floor)
+    status, _ = minimise(Q[1:rank], b[1:rank], Q[0], lorentz, x, dual, z, tol, floor, b[0])
     t = b[0]
     for i in range(m):
         t -= Q[0, i] * x[i]

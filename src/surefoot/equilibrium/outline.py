@@ -121,7 +121,7 @@ def trace(
                 size = 1.0
             for i in range(m):
                 c[i] /= size
-            status, _ = minimise(B, b, c, lorentz, x, y, z, GAP + 1e-5 * tol / size, -1e7)
+            status, _ = minimise(B, b, c, lorentz, x, y, z, GAP + 1e-5 * tol / size, -1e7, 0.0)
             if status == UNBOUNDED:
                 return WITHOUT_BOUND, count, math.inf
             for q in range(2):

@@ -36,7 +36,7 @@ def farthest(
     coordinates(T, pivots, rank, w, b)
     alpha = turn_first_row(Q, rank, a, h, b)
     x, y, z = start.copy(), np.empty(rank - 1), np.empty(m)
-    status, _ = minimise(Q[1:rank], b[1:rank], -Q[0], lorentz, x, y, z, GAP, -1e6)
+    status, _ = minimise(Q[1:rank], b[1:rank], -Q[0], lorentz, x, y, z, GAP, -1e6, -b[0])
     return status, float(Q[0] @ x - b[0]) / alpha
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.equilibrium.faces import smallest_face
-from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits
+from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, most_margin
 from surefoot.equilibrium.outline import OUT_OF_DIRECTIONS, WITHOUT_BOUND, trace
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
@@ -227,14 +227,6 @@ def _region(
         inner, directions, heights, gap + slack, plane, axis, force_limit,
         outcome != OUT_OF_DIRECTIONS,
     )  # fmt: skip
-
-
-def squeeze_limit(stance: Stance, most: float) -> ForceLimits:
-    """Return one bound on the sum of all normal forces [N]."""
-    row = np.zeros((1, stance.dim))
-    for part in stance.slices:
-        row[0, part.start + 2] = 1.0
-    return ForceLimits(row, np.array([most]), ("total normal force",))
 
 
 def _trace(

@@ -13,13 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.equilibrium.limits import ForceLimits, equations, normal_limits
+from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
 from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, axis_scale, most_margin, stand
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 from surefoot.stance import Stance
 
+_RUNAWAY = 1e3
+"""Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
 _MOST_MU = 1e4
 """A stance that needs more friction than this counts as one that no friction saves."""
 
@@ -108,6 +110,11 @@ def _general(
     bounds = limits if bounds is None else bounds.and_also(limits)
     eq = equations(stance, about, load, bounds, facets, fit)
     outcome, margin, x, y = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
+        held = _held_back(stance, about, load, bounds, facets, fit)
+        again = most_margin(held.A, held.e, held.w, held.lorentz)
+        if again[0] in (FEASIBLE, ENDLESS):
+            eq, (outcome, margin, x, y) = held, again
     if outcome in (FEASIBLE, ENDLESS):
         corners = eq.force @ x
         forces = stance.corner_map @ corners
@@ -119,6 +126,20 @@ def _general(
         stance, about, load, False, margin * eq.scale, None, eq.wrench_multiplier(y), None, bounds,
         multipliers, facets, fit,
     )  # fmt: skip
+
+
+def _held_back(
+    stance: Stance,
+    about: FloatArray,
+    load: FloatArray,
+    bounds: ForceLimits,
+    facets: int | None,
+    fit: Literal["inner", "outer"],
+) -> Equations:
+    """Bound the total normal force too: some contacts are bounded, and others squeeze without limit."""
+    reach = np.abs(bounds.bound) / np.maximum(np.linalg.norm(bounds.rows, axis=1), 1e-300)
+    most = _RUNAWAY * float(np.linalg.norm(load)) + 10.0 * float(reach.max())
+    return equations(stance, about, load, bounds.and_also(squeeze_limit(stance, most)), facets, fit)
 
 
 def friction_needed(

@@ -28,7 +28,8 @@ class Verdict:
     margin
         Least distance of a contact's force (of a patch corner's) to the boundary of its cone or to a
         bound [N], the largest that any forces can keep. Negative when impossible; infinite where contacts
-        can squeeze each other without limit (the forces then keep a tenth of the load); minus infinity
+        can squeeze each other without limit (the forces then keep a tenth of the load; where others of
+        the contacts are bounded it is the margin that a total of a thousand loads allows); minus infinity
         where no contact forces at all give the load. A frictionless contact counts its normal force.
     certificate
         (6,) separating wrench y, or None when possible: every admissible set of contact forces f has

@@ -61,7 +61,9 @@ def _size(stance: Stance, com: FloatArray) -> float:
 
 def _ground(axis: Any, stance: Stance, region: Region, com: FloatArray) -> None:
     """Draw the CoM region at the lowest contact's height, and the plumb line of the centre of mass."""
-    floor = float(stance.points().positions[:, 2].min()) if len(stance) else 0.0
+    if not len(stance):
+        return
+    floor = float(stance.points().positions[:, 2].min())
     if len(region.inner) >= 2:
         ring = np.vstack([region.inner, region.inner[:1]])
         axis.plot(ring[:, 0], ring[:, 1], floor, color=COM, lw=1.2)
