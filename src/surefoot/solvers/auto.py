@@ -5,7 +5,8 @@ out who sticks, slides or takes off, with Newton steps, which finish. Larger pro
 on 3x3 blocks with a sparse factorisation. What these leave unsolved is handed on, best forces first: to
 ADMM for Coulomb's law and to an interior point for the convex law, where redundant contacts make sweeps
 crawl. Pyramids: ADMM, then Lemke's method (Coulomb) or a QP solver (convex). The forces returned are the
-best that any of them found; the status is theirs.
+best that any of them found; the status is theirs. `max_time` is checked between methods and iterations; the
+one compiled call of a small problem, a few milliseconds at the very most, is not interrupted.
 """
 
 from __future__ import annotations

@@ -244,22 +244,35 @@ def _solution(
     timings: dict[str, float] | None = None,
 ) -> ContactSolution:
     """Return the solution object; frozen dataclasses fill field by field, this does it at once."""
+    gap, violation, approach, normal_power, slip_power = numbers
     found = object.__new__(Residuals)
-    a, b, c, d, e = numbers
-    found.__dict__.update(
-        natural_map=a, cone_violation=b, penetration_velocity=c, complementarity=d, dissipation=e
+    fill = object.__setattr__
+    fill(
+        found,
+        "__dict__",
+        {
+            "natural_map": gap,
+            "cone_violation": violation,
+            "penetration_velocity": approach,
+            "complementarity": normal_power,
+            "dissipation": slip_power,
+        },
     )
     solution = object.__new__(ContactSolution)
-    solution.__dict__.update(
-        problem=problem,
-        forces=forces,
-        velocities=velocities,
-        status=status,
-        residuals=found,
-        solver=solver,
-        iterations=iterations,
-        solve_time=solve_time,
-        timings=timings or {},
+    fill(
+        solution,
+        "__dict__",
+        {
+            "problem": problem,
+            "forces": forces,
+            "velocities": velocities,
+            "status": status,
+            "residuals": found,
+            "solver": solver,
+            "iterations": iterations,
+            "solve_time": solve_time,
+            "timings": timings or {},
+        },
     )
     return solution
 
