@@ -49,6 +49,10 @@ CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     ),
     "convex": (("interior_point", None, False), ("admm", 4000, True), ("clarabel", None, False)),
 }
+CONES_LARGE: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
+    "coulomb": (("admm", 600, True), ("admm", None, False), ("staggered", 100, True)),
+    "convex": CONES["convex"],
+}
 PYRAMIDS: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (("admm", 2000, True), ("lemke", None, False), ("admm", None, True)),
     "convex": (("admm", 2000, True), ("daqp", None, False), ("admm", None, True)),
@@ -85,7 +89,7 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     done, relative = alternate(problem, settings, start + settings.max_time, forces)
     if relative <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
-    return _hand_on(problem, settings, forces.reshape(-1, 3), done, CONES[problem.law], start)
+    return _hand_on(problem, settings, forces.reshape(-1, 3), done, CONES_LARGE[problem.law], start)
 
 
 @kernel
