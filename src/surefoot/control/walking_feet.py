@@ -134,8 +134,12 @@ class Feet:
 
     def aim(self, k: int, place: FloatArray) -> None:
         """Set the target of a foot in the air: (2,) nominal place, moved to good ground."""
-        if self.share[k] > (FREEZE if self._plane else FREEZE_ROUGH):
+        share = float(self.share[k])
+        if share > (FREEZE if self._plane else FREEZE_ROUGH):
             return
+        if share > FREEZE_ROUGH:  # ever less can be changed without a rush
+            trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
+            place = self.target[k, :2] + trust * (place - self.target[k, :2])
         xy = self._search.choose(self.terrain, place)
         normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
         self.target[k, :2] = xy
