@@ -247,12 +247,7 @@ def minimise(
         if not _scale(x, z, lorentz, v, eta):
             return STALLED, iteration
         mu = gap / degree
-        for j in range(r):
-            s, size = b[j], abs(b[j])
-            for i in range(m):
-                s -= B[j, i] * x[i]
-                size += abs(B[j, i] * x[i])
-            rp[j] = s if abs(s) > 1e-11 * size else 0.0  # else it is rounding of its own
+        _missing(B, b, x, rp)
         _apply(v, eta, lorentz, False, z, lam)
         _apply(v, eta, lorentz, False, rd, Wrd)
         _normal_matrix(B, v, eta, lorentz, BW, M)
@@ -282,6 +277,17 @@ def minimise(
         if max(primal, dual) < 1e-8 or not gap < 1e30:
             return STALLED, iteration
     return STALLED, _MOST_ITERATIONS
+
+
+@inline_kernel
+def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> None:
+    """Set rp = b - B x, or zero where that is no more than its own rounding."""
+    for j in range(rp.size):
+        s, size = b[j], abs(b[j])
+        for i in range(x.size):
+            s -= B[j, i] * x[i]
+            size += abs(B[j, i] * x[i])
+        rp[j] = s if abs(s) > 1e-11 * size else 0.0
 
 
 @inline_kernel
