@@ -31,10 +31,11 @@ from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
 MAX_ITERATIONS = 20_000
-CHECK_EVERY = 20
+CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
+"""Iterations between two looks at the residual and the penalty, and above how many contacts they are more."""
 PROXIMAL = 1e-9
 RELAXATION = 1.6
-BALANCE = 5.0
+BALANCE = 3.0
 """The penalty changes when one residual exceeds the other by this factor."""
 
 
@@ -142,7 +143,7 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     while done < limit:
         if inverse is None:
             inverse, used = _inverse(G, rho + eta), rho
-        now = min(CHECK_EVERY, limit - done)
+        now = min(CHECK_EVERY_LARGE if problem.contacts > LARGE else CHECK_EVERY, limit - done)
         primal, dual = _iterate(inverse, g, *laws, rho, eta, x, z, y, now)
         done += now
         forces = z * D

@@ -1,6 +1,6 @@
 """The default solver: it chooses, combines and keeps to its time.
 
-Exact cones, up to 30 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
+Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
 out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: the same alternation
 on 3x3 blocks with a sparse factorisation. What these leave unsolved is handed on, best forces first: to
 ADMM for Coulomb's law and to an interior point for the convex law, where redundant contacts make sweeps

@@ -58,7 +58,7 @@ Shortcut = Callable[
     tuple[FloatArray, int, FloatArray, Numbers],
 ]
 """(problem, tol, max_iterations, warm_start) -> (forces, iterations, velocities, fields of `Residuals`)."""
-SHORTCUT_CONTACTS = 30
+SHORTCUT_CONTACTS = 45
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
 Function = TypeVar("Function", bound=SolverFunction)
 
