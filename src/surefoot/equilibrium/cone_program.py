@@ -207,20 +207,18 @@ def minimise(
     lorentz
         How many 3-D Lorentz cones come first in x, each (height, two sides); the rest are half-lines.
     x, y, z
-        (m,), (r,), (m,): in, a strictly feasible x with B x = b (y, z are overwritten); out, the
-        solution, the multipliers and z = c - B' y in the cone, z.x = c.x - b.y the gap.
+        (m,), (r,), (m,): in, a strictly feasible x; out, the solution, multipliers and z = c - B' y.
     tol
         The gap to reach, in the objective's units, or else 1e-10 of the objective less `zero`.
     floor
         Below this objective the program counts as unbounded.
     zero
-        What the objective is counted from: it may carry a large constant.
+        What the objective is counted from.
 
     Returns
     -------
     tuple[int, int]
-        OPTIMAL, STALLED (x is feasible, the gap may be larger than tol) or UNBOUNDED; and the
-        iterations used.
+        OPTIMAL, STALLED (x is feasible, the gap may be larger) or UNBOUNDED; and the iterations.
     """
     r, m = B.shape
     degree = lorentz + (m - 3 * lorentz)
@@ -246,7 +244,6 @@ def minimise(
             return UNBOUNDED, iteration
         if not _scale(x, z, lorentz, v, eta):
             return STALLED, iteration
-        mu = gap / degree
         _missing(B, b, x, rp)
         _apply(v, eta, lorentz, False, z, lam)
         _apply(v, eta, lorentz, False, rd, Wrd)
@@ -256,7 +253,7 @@ def minimise(
         sigma, primal, dual = 0.0, 0.0, 0.0
         for corrector in range(2):
             if corrector:
-                _corrector_target(lam, dx, dz, sigma * mu, lorentz, target)
+                _corrector_target(lam, dx, dz, sigma * gap / degree, lorentz, target)
             else:
                 for i in range(m):
                     target[i] = -lam[i]
