@@ -66,7 +66,8 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
     G, g = G / size, g / length
     low, high, mu = problem.normal_min[on] / unit, problem.normal_max[on] / unit, problem.mu[on]
     blocks, bounds, cones = [], [], []
-    lower, upper = np.flatnonzero(low > 0.0), np.flatnonzero(np.isfinite(high))
+    # without friction the second-order cone says nothing of the sign of f_z
+    lower, upper = np.flatnonzero((low > 0.0) | (mu == 0.0)), np.flatnonzero(np.isfinite(high))
     pick_z = _selector(n, 2)
     if lower.size + upper.size:
         blocks.append(sp.vstack([-pick_z[lower], pick_z[upper]]))
