@@ -155,6 +155,7 @@ def _numbers(values: Any, digits: int) -> str:
 
 def _print(facts: dict[str, Any]) -> None:
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     console = Console()
@@ -162,7 +163,7 @@ def _print(facts: dict[str, Any]) -> None:
     console.print(f"{facts['name']}: {facts['verdict']}", style=style, soft_wrap=True, highlight=False)
     table = Table()
     for name in ("contact", "position [m]", "tilt [deg]", "mu", "force x, y, z [N]", "friction used"):
-        table.add_column(name, no_wrap=name in ("position [m]", "force x, y, z [N]"))
+        table.add_column(escape(name), no_wrap=name in ("position [m]", "force x, y, z [N]"))
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)
         used = "-" if row["friction_used"] is None else f"{100 * row['friction_used']:.0f} %"
@@ -170,7 +171,7 @@ def _print(facts: dict[str, Any]) -> None:
         table.add_row(row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, used)
     console.print(table)
     if facts["largest_push"]:
-        table = Table("push at the centre of mass", "largest [N]")
+        table = Table("push at the centre of mass", escape("largest [N]"))
         for name, size in facts["largest_push"].items():
             table.add_row(name, "any" if math.isinf(size) else f"{size:.1f}")
         console.print(table)

@@ -74,6 +74,7 @@ def _region_facts(region: Any) -> dict[str, Any]:
 
 def _print(facts: dict[str, Any]) -> None:
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     from surefoot.equilibrium.region import polygon_area
@@ -82,7 +83,7 @@ def _print(facts: dict[str, Any]) -> None:
     word = "inside" if facts["com_inside"] else "outside"
     style = "bold green" if facts["com_inside"] else "bold red"
     console.print(f"{facts['name']}: the centre of mass is {word} its region", style=style, soft_wrap=True)
-    table = Table("region", "area [cm^2]", "corners", "gap [mm]")
+    table = Table("region", escape("area [cm²]"), "corners", escape("gap [mm]"))
     for name, key in (("centre of mass", "com_region"), ("zero-moment point", "zmp_region")):
         row = facts[key]
         if row is not None:
