@@ -31,6 +31,13 @@ if TYPE_CHECKING:
     from surefoot.contact import write_problem as write_problem
     from surefoot.control.force_distribution import ForceDistributor as ForceDistributor
     from surefoot.control.force_distribution import distribute as distribute
+    from surefoot.control.gait import Gait as Gait
+    from surefoot.control.gait import ModeSchedule as ModeSchedule
+    from surefoot.control.mpc import ConvexMpc as ConvexMpc
+    from surefoot.control.standing import StandingController as StandingController
+    from surefoot.control.standing_plan import StandingPlan as StandingPlan
+    from surefoot.control.walking import WalkingController as WalkingController
+    from surefoot.control.whole_body import WholeBodyController as WholeBodyController
     from surefoot.equilibrium import ForceLimits as ForceLimits
     from surefoot.equilibrium import Region as Region
     from surefoot.equilibrium import Verdict as Verdict
@@ -51,6 +58,8 @@ if TYPE_CHECKING:
     from surefoot.robot import load_robot as load_robot
     from surefoot.robot import place as place
     from surefoot.robot import robot_names as robot_names
+    from surefoot.simulation.mujoco import MujocoWorld as MujocoWorld
+    from surefoot.simulation.rigid import RigidWorld as RigidWorld
     from surefoot.solvers import minimum_norm as minimum_norm
     from surefoot.solvers import solve as solve
     from surefoot.solvers import solve_lcp as solve_lcp
@@ -87,6 +96,12 @@ _HOMES = {
         "write_problem",
     ),
     "control.force_distribution": ("ForceDistributor", "distribute"),
+    "control.gait": ("Gait", "ModeSchedule"),
+    "control.mpc": ("ConvexMpc",),
+    "control.standing": ("StandingController",),
+    "control.standing_plan": ("StandingPlan",),
+    "control.walking": ("WalkingController",),
+    "control.whole_body": ("WholeBodyController",),
     "equilibrium": (
         "ForceLimits",
         "Region",
@@ -101,6 +116,8 @@ _HOMES = {
     ),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
     "robot": ("Robot", "load_robot", "place", "robot_names"),
+    "simulation.mujoco": ("MujocoWorld",),
+    "simulation.rigid": ("RigidWorld",),
     "solvers": ("minimum_norm", "solve", "solve_lcp", "solver_names"),
     "stance": (
         "FlatTerrain",
