@@ -130,7 +130,7 @@ FAULTS: dict[str, Fault] = {
     "push-forward": Fault("push forward, 0.1 s", "N", PUSHES, partial(_push, 1.0, 0.0)),
     "push-back": Fault("push back, 0.1 s", "N", PUSHES, partial(_push, -1.0, 0.0)),
     "ice": Fault("1.5 s of ice", "mu", (0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.06, 0.04, 0.02), _ice),
-    "payload": Fault("unknown payload", "of the mass", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0), _payload),
+    "payload": Fault("unknown payload", "of the mass", (0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0), _payload),
     "too-light": Fault("believed mass too low", "of the mass", (0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3), _mass),
     "too-heavy": Fault("believed mass too high", "of the mass", (1.1, 1.2, 1.3, 1.5, 1.7, 2.0, 2.5), _mass),
     "wrong-mu": Fault(
@@ -139,14 +139,14 @@ FAULTS: dict[str, Fault] = {
         (1.0, 1.5, 2.0, 2.5, 3.0, 4.0),
         _wrong_mu,
     ),
-    "noise": Fault("sensor noise", "times ordinary", (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0), _noise),
+    "noise": Fault("sensor noise", "times ordinary", (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0), _noise),
     "weak-motor": Fault(
         "torque loss of one motor", "of its torque", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0), _weak
     ),
     "hole": Fault(
         "unseen ditch, 0.25 m long", "m deep", (0.01, 0.02, 0.04, 0.06, 0.08, 0.1, 0.12, 0.15), _hole
     ),
-    "delay": Fault("delay of the torques", "ms", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), _delay),
+    "delay": Fault("delay of the torques", "ms", (2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0), _delay),
 }
 
 
