@@ -1,7 +1,7 @@
 """One step of whole-body control, without any simulator: torques, forces, and what gives way.
 
-A Go2 stands and is told to accelerate sideways ever harder. The forces follow until the inner feet reach their
-cones and then lift off altogether; the acceleration that is possible falls behind the one that is wanted.
+A Go2 stands and is told to accelerate sideways ever harder. The forces follow until the inner feet reach
+their cones and then unload altogether; the possible acceleration falls behind the wanted one.
 
 Run: python examples/32_whole_body_step.py [FOLDER]
 """
