@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import pickle
+
 import numpy as np
 import pytest
 
@@ -153,6 +156,36 @@ def test_lu_is_numpy_solve() -> None:
         assert newton.lu_solve(A.copy(), b, m)
         assert np.allclose(b, expected, rtol=1e-8)
     assert not newton.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
+
+
+def test_symmetric_elimination_is_numpy_solve() -> None:
+    rng = np.random.default_rng(1)
+    for m in (1, 2, 7, 30):
+        root, b = rng.normal(size=(m, m)), rng.normal(size=m)
+        A = root @ root.T + 0.1 * np.eye(m)
+        expected = np.linalg.solve(A, b)
+        assert newton.symmetric_solve(A.copy(), b, m)
+        assert np.allclose(b, expected, rtol=1e-8)
+    assert not newton.symmetric_solve(-np.eye(2), np.ones(2), 2)
+
+
+def test_fields_read_late_are_those_read_at_once() -> None:
+    """Solutions of the compiled call cut their arrays out of a buffer: nothing may tell them apart."""
+    p = problem(3, 4)
+    found = sf.solve(p)
+    assert found.solved
+    assert found.forces.shape == found.velocities.shape == (4, 3)
+    assert np.allclose(found.velocities, p.velocity(found.forces), atol=1e-12)
+    again = sf.contact.residuals(p, found.forces)
+    assert found.residuals == again
+    assert found.timings == {}
+    assert dataclasses.replace(found, iterations=7).iterations == 7
+    assert pickle.loads(pickle.dumps(sf.solve(p))).forces.tolist() == found.forces.tolist()
+    assert "natural_map" in repr(sf.solve(p))
+    with pytest.raises(AttributeError, match="nothing"):
+        found.nothing  # noqa: B018
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        found.forces = found.velocities  # type: ignore[misc]
 
 
 def test_sparse_newton_steps_are_the_dense_ones() -> None:

@@ -217,11 +217,11 @@ def _ours(named: NamedProblem, solver: str, tol: float, max_time: float) -> Run:
     """Time `solve` as users call it; the residual is computed once more, from the forces alone."""
     problem: ContactProblem = named.problem
 
-    def call() -> Any:
-        return solve(problem, solver, tol, max_time=max_time)
+    def call() -> FloatArray:
+        return solve(problem, solver, tol, max_time=max_time).forces
 
-    found = call()
-    return _run(named, solver, _median(call), residuals(problem, found.forces).natural_map, tol)
+    forces = call()
+    return _run(named, solver, _median(call), residuals(problem, forces).natural_map, tol)
 
 
 def _pinocchio(named: NamedProblem, name: str, method: str, rule: str, tol: float) -> Run:

@@ -24,7 +24,7 @@ from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.faults import Faults, believed_robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.standing import Ice, Push
+from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.walk_terrain import PitTerrain
 from surefoot.simulation.walking import WalkScenario, run_walking
 from surefoot.stance import FlatTerrain, Terrain
@@ -210,7 +210,7 @@ def survives(robot_name: str, fault: str, level: float, duration: float, seed: i
         seen, VelocityCommand.constant(SPEED), "trot", FlatTerrain(), WalkSettings(mu=believed)
     )
     world = MujocoWorld(robot, trial.ground or FlatTerrain(), trial.mu, payload=trial.payload)
-    scenario = WalkScenario(duration, trial.mu, trial.pushes, trial.ice, trial.faults, seed)
+    scenario = WalkScenario(duration, trial.mu, trial.pushes, trial.ice, seed, trial.faults)
     return bool(run_walking(world, controller, q, scenario).facts["outcome"] == "done")
 
 

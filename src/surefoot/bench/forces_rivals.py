@@ -8,6 +8,7 @@ a wrapper. `cold` solves from nothing; `warm`, where the rival can, goes on from
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -99,7 +100,7 @@ def cone_rows(p: Program) -> tuple[FloatArray, FloatArray]:
     return np.vstack([-Z, Z, -S]), np.concatenate([-p.low[2::3], p.high[2::3], np.zeros(3 * a)])
 
 
-class Rival:
+class Rival(ABC):
     """A solver on one kind of program."""
 
     name = ""
@@ -114,11 +115,13 @@ class Rival:
         """Return the call that solves from the last answer; a cold one where the rival cannot."""
         return self._warm(p) if self.can_warm else self._cold(p)
 
+    @abstractmethod
     def _cold(self, p: Program) -> Call:
-        raise NotImplementedError
+        """Return the call that sets up and solves."""
 
     def _warm(self, p: Program) -> Call:
-        raise NotImplementedError
+        """Return the call that solves from the last answer, for rivals that can."""
+        return self._cold(p)
 
 
 class Clarabel(Rival):

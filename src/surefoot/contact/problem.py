@@ -121,19 +121,22 @@ class ContactProblem:
         self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
     ) -> None:
         """Read the vectors: one compiled check, and the words only where it fails."""
-        self.g = vector = np.array(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
+        vector = np.asarray(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
         self.contacts = n = vector.size // 3
-        self.laws = laws = np.empty((3, n))
-        self.mu, self.normal_min, self.normal_max = laws
+        self.vectors = vectors = np.empty((2, 3 * n))  # g, and the laws: one array for compiled calls
+        self.g, self.laws = vectors[0], vectors[1].reshape(3, n)
+        self.mu, self.normal_min, self.normal_max = laws = self.laws
         try:
             laws[0], laws[1], laws[2] = mu, normal_min, normal_max
-            if vector.ndim == 1 and vectors_fit(vector, laws):
-                return
+            if vector.shape == (3 * n,):
+                self.g[:] = vector
+                if vectors_fit(self.g, laws):
+                    return
         except (TypeError, ValueError):
             pass
-        self.g = finite_array("g", g, (None,))
-        if self.g.size % 3:
-            raise ProblemError(f"g must have three entries per contact, got {self.g.size}")
+        vector = finite_array("g", g, (None,))
+        if vector.size % 3:
+            raise ProblemError(f"g must have three entries per contact, got {vector.size}")
         laws[0] = per_contact("mu", mu, n)
         if np.isinf(self.mu).any():
             raise ProblemError("mu must be finite, got inf")
@@ -215,6 +218,11 @@ class ContactProblem:
     def __repr__(self) -> str:
         sides = "" if self.facets is None else f", facets={self.facets}, fit={self.fit!r}"
         return f"ContactProblem(contacts={self.contacts}, law={self.law!r}{sides})"
+
+    @cached_property
+    def compiled(self) -> tuple[FloatArray, FloatArray, float, bool]:
+        """What one compiled call on exact cones takes: G, the vectors, 1 / ||G||₂, and convex or not."""
+        return self.G, self.vectors, 1.0 / self.norm if self.norm > 0.0 else 1.0, self.law == "convex"
 
     @cached_property
     def norm(self) -> float:

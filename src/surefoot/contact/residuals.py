@@ -107,6 +107,32 @@ def _face_mu(mu: float, facets: int, inner: bool) -> float:
 
 
 @inline_kernel
+def _length(x: float, y: float) -> float:
+    """Return hypot(x, y); its own care for overflow is slow, and seldom needed."""
+    square = x * x + y * y
+    return math.sqrt(square) if 1e-250 < square < 1e250 else math.hypot(x, y)
+
+
+@inline_kernel
+def _nearest_round(
+    x: float, y: float, z: float, mu: float, low: float, high: float
+) -> tuple[float, float, float]:
+    """Return the nearest admissible force of one contact on an exact cone."""
+    radius = _length(x, y)
+    p, r = radius, z
+    if radius > mu * z:
+        r = (mu * radius + z) / (1.0 + mu * mu)
+        p = mu * r
+        if r <= 0.0:
+            p, r = 0.0, 0.0
+    if r < low or r > high:
+        r = low if r < low else high
+        p = min(radius, mu * r)
+    share = p / radius if radius > 0.0 else 0.0
+    return x * share, y * share, r
+
+
+@inline_kernel
 def _nearest(
     x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
 ) -> tuple[float, float, float]:
@@ -115,19 +141,17 @@ def _nearest(
     Works in the half-plane through the normal and the force; for a pyramid in the chamber between a
     face's middle and its edge, which a projection onto a set with the same mirrors never leaves.
     """
+    if facets == 0:
+        return _nearest_round(x, y, z, mu, low, high)
     slope = _face_mu(mu, facets, inner)
     radius = math.hypot(x, y)
     bearing = math.atan2(y, x)
-    turn, side = 0.0, 1.0
-    if facets > 0:
-        sector = 2.0 * math.pi / facets
-        start = 0.5 * sector if inner else 0.0  # direction of the first face's middle
-        turn = start + sector * math.floor((bearing - start) / sector + 0.5)
-        side = 1.0 if bearing >= turn else -1.0
-        a, b = radius * math.cos(bearing - turn), radius * abs(math.sin(bearing - turn))
-        widen = math.tan(0.5 * sector)
-    else:
-        turn, a, b, widen = bearing, radius, 0.0, 0.0
+    sector = 2.0 * math.pi / facets
+    start = 0.5 * sector if inner else 0.0  # direction of the first face's middle
+    turn = start + sector * math.floor((bearing - start) / sector + 0.5)
+    side = 1.0 if bearing >= turn else -1.0
+    a, b = radius * math.cos(bearing - turn), radius * abs(math.sin(bearing - turn))
+    widen = math.tan(0.5 * sector)
     p, q, r = a, b, z
     if a > slope * z:
         r = (slope * a + z) / (1.0 + slope * slope)
@@ -141,7 +165,7 @@ def _nearest(
     if r < low or r > high:
         r = low if r < low else high
         p = min(a, slope * r)
-        q = b if facets == 0 else min(b, widen * slope * r)
+        q = min(b, widen * slope * r)
     cosine, sine = math.cos(turn), math.sin(turn)
     return p * cosine - side * q * sine, p * sine + side * q * cosine, r
 
@@ -149,7 +173,7 @@ def _nearest(
 @inline_kernel
 def _dissipation_limit(ut_x: float, ut_y: float, mu: float, facets: int, inner: bool) -> float:
     """Return the largest -f_t . u_t over the section f_z = 1: mu ||u_t|| for the exact cone."""
-    speed = math.hypot(ut_x, ut_y)
+    speed = _length(ut_x, ut_y)
     if facets == 0 or speed == 0.0:
         return mu * speed
     sector = 2.0 * math.pi / facets

@@ -28,7 +28,6 @@ from surefoot.solvers.nsgs import Sweeper
 from surefoot.solvers.solver import (
     SHORTCUT_CONTACTS,
     Answer,
-    Numbers,
     Settings,
     mismatch,
     register,
@@ -36,7 +35,7 @@ from surefoot.solvers.solver import (
     start_forces,
 )
 
-ROUNDS, BURST = 8, 3
+ROUNDS, BURST = 8, 2
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time)."""
 CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (
@@ -63,18 +62,16 @@ so far: a bad guess can hold a method back, so some start afresh."""
 
 def solve_small(
     problem: ContactProblem, tol: float, max_iterations: int | None, warm_start: FloatArray | None
-) -> tuple[FloatArray, int, FloatArray, Numbers]:
+) -> tuple[FloatArray, int, bool]:
     """Solve a small problem on exact cones, and have it judged, in one compiled call."""
-    norm = problem.norm
-    out = np.zeros((2, problem.contacts, 3))
+    G, vectors, step, convex = problem.compiled
+    n = problem.contacts
+    buffer = np.empty((2 * n + 2, 3))
     if warm_start is not None:
-        out[0] = warm_start
+        buffer[:n] = warm_start
     rounds = ROUNDS if max_iterations is None else min(max_iterations, ROUNDS)
-    done, numbers = _solve_certified(
-        problem.G, problem.g, problem.laws, 1.0 / norm if norm > 0.0 else 1.0, tol, problem.law == "convex",
-        rounds, out,
-    )  # fmt: skip
-    return out[0], done, out[1], numbers
+    done = _solve_certified(G, vectors, step, tol, convex, rounds, warm_start is not None, buffer)
+    return (buffer, done, True) if done >= 0 else (buffer, ~done, False)
 
 
 @register("auto", bilateral=True, polyhedral=True, shortcut=solve_small)
@@ -94,14 +91,25 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
 
 @kernel
 def _solve_certified(
-    G: FloatArray, g: FloatArray, laws: FloatArray, step: float, tol: float, convex: bool, rounds: int,
-    out: FloatArray,
-) -> tuple[int, Numbers]:  # fmt: skip
-    """Solve into out[0] (forces), then let `contact.residuals` fill out[1] (velocities) and judge."""
-    forces = out[0].reshape(g.size)
+    G: FloatArray, vectors: FloatArray, step: float, tol: float, convex: bool, rounds: int, warm: bool,
+    buffer: FloatArray,
+) -> int:  # fmt: skip
+    """Fill the buffer: forces, velocities, and what `contact.residuals` says of them.
+
+    Return the iterations if that is below tol, and less than zero (their bits turned) if it is not.
+    """
+    g, laws = vectors[0], vectors[1].reshape(3, vectors.shape[1] // 3)
+    n = laws.shape[1]
+    shaped, velocities = buffer[:n], buffer[n : 2 * n]
+    forces = shaped.reshape(3 * n)
+    if not warm:
+        forces[:] = 0.0
     sweeps, steps, _ = run_dense(G, g, laws[0], laws[1], laws[2], convex, step, tol, rounds, BURST, forces)
-    numbers = certify_dense(G, g, laws, step, 0, True, not convex, out[0], out[1])
-    return sweeps + steps, numbers
+    numbers = certify_dense(G, g, laws, step, 0, True, not convex, shaped, velocities)
+    buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
+    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
+    done = sweeps + steps
+    return done if numbers[0] <= tol else ~done
 
 
 def _hand_on(

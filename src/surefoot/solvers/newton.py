@@ -28,6 +28,8 @@ from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
 PATIENCE = 10
 """Newton steps that may pass without a better natural map."""
+WORTH = 4.0
+"""Sweeps that a Newton step is worth, plus one for two contacts."""
 PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARES = 1e-9, 1e-2, (0.1, 1e-6, 1.0)
 """The proximal term, relative to the trace of a contact's block: a share of the natural map, within bounds.
 
@@ -135,11 +137,21 @@ def _assemble(
     for k in range(n):
         for c in range(count[k]):
             x, y, z = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-            for j in range(moved.size):  # this equation's row of G
-                across[j] = G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
+            row = across  # this equation's row of G
+            if count[k] == 3:  # three unknowns are the three components, here and below
+                row = G[3 * k + c]
+            else:
+                for j in range(moved.size):
+                    across[j] = G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
             at = 0
             for h in range(n):
-                p, q, r = across[3 * h], across[3 * h + 1], across[3 * h + 2]
+                if count[h] == 0:
+                    continue
+                p, q, r = row[3 * h], row[3 * h + 1], row[3 * h + 2]
+                if count[h] == 3:
+                    A[i, at], A[i, at + 1], A[i, at + 2] = p, q, r
+                    at += 3
+                    continue
                 for d in range(count[h]):
                     A[i, at] = p * columns[h, d, 0] + q * columns[h, d, 1] + r * columns[h, d, 2]
                     at += 1
@@ -147,6 +159,30 @@ def _assemble(
             b[i] = target[k, c] - (moved[3 * k] * x + moved[3 * k + 1] * y + moved[3 * k + 2] * z)
             i += 1
     return i
+
+
+@kernel
+def symmetric_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
+    """Solve m equations A x = b with a positive definite A in place (x in b); False if it is not.
+
+    Elimination on the upper half, without pivoting.
+    """
+    for k in range(m):
+        if not A[k, k] > 0.0:
+            return False
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, m):
+            factor = A[k, i] * inverse
+            if factor != 0.0:
+                for j in range(i, m):
+                    A[i, j] -= factor * A[k, j]
+                b[i] -= factor * b[k]
+    for k in range(m - 1, -1, -1):
+        total = b[k]
+        for j in range(k + 1, m):
+            total -= A[k, j] * b[j]
+        b[k] = total / A[k, k]
+    return True
 
 
 @kernel
@@ -204,15 +240,22 @@ def newton_dense(
     Forces and velocities (flat, consistent) are updated in place and never get worse.
     """
     n = mu.size
-    rows, columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
-    weight, jump, target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    step, moved, b = np.empty(3 * n), np.empty(3 * n), np.empty(3 * n)
-    across, A = np.empty(3 * n), np.empty((3 * n, 3 * n))
-    free = scale * np.sqrt(np.sum(g * g))
+    m = 3 * n
+    work = np.empty(m * (15 + m))  # one allocation: a dozen would take as long as a step
+    rows, columns = work[: 3 * m].reshape(n, 3, 3), work[3 * m : 6 * m].reshape(n, 3, 3)
+    weight, jump = work[6 * m : 7 * m].reshape(n, 3), work[7 * m : 8 * m].reshape(n, 3)
+    target, step = work[8 * m : 9 * m].reshape(n, 3), work[9 * m : 10 * m]
+    moved, b, across = work[10 * m : 11 * m], work[11 * m : 12 * m], work[12 * m : 13 * m]
+    best_forces, best_velocities = work[13 * m : 14 * m], work[14 * m : 15 * m]
+    A = work[15 * m :].reshape(m, m)
+    free = 0.0
+    for j in range(m):
+        free += g[j] * g[j]
+    free = scale * math.sqrt(free)
     gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
     relative = relative_gap(gap, size, free)
     best = relative
-    best_forces, best_velocities = forces.copy(), velocities.copy()
+    best_forces[:], best_velocities[:] = forces, velocities
     done = since = 0
     while done < limit and best > tol and since < PATIENCE:
         done += 1
@@ -221,7 +264,10 @@ def newton_dense(
             max(PROXIMAL, min(PROXIMAL_FAR, share * relative)),
         )  # fmt: skip
         m = _assemble(G, velocities, rows, columns, weight, jump, target, kinds, moved, across, A, b)
-        if not lu_solve(A, b, m):
+        plain = True  # all of them stick, or carry nothing: G itself, symmetric
+        for k in range(n):
+            plain = plain and (kinds[k] == 3 or kinds[k] == 0)
+        if not (symmetric_solve(A, b, m) if plain else lu_solve(A, b, m)):
             break
         spread(columns, jump, kinds, b, step)
         for j in range(step.size):
@@ -255,33 +301,37 @@ def run_dense(
     sweeps = steps = 0
     relative = last = np.inf
     relax = 1.0
+    patience = WORTH + 0.5 * mu.size
     for attempt in range(rounds):
-        for _ in range(burst):
+        count, before = 0, np.inf
+        while True:
             sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
             sweeps += 1
-        refresh_dense(G, g, forces, velocities)
-        gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-        relative = relative_gap(gap, size, free)
+            count += 1
+            gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
+            relative = relative_gap(gap, size, free)
+            if relative <= tol:
+                refresh_dense(G, g, forces, velocities)
+                gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
+                relative = relative_gap(gap, size, free)
+            rate, before = relative / before, relative
+            if relative <= tol:
+                break
+            # a Newton step costs as much as so many sweeps: go on where these will do
+            if count >= burst and not tol > relative * rate**patience:
+                break
+            if count >= burst + 30:
+                break
         if relative <= tol:
             break
+        refresh_dense(G, g, forces, velocities)
         if relative > 0.5 * last and burst > 20:
             relax = max(0.6 * relax, 0.1)
         last = relative
+        share = PROXIMAL_SHARES[attempt % 3]
         used, relative = newton_dense(
-            G,
-            g,
-            mu,
-            low,
-            high,
-            convex,
-            scale,
-            tol,
-            20,
-            PROXIMAL_SHARES[attempt % 3],
-            local,
-            forces,
-            velocities,
-        )
+            G, g, mu, low, high, convex, scale, tol, 20, share, local, forces, velocities
+        )  # fmt: skip
         steps += used
         if relative <= tol:
             break

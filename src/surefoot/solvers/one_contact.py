@@ -41,11 +41,12 @@ def prepare(G00: float, G01: float, G02: float, G11: float, G12: float, G22: flo
         A, B, C = b * c - G12 * G12, G02 * G12 - G01 * c, G01 * G12 - G02 * b
         det = a * A + G01 * B + G02 * C
     out[0], out[1], out[2], out[3], out[4], out[5] = a, G01, G02, b, G12, c
-    out[6], out[7], out[8] = A / det, B / det, C / det
+    share = 1.0 / det
+    out[6], out[7], out[8] = A * share, B * share, C * share
     out[9], out[10], out[11] = (
-        (a * c - G02 * G02) / det,
-        (G01 * G02 - a * G12) / det,
-        (a * b - G01 * G01) / det,
+        (a * c - G02 * G02) * share,
+        (G01 * G02 - a * G12) * share,
+        (a * b - G01 * G01) * share,
     )
     out[12] = damping
 

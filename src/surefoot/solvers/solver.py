@@ -19,6 +19,7 @@ from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
+_clock = time.perf_counter
 
 
 @dataclass(frozen=True)
@@ -55,9 +56,9 @@ class Answer(NamedTuple):
 Numbers = tuple[float, float, float, float, float]
 Shortcut = Callable[
     [ContactProblem, float, int | None, FloatArray | None],
-    tuple[FloatArray, int, FloatArray, Numbers],
+    tuple[FloatArray, int, bool],
 ]
-"""(problem, tol, max_iterations, warm_start) -> (forces, iterations, velocities, fields of `Residuals`)."""
+"""(problem, tol, max_iterations, warm_start) -> (`ContactSolution.from_buffer`'s, iterations, solved)."""
 SHORTCUT_CONTACTS = 45
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
 Function = TypeVar("Function", bound=SolverFunction)
@@ -89,6 +90,7 @@ _MODULES = (
     "external",
 )
 _loaded = False
+_SHORTCUTS: dict[str, Shortcut] = {}
 
 
 def register(
@@ -117,13 +119,16 @@ def register(
         Whether it takes normal bounds other than 0 and infinity.
     shortcut
         What `solve` tries first for few contacts on exact cones: one compiled call that solves and has
-        `contact.residuals` judge. If that is not solved, the function goes on from its forces.
+        `contact.residuals` judge. If that is not solved, the function goes on from its forces. It has to
+        take everything on exact cones: bounds, bilateral contacts, both laws.
     """
 
     def decorate(function: Function) -> Function:
         _REGISTRY[name] = SolverEntry(
             name, function, tuple(laws), exact, polyhedral, bilateral, bounds, shortcut
         )
+        if shortcut is not None:
+            _SHORTCUTS[name] = shortcut
         return function
 
     return decorate
@@ -181,7 +186,8 @@ def solve(
     ProblemError
         If the solver does not take this law or these cones, or a setting is out of range.
     """
-    start = time.perf_counter()
+    start = _clock()
+    shortcut = _SHORTCUTS.get(solver)
     if not (0.0 <= tol < math.inf and max_time >= 0.0):
         real_number("tol", tol, low=0.0, high=1e300)
         real_number("max_time", max_time, low=0.0)
@@ -189,19 +195,20 @@ def solve(
         raise ProblemError(f"max_iterations must be >= 0, got {max_iterations}")
     if warm_start is not None:
         warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
-    entry = find_solver(solver, problem)
+    if shortcut is None:
+        shortcut = find_solver(solver, problem).shortcut
     before = 0
-    if entry.shortcut is not None and problem.facets is None and 0 < problem.contacts <= SHORTCUT_CONTACTS:
-        forces, before, velocities, numbers = entry.shortcut(problem, tol, max_iterations, warm_start)
-        if numbers[0] <= tol:
-            spent = time.perf_counter() - start
-            return _solution(problem, forces, velocities, Status.SOLVED, numbers, entry.name, before, spent)
-        warm_start = forces
+    if shortcut is not None and problem.facets is None and 0 < problem.contacts <= SHORTCUT_CONTACTS:
+        buffer, before, solved = shortcut(problem, tol, max_iterations, warm_start)
+        if solved:
+            return ContactSolution.from_buffer(problem, buffer, solver, before, _clock() - start)
+        warm_start = buffer[: problem.contacts]
+    entry = find_solver(solver, problem)
     if problem.contacts == 0:
         answer = Answer(np.zeros((0, 3)), 0)
     else:
         answer = entry.function(problem, Settings(tol, max_iterations, max_time), warm_start)
-    found = certify(problem, answer, entry.name, tol, time.perf_counter() - start)
+    found = certify(problem, answer, entry.name, tol, _clock() - start)
     return found if before == 0 else replace(found, iterations=before + found.iterations)
 
 
