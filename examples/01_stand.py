@@ -14,7 +14,8 @@ import surefoot as sf
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.standing import StandScenario, run_standing
+from surefoot.simulation.run import Scenario
+from surefoot.simulation.standing import run_standing
 from surefoot.viz.video import Renderer, RenderError, cone_lines, log_arrows
 
 
@@ -27,7 +28,7 @@ def main(picture: Path) -> np.ndarray:
     print("can it stand?", verdict)
 
     controller = StandingController(robot, StandingPlan(robot, terrain, q), terrain, q, mu)
-    log = run_standing(MujocoWorld(robot, terrain, mu), controller, q, StandScenario(1.0, mu))
+    log = run_standing(MujocoWorld(robot, terrain, mu), controller, q, Scenario(1.0, mu))
     normal = log["forces"][-500:, :, 2].mean(axis=0)
     for name, force in zip(robot.foot_names, normal, strict=True):
         print(f"{name}: {force:.1f} N")

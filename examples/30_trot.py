@@ -12,7 +12,7 @@ import surefoot as sf
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.standing import Push
+from surefoot.simulation.run import Push
 from surefoot.simulation.walk_summary import summarise_walk
 from surefoot.simulation.walk_terrain import rough_ground, start_pose
 from surefoot.simulation.walking import WalkScenario, run_walking

@@ -13,15 +13,8 @@ from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.errors import ProblemError
 from surefoot.simulation.log import FIELDS, Log, read_log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.standing import (
-    Ice,
-    Push,
-    StandScenario,
-    fallen,
-    push_at,
-    run_standing,
-    start_velocity,
-)
+from surefoot.simulation.run import Ice, Push, Scenario, push_at, start_velocity
+from surefoot.simulation.standing import fallen, run_standing
 from surefoot.simulation.summary import summarise, tilt_angles
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 
@@ -39,7 +32,7 @@ def stand(
     q = sf.place(robot, terrain)
     controller = StandingController(robot, StandingPlan(robot, terrain, q, lifts), terrain, q, mu)
     world = MujocoWorld(robot, terrain, mu, payload=payload)
-    return run_standing(world, controller, q, StandScenario(duration, mu, **events))  # type: ignore[arg-type]
+    return run_standing(world, controller, q, Scenario(duration, mu, **events))  # type: ignore[arg-type]
 
 
 def test_go2_stands_on_flat_ground() -> None:

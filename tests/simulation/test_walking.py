@@ -13,7 +13,7 @@ from surefoot.robot import Robot, load_robot
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.standing import Ice, Push
+from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.walk_summary import commanded_excess, summarise_walk
 from surefoot.simulation.walk_terrain import rough_ground, start_pose
 from surefoot.simulation.walking import WalkScenario, run_walking
@@ -45,7 +45,7 @@ def walk(
     )
     world = MujocoWorld(model, ground, mu, payload=payload)
     return run_walking(
-        world, controller, start_pose(model, ground), WalkScenario(duration, mu, pushes, ice, faults, seed)
+        world, controller, start_pose(model, ground), WalkScenario(duration, mu, pushes, ice, seed, faults)
     )
 
 

@@ -13,7 +13,8 @@ from surefoot.control.standing_plan import StandingPlan
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.standing import Ice, Push, StandScenario, run_standing
+from surefoot.simulation.run import Ice, Push, Scenario
+from surefoot.simulation.standing import run_standing
 from surefoot.viz import meshes, report
 from surefoot.viz.cone_plots import draw_pyramids
 from surefoot.viz.plots import draw_run, foot_forces
@@ -25,7 +26,7 @@ def log() -> Log:
     robot, terrain = sf.load_robot("g1"), sf.FlatTerrain()
     q = sf.place(robot, terrain)
     controller = StandingController(robot, StandingPlan(robot, terrain, q), terrain, q)
-    scenario = StandScenario(0.3, 0.6, [Push(0.1, (20.0, 0.0, 0.0), 0.1)], [Ice(0.2, 0.4)])
+    scenario = Scenario(0.3, 0.6, [Push(0.1, (20.0, 0.0, 0.0), 0.1)], [Ice(0.2, 0.4)])
     return run_standing(MujocoWorld(robot), controller, q, scenario)
 
 

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from surefoot.control.standing_plan import Lift
 from surefoot.errors import ProblemError
-from surefoot.simulation.standing import Ice, Push
+from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.walk_terrain import rough_ground
 from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 

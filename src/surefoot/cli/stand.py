@@ -50,7 +50,8 @@ def stand(
     from rich.console import Console
 
     from surefoot.cli import parsing
-    from surefoot.simulation.standing import StandScenario, run_standing
+    from surefoot.simulation.run import Scenario
+    from surefoot.simulation.standing import run_standing
 
     console = Console(quiet=as_json)
     real_number("--mu", mu, low=0.0, high=1e3)
@@ -61,9 +62,7 @@ def stand(
     real_number("--payload", payload, low=0.0, high=1e4)
     if seed is not None:
         real_number("--seed", seed, low=0)
-    scenario = StandScenario(
-        duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice), seed
-    )
+    scenario = Scenario(duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice), seed)
     setup = _set_up(robot, urdf, parsing.names(feet), slope, parsing.each(parsing.lift, lift))
     allocation = _allocation(setup, mu, parsing.facets(facets), fit, solver)
     with Console(stderr=True, quiet=as_json).status("asking whether it can stand (a first run compiles)"):

@@ -73,7 +73,7 @@ def walk(
     command = _command(velocity, velocity_file)
     scenario = WalkScenario(
         duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice),
-        Faults(noise=noise, delay=delay), seed,
+        seed, Faults(noise=noise, delay=delay),
     )  # fmt: skip
     controller, world, q = _set_up(model, ground, schedule, command, mu, believed_mu, payload)
     for note in controller.notes:
