@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 
 import numpy as np
 import scipy.linalg
@@ -33,6 +34,8 @@ from surefoot.solvers.solver import Answer, Settings, register, start_forces
 MAX_ITERATIONS = 20_000
 CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
 """Iterations between two looks at the residual and the penalty, and above how many contacts they are more."""
+FINISH_FROM, FINISH_GROWTH = 100, 1.5
+"""Iterations after which something else may try to finish, and by how much more each time."""
 PROXIMAL = 1e-9
 RELAXATION = 1.6
 BALANCE = 3.0
@@ -115,6 +118,19 @@ def _scaling(problem: ContactProblem) -> FloatArray:
 @register("admm", polyhedral=True, bilateral=True)
 def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, on cones or pyramids, by ADMM."""
+    return run_admm(problem, settings, warm_start, None)
+
+
+def run_admm(
+    problem: ContactProblem,
+    settings: Settings,
+    warm_start: FloatArray | None,
+    finish: Callable[[FloatArray], tuple[FloatArray, float]] | None,
+) -> Answer:
+    """Run ADMM; after `FINISH_FROM` iterations, and then ever less often, `finish` may try.
+
+    `finish` takes flat forces and returns others with their relative gap; it does not disturb the iteration.
+    """
     D = _scaling(problem)
     G = D[:, None] * problem.G * D[None, :]
     g = D * problem.g
@@ -138,7 +154,7 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
     free = step * float(np.linalg.norm(problem.g))
     best, best_gap = z * D, math.inf
-    done, inverse, used = 0, None, rho
+    done, inverse, used, next_finish = 0, None, rho, FINISH_FROM
     laws = problem.mu, low, high, coulomb, facets, inner
     while done < limit:
         if inverse is None:
@@ -152,6 +168,9 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
             problem.normal_max, step, coulomb, facets, inner,
         )  # fmt: skip
         relative = float(relative_gap(gap, norm, free))
+        if finish is not None and done >= next_finish and relative > settings.tol:
+            next_finish = int(FINISH_GROWTH * next_finish)
+            forces, relative = finish(forces)
         if relative < best_gap:
             best, best_gap = forces, relative
         if relative <= settings.tol:

@@ -22,9 +22,10 @@ from surefoot.contact.residuals import certificate, certify_dense
 from surefoot.contact.solution import Status
 from surefoot.errors import SurefootError
 from surefoot.kernels import kernel
+from surefoot.solvers.admm import run_admm
 from surefoot.solvers.newton import PROXIMAL_SHARES, run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
-from surefoot.solvers.nsgs import Sweeper
+from surefoot.solvers.nsgs import Sweeper, prepare_blocks
 from surefoot.solvers.solver import (
     SHORTCUT_CONTACTS,
     Answer,
@@ -35,6 +36,8 @@ from surefoot.solvers.solver import (
     start_forces,
 )
 
+NO_GUESS = 0.1
+"""A relative gap above which forces are no better a start than none."""
 ROUNDS, BURST = 8, 2
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time)."""
 CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
@@ -83,10 +86,13 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     if problem.contacts <= SHORTCUT_CONTACTS:
         return _hand_on(problem, settings, warm_start, 0, CONES[problem.law], start)
     forces = start_forces(problem, warm_start)
-    done, relative = alternate(problem, settings, start + settings.max_time, forces)
+    done, relative = alternate(problem, settings, start + settings.max_time, forces, hopeless=3)
     if relative <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
-    return _hand_on(problem, settings, forces.reshape(-1, 3), done, CONES_LARGE[problem.law], start)
+    names = CONES_LARGE[problem.law]
+    if problem.law == "coulomb" and relative > NO_GUESS:
+        names = names[1:]
+    return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
 
 
 @kernel
@@ -134,9 +140,9 @@ def _hand_on(
         if settings.max_iterations is not None:
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
-            answer = entries[name].function(
-                problem, Settings(settings.tol, bound, left), best if warm else None
-            )
+            mixed = name == "admm" and problem.facets is None and problem.contacts > SHORTCUT_CONTACTS
+            function = _admm_and_newton if mixed else entries[name].function
+            answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
         except SurefootError:  # an optional package that is not installed
             continue
         done, stop = done + answer.iterations, answer.stop
@@ -147,6 +153,23 @@ def _hand_on(
         if best_gap <= settings.tol or stop is Status.INFEASIBLE:
             break
     return Answer(best, done, stop)
+
+
+def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Run ADMM, with Newton steps from where it is every now and then.
+
+    It sorts out who slides long before it converges.
+    """
+    b = problem.blocks
+    local = prepare_blocks(b.starts, b.columns, b.values)
+    end = time.perf_counter() + settings.max_time
+
+    def finish(forces: FloatArray) -> tuple[FloatArray, float]:
+        found = forces.copy()
+        _, relative = newton_sparse(problem, b, local, settings.tol, 30, PROXIMAL_SHARES[0], end, found)
+        return found, relative
+
+    return run_admm(problem, settings, warm_start, finish)
 
 
 @register("newton", bilateral=True)
@@ -171,10 +194,14 @@ def alternate(
     burst: int = 10,
     grow: int = 2,
     rounds: int = 14,
+    hopeless: int | None = None,
 ) -> tuple[int, float]:
-    """Alternate sweeps and Newton steps on the blocks of G; update flat forces in place."""
+    """Alternate sweeps and Newton steps on the blocks of G; update flat forces in place.
+
+    Stop after round `hopeless` where the forces are still no guess and have hardly got better.
+    """
     sweep = Sweeper(problem, forces, blocks=True)
-    done, relative = 0, math.inf
+    done, relative, first = 0, math.inf, math.inf
     for attempt in range(rounds):
         sweeps, solved = sweep(settings.tol, burst)
         done += sweeps
@@ -187,6 +214,9 @@ def alternate(
         )
         done += steps
         if relative <= settings.tol or time.perf_counter() > end:
+            break
+        first = relative if attempt == 0 else first
+        if attempt == hopeless and relative > max(NO_GUESS, 0.5 * first):
             break
         burst = min(grow * burst, 400)
     return done, relative
