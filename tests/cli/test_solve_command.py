@@ -53,3 +53,36 @@ def test_bad_input_is_one_line(
     err = capsys.readouterr().err
     assert words in err
     assert err.count("\n") == 1
+
+
+@pytest.fixture
+def lcp_files(tmp_path: Path) -> list[Path]:
+    """One LCP with a solution and one without: z1 + z2 >= 1 cannot be where M = 0."""
+    good, bad = tmp_path / "good.dat", tmp_path / "bad.dat"
+    good.write_text("2\n0\n2\n2\n2 2\n2 1\n1 2\n-5 -6\n")
+    bad.write_text("2\n0\n2\n2\n2 2\n0 0\n0 0\n-1 -1\n")
+    return [good, bad]
+
+
+def test_complementarity_problems(lcp_files: list[Path], capsys: pytest.CaptureFixture[str]) -> None:
+    good, bad = map(str, lcp_files)
+    assert main(["solve", good]) == 0
+    assert "lemke" in capsys.readouterr().out
+    assert main(["solve", good, bad, "--json"]) == 1
+    solved, failed = json.loads(capsys.readouterr().out)
+    assert np.allclose(solved["z"], [4 / 3, 7 / 3])
+    assert (solved["kind"], solved["status"], failed["status"]) == ("lcp", "solved", "infeasible")
+    v = np.array(failed["ray"])
+    assert (v >= 0).all()
+    assert v @ [-1.0, -1.0] < 0.0
+    assert main(["solve", bad]) == 1
+    assert "ray" in capsys.readouterr().out
+
+
+def test_both_kinds_at_once(file: Path, lcp_files: list[Path], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", str(file), str(lcp_files[0]), "--json"]) == 0
+    assert [r["kind"] for r in json.loads(capsys.readouterr().out)] == ["contact", "lcp"]
+    assert main(["solve", str(lcp_files[0]), "--solver", "pgs"]) == 0
+    capsys.readouterr()
+    assert main(["solve", str(lcp_files[0]), "--solver", "simplex"]) == 2
+    assert "unknown LCP solver 'simplex'; valid names: auto" in capsys.readouterr().err

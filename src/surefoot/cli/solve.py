@@ -1,4 +1,4 @@
-"""`surefoot solve`: contact problems in files, solved and certified."""
+"""`surefoot solve`: contact and linear complementarity problems in files, solved and certified."""
 
 from __future__ import annotations
 
@@ -11,58 +11,130 @@ from rich.console import Console
 from rich.table import Table
 
 from surefoot.cli.output import to_json
+from surefoot.contact.lcp import LCP
+from surefoot.contact.problem import ContactProblem
 
 
 def solve(
     files: Annotated[
-        list[Path], typer.Argument(help="FCLIB .hdf5, Siconos .dat or .npz files.", metavar="FILE...")
+        list[Path],
+        typer.Argument(help="FCLIB .hdf5, Siconos .dat (contact or LCP) or .npz files.", metavar="FILE..."),
     ],
-    solver: Annotated[str, typer.Option(help="Who solves; see `surefoot.solver_names`.")] = "auto",
+    solver: Annotated[
+        str, typer.Option(help="Who solves; LCPs: lemke (auto), pgs, newton, qp, interior_point.")
+    ] = "auto",
     tol: Annotated[float, typer.Option(min=0.0, help="Natural map that counts as solved.")] = 1e-8,
     max_time: Annotated[float, typer.Option(min=0.0, help="Bound on each solve [s].")] = math.inf,
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
-    """Solve the contact problems in files and print a certificate for each.
+    """Solve the problems in files, contacts or LCPs, and print a certificate for each.
 
     Exit code 1 if one of them is not solved.
     """
-    from surefoot.contact import read_problem, redundancy, residuals
-    from surefoot.solvers import solve as solve_problem
+    from surefoot.contact import read_problem
+    from surefoot.contact.files import holds_lcp, read_lcp
+    from surefoot.errors import SolverNotFound, unknown_name
+    from surefoot.solvers.lcp import lcp_solver_names
     from surefoot.solvers.solver import find_solver
 
-    problems = [(path, read_problem(path)) for path in files]
-    for _, problem in problems:
-        find_solver(solver, problem)  # bad names before long work
-    records: list[dict[str, Any]] = []
-    for path, problem in problems:
-        found = solve_problem(problem, solver, tol, max_time=max_time)
-        shared = redundancy(problem)
-        given = None if problem.reference is None else residuals(problem, problem.reference).natural_map
-        records.append(
-            {
-                "file": path.name,
-                "contacts": problem.contacts,
-                "rank": shared.rank,
-                "rows": shared.size,
-                "solver": found.solver,
-                "status": found.status.value,
-                "natural_map": found.residuals.natural_map,
-                "reference_natural_map": given,
-                "iterations": found.iterations,
-                "seconds": found.solve_time,
-                "notes": list(problem.notes),
-                "forces": found.forces,
-                "velocities": found.velocities,
-            }
-        )
+    problems = [(path, read_lcp(path) if holds_lcp(path) else read_problem(path)) for path in files]
+    pivoting = "lemke" if solver == "auto" else solver
+    for _, problem in problems:  # bad names before long work
+        if not isinstance(problem, LCP):
+            find_solver(solver, problem)
+        elif pivoting not in lcp_solver_names():
+            raise SolverNotFound(unknown_name("LCP solver", solver, ("auto", *lcp_solver_names())))
+    records = [
+        _complementarity(path, problem, pivoting, tol, max_time)
+        if isinstance(problem, LCP)
+        else _contact(path, problem, solver, tol, max_time)
+        for path, problem in problems
+    ]
     if json:
         print(to_json(records))
     else:
-        _print(records, tol)
+        _print([r for r in records if r["kind"] == "contact"], tol)
+        _print_lcp([r for r in records if r["kind"] == "lcp"], tol)
     return 0 if all(r["status"] == "solved" for r in records) else 1
 
 
+def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_time: float) -> dict[str, Any]:
+    """Solve one contact problem; return its record."""
+    from surefoot.contact import redundancy, residuals
+    from surefoot.solvers import solve as solve_problem
+
+    found = solve_problem(problem, solver, tol, max_time=max_time)
+    shared = redundancy(problem)
+    given = None if problem.reference is None else residuals(problem, problem.reference).natural_map
+    return {
+        "file": path.name,
+        "kind": "contact",
+        "contacts": problem.contacts,
+        "rank": shared.rank,
+        "rows": shared.size,
+        "solver": found.solver,
+        "status": found.status.value,
+        "natural_map": found.residuals.natural_map,
+        "reference_natural_map": given,
+        "iterations": found.iterations,
+        "seconds": found.solve_time,
+        "notes": list(problem.notes),
+        "forces": found.forces,
+        "velocities": found.velocities,
+    }
+
+
+def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time: float) -> dict[str, Any]:
+    """Solve one LCP; return its record."""
+    from surefoot.solvers.lcp import solve_lcp
+
+    found = solve_lcp(problem, solver, tol, max_time=max_time)
+    return {
+        "file": path.name,
+        "kind": "lcp",
+        "size": problem.size,
+        "solver": found.solver,
+        "status": found.status.value,
+        "residual": found.residual,
+        "iterations": found.iterations,
+        "seconds": found.solve_time,
+        "message": found.message,
+        "ray": found.ray,
+        "z": found.z,
+        "w": found.w,
+    }
+
+
+def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
+    """Print one row per LCP, and what there is to say of those without a solution."""
+    if not records:
+        return
+    console = Console()
+    table = Table(title=f"Linear complementarity problems, to be solved to {tol:g}", title_justify="left")
+    table.add_column("file", overflow="fold", min_width=18)
+    for name in ("size", "solver", "status", "residual", "steps", "ms"):
+        table.add_column(name, justify="left" if name in ("solver", "status") else "right", no_wrap=True)
+    for r in records:
+        table.add_row(
+            r["file"],
+            str(r["size"]),
+            r["solver"],
+            r["status"],
+            f"{r['residual']:.1e}",
+            str(r["iterations"]),
+            f"{1e3 * r['seconds']:.2f}",
+        )
+    console.print(table)
+    for r in records:
+        if r["message"]:
+            console.print(f"{r['file']}: {r['message']}")
+        if r["ray"] is not None:
+            console.print(f"{r['file']}: ray {' '.join(f'{x:.6g}' for x in r['ray'])}")
+
+
 def _print(records: list[dict[str, Any]], tol: float) -> None:
+    if not records:
+        return
     console = Console()
     table = Table(title=f"Contact problems, to be solved to {tol:g}", title_justify="left")
     table.add_column("file", overflow="fold", min_width=18)

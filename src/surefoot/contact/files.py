@@ -105,6 +105,14 @@ def read_lcp(path: str | Path) -> LCP:
     return siconos_text.read_lcp(path)
 
 
+def holds_lcp(path: str | Path) -> bool:
+    """Tell whether a file is a Siconos text file of a linear complementarity problem."""
+    from surefoot.contact import siconos_text
+
+    path = Path(path)
+    return path.suffix == ".dat" and path.is_file() and siconos_text.holds_lcp(path)
+
+
 def turned(count: int, dimension: int = 3) -> IntArray:
     """Return the order that takes (normal, tangent, ...) to (tangent, ..., normal) for `count` contacts."""
     within = np.roll(np.arange(dimension), -1)

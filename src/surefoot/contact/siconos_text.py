@@ -73,6 +73,15 @@ def read_lcp(path: Path) -> LCP:
     return LCP(matrix.toarray() if sp.issparse(matrix) else matrix, numbers.floats(size))
 
 
+def holds_lcp(path: Path) -> bool:
+    """Tell by its first numbers whether a Siconos file holds an LCP: size, storage, size, size."""
+    try:
+        size, storage, rows, columns = _Numbers(path).integers(4)
+    except ProblemError:
+        return False
+    return bool(storage in (0, 1) and rows == columns == size)
+
+
 def _read_matrix(numbers: _Numbers) -> FloatArray | sp.csr_matrix:
     storage, rows, columns = numbers.integers(3)
     if storage == 0:
