@@ -14,12 +14,12 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
 from surefoot.contact.residuals import Residuals, certificate
-from surefoot.contact.solution import ContactSolution, Status
+from surefoot.contact.solution import ContactSolution, Status, from_buffer
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
-_clock = time.perf_counter
+_clock, _INFINITY = time.perf_counter, math.inf
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ Shortcut = Callable[
     [ContactProblem, float, int | None, FloatArray | None],
     tuple[FloatArray, int, bool],
 ]
-"""(problem, tol, max_iterations, warm_start) -> (`ContactSolution.from_buffer`'s, iterations, solved)."""
+"""(problem, tol, max_iterations, warm_start) -> (buffer of `from_buffer`, iterations, solved)."""
 SHORTCUT_CONTACTS = 45
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
 Function = TypeVar("Function", bound=SolverFunction)
@@ -188,7 +188,7 @@ def solve(
     """
     start = _clock()
     shortcut = _SHORTCUTS.get(solver)
-    if not (0.0 <= tol < math.inf and max_time >= 0.0):
+    if not (0.0 <= tol < _INFINITY and max_time >= 0.0):
         real_number("tol", tol, low=0.0, high=1e300)
         real_number("max_time", max_time, low=0.0)
     if max_iterations is not None and max_iterations < 0:
@@ -201,7 +201,7 @@ def solve(
     if shortcut is not None and problem.facets is None and 0 < problem.contacts <= SHORTCUT_CONTACTS:
         buffer, before, solved = shortcut(problem, tol, max_iterations, warm_start)
         if solved:
-            return ContactSolution.from_buffer(problem, buffer, solver, before, _clock() - start)
+            return from_buffer(problem, buffer, solver, before, _clock() - start)
         warm_start = buffer[: problem.contacts]
     entry = find_solver(solver, problem)
     if problem.contacts == 0:
