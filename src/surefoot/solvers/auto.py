@@ -23,7 +23,7 @@ from surefoot.contact.solution import Status
 from surefoot.errors import SurefootError
 from surefoot.kernels import kernel
 from surefoot.solvers.admm import run_admm
-from surefoot.solvers.newton import PROXIMAL_SHARES, run_dense
+from surefoot.solvers.newton import FEW, SHARES_MANY, run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
 from surefoot.solvers.nsgs import Sweeper, prepare_blocks
 from surefoot.solvers.solver import (
@@ -38,8 +38,9 @@ from surefoot.solvers.solver import (
 
 NO_GUESS = 0.1
 """A relative gap above which forces are no better a start than none."""
-ROUNDS, BURST = 8, 2
-"""Alternations on small problems, and sweeps before the first Newton step (then twice as many each time)."""
+ROUNDS, BURST, BURST_MANY = 8, 2, 10
+"""Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
+of few contacts and of many."""
 CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (
         ("admm", 600, True),
@@ -110,7 +111,8 @@ def _solve_certified(
     forces = shaped.reshape(3 * n)
     if not warm:
         forces[:] = 0.0
-    sweeps, steps, _ = run_dense(G, g, laws[0], laws[1], laws[2], convex, step, tol, rounds, BURST, forces)
+    burst = BURST if n <= FEW else BURST_MANY
+    sweeps, steps, _ = run_dense(G, g, laws[0], laws[1], laws[2], convex, step, tol, rounds, burst, forces)
     numbers = certify_dense(G, g, laws, step, 0, True, not convex, shaped, velocities)
     buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
     buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
@@ -166,7 +168,7 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
 
     def finish(forces: FloatArray) -> tuple[FloatArray, float]:
         found = forces.copy()
-        _, relative = newton_sparse(problem, b, local, settings.tol, 30, PROXIMAL_SHARES[0], end, found)
+        _, relative = newton_sparse(problem, b, local, settings.tol, 30, SHARES_MANY[0], end, found)
         return found, relative
 
     return run_admm(problem, settings, warm_start, finish)
@@ -210,7 +212,7 @@ def alternate(
         if time.perf_counter() > end:
             break
         steps, relative = newton_sparse(
-            problem, problem.blocks, sweep.local, settings.tol, 30, PROXIMAL_SHARES[attempt % 3], end, forces
+            problem, problem.blocks, sweep.local, settings.tol, 30, SHARES_MANY[attempt % 3], end, forces
         )
         done += steps
         if relative <= settings.tol or time.perf_counter() > end:

@@ -36,6 +36,8 @@ PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARES = 1e-9, 1e-2, (1e-3, 0.1, 1.0)
 Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
 Attempts take turns with the shares: what holds one back lets the next one through.
 """
+SHARES_MANY, FEW = (0.1, 1e-6, 1.0), 25
+"""The shares above `FEW` contacts: who slides is open for longer there."""
 
 
 @kernel
@@ -360,7 +362,7 @@ def run_dense(
         if relative > 0.5 * last and burst > 20:
             relax = max(0.6 * relax, 0.1)
         last = relative
-        share = PROXIMAL_SHARES[attempt % 3]
+        share = PROXIMAL_SHARES[attempt % 3] if mu.size <= FEW else SHARES_MANY[attempt % 3]
         used, relative = newton_dense(
             G, g, mu, low, high, convex, scale, tol, 20, share, local, forces, velocities
         )  # fmt: skip
