@@ -100,6 +100,14 @@ def per_contact(name: str, value: ArrayLike, count: int, *, low: float = 0.0) ->
     return array
 
 
+def check_order(low: FloatArray, high: FloatArray) -> None:
+    """Refuse (n,) bounds on normal forces that are out of order; the message names the contact."""
+    crossed = low > high
+    if crossed.any():
+        k = int(np.argmax(crossed))
+        raise ProblemError(f"normal_min must be <= normal_max, got {low[k]:g} > {high[k]:g} at contact {k}")
+
+
 def _where(bad: BoolArray) -> str:
     """Return the index of the first bad entry as text, empty for a scalar."""
     if bad.ndim == 0:

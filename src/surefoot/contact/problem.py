@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact
+from surefoot.arrays import BoolArray, FloatArray, check_order, finite_array, per_contact
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.blocks import (
     Blocks,
@@ -144,13 +144,7 @@ class ContactProblem:
         if np.isinf(self.normal_min).any():
             raise ProblemError("normal_min must be finite, got inf")
         laws[2] = per_contact("normal_max", normal_max, n)
-        crossed = self.normal_min > self.normal_max
-        if crossed.any():
-            k = int(np.argmax(crossed))
-            raise ProblemError(
-                f"normal_min must be <= normal_max, got {self.normal_min[k]:g} > "
-                f"{self.normal_max[k]:g} at contact {k}"
-            )
+        check_order(self.normal_min, self.normal_max)
 
     def _hold(self, bilateral: ArrayLike) -> None:
         """Read the mask of bilateral contacts."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, per_contact, real_array, real_number
+from surefoot.arrays import FloatArray, check_order, finite_array, per_contact, real_array, real_number
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
 from surefoot.solvers import distribution_wrench as newton
@@ -370,12 +370,7 @@ class ForceDistributor:
 def _bounds(low: ArrayLike, high: ArrayLike, count: int) -> tuple[FloatArray, FloatArray]:
     """Return the bounds on the normal forces as (n,) arrays, checked."""
     lower, upper = per_contact("normal_min", low, count), per_contact("normal_max", high, count)
-    crossed = lower > upper
-    if crossed.any():
-        k = int(np.argmax(crossed))
-        raise ProblemError(
-            f"normal_min must be <= normal_max, got {lower[k]:g} > {upper[k]:g} at contact {k}"
-        )
+    check_order(lower, upper)
     return lower, upper
 
 
