@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.cli.main import main
+from surefoot.simulation.log import read_log
 
 
 def summary(capsys, tmp_path, *arguments):
@@ -19,7 +20,7 @@ def test_stands_in_the_rigid_world_and_breaks_no_law(capsys, tmp_path):
     assert found["stood"]
     assert found["laws_broken"] == []
     assert found["normal_force_total_mean"] == pytest.approx(16.085 * 9.81, rel=0.01)
-    log = np.load(next(tmp_path.glob("*/log.npz")))
+    log = read_log(next(tmp_path.glob("*/log.npz")))
     assert log["gaps"].min() > -1e-5
 
 

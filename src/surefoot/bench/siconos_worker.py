@@ -40,7 +40,8 @@ def run(
 def main(source: str, target: str, tolerances: list[float]) -> None:
     """Solve every problem by every method at every tolerance, three times each where it is quick."""
     numerics = importlib.import_module("siconos.numerics")
-    data = np.load(source)
+    with np.load(source) as file:
+        data = dict(file)
     out: dict[str, Any] = {}
     for k in range(int(data["count"])):
         G, g, mu = data[f"G_{k}"], data[f"g_{k}"], data[f"mu_{k}"]
