@@ -12,9 +12,10 @@ from surefoot.solvers import one_contact
 
 
 def prepared(W: np.ndarray) -> np.ndarray:
-    out = np.zeros(13)
-    one_contact.prepare(W[0, 0], W[0, 1], W[0, 2], W[1, 1], W[1, 2], W[2, 2], out)
-    return out
+    out = np.ones((2, one_contact.WIDTH))
+    one_contact.prepare(W[0, 0], W[0, 1], W[0, 2], W[1, 1], W[1, 2], W[2, 2], out, 1)
+    assert (out[0] == 1.0).all()
+    return out[1]
 
 
 def block(rng: np.random.Generator, spread: float = 1.0) -> np.ndarray:
@@ -28,12 +29,12 @@ def local(
     """Solve until the warm start stands still: the kernel leaves the last digits to the next sweep."""
     force = np.array([*guess, 0.0])
     for _ in range(3):
-        force = np.array(one_contact_solver(prepared(W), *q, mu, low, high, convex, force[0], force[1]))
+        force = np.array(solve_from(prepared(W), q, mu, low, high, convex, force[0], force[1], 0.0, 0.0)[:3])
     return force
 
 
-def one_contact_solver(*arguments: float) -> tuple[float, float, float]:
-    return one_contact.solve_one(*arguments)  # type: ignore[arg-type]
+def solve_from(W: np.ndarray, q: np.ndarray, *arguments: float) -> tuple[float, ...]:
+    return one_contact.solve_one(tuple(W[:12].tolist()), *q.tolist(), *arguments)  # type: ignore[arg-type]
 
 
 def test_prepare_inverts_the_block() -> None:

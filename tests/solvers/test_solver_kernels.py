@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import pickle
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.contact import blocks
-from surefoot.solvers import admm, lcp_iterative, lemke, natural_map, newton, newton_sparse, nsgs, pyramid
+from surefoot.solvers import admm, elimination, lcp_iterative, lemke, natural_map, newton, newton_sparse, nsgs, pyramid
 
 
 def problem(seed: int, contacts: int = 4, law: str = "coulomb") -> sf.ContactProblem:
@@ -113,9 +112,9 @@ def test_sweeps_dense_and_blocks(law: str) -> None:
         for k in range(6):
             i = slice(3 * k, 3 * k + 3)
             q = p.G[i] @ twin + p.g[i] - p.G[i, i] @ twin[i]
-            twin[i] = nsgs.solve_one(
-                local[k], *q, p.mu[k], p.normal_min[k], p.normal_max[k], convex, *twin[i][:2]
-            )
+            block = tuple(local[k, :12].tolist())
+            law = p.mu[k], p.normal_min[k], p.normal_max[k], convex
+            twin[i] = nsgs.solve_one(block, *q, *law, *twin[i][:2], 0.0, 0.0)[:3]
     for form in ("dense", "blocks"):
         force, u = np.zeros(18), p.g.copy()
         for _ in range(2):
@@ -153,9 +152,9 @@ def test_lu_is_numpy_solve() -> None:
     for m in (1, 2, 7, 30):
         A, b = rng.normal(size=(m, m)), rng.normal(size=m)
         expected = np.linalg.solve(A, b)
-        assert newton.lu_solve(A.copy(), b, m)
+        assert elimination.lu_solve(A.copy(), b, m)
         assert np.allclose(b, expected, rtol=1e-8)
-    assert not newton.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
+    assert not elimination.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
 
 
 def test_symmetric_elimination_is_numpy_solve() -> None:
@@ -164,9 +163,9 @@ def test_symmetric_elimination_is_numpy_solve() -> None:
         root, b = rng.normal(size=(m, m)), rng.normal(size=m)
         A = root @ root.T + 0.1 * np.eye(m)
         expected = np.linalg.solve(A, b)
-        assert newton.symmetric_solve(A.copy(), b, m)
+        assert elimination.symmetric_solve(A.copy(), b, m)
         assert np.allclose(b, expected, rtol=1e-8)
-    assert not newton.symmetric_solve(-np.eye(2), np.ones(2), 2)
+    assert not elimination.symmetric_solve(-np.eye(2), np.ones(2), 2)
 
 
 def test_fields_read_late_are_those_read_at_once() -> None:
@@ -179,13 +178,13 @@ def test_fields_read_late_are_those_read_at_once() -> None:
     again = sf.contact.residuals(p, found.forces)
     assert found.residuals == again
     assert found.timings == {}
-    assert dataclasses.replace(found, iterations=7).iterations == 7
     assert pickle.loads(pickle.dumps(sf.solve(p))).forces.tolist() == found.forces.tolist()
     assert "natural_map" in repr(sf.solve(p))
     with pytest.raises(AttributeError, match="nothing"):
         found.nothing  # noqa: B018
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        found.forces = found.velocities  # type: ignore[misc]
+    for name in ("problem", "forces", "velocities", "status", "residuals", "solver", "iterations"):
+        with pytest.raises(AttributeError):
+            setattr(found, name, None)
 
 
 def test_sparse_newton_steps_are_the_dense_ones() -> None:

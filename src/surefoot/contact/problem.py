@@ -25,6 +25,8 @@ Law = Literal["coulomb", "convex"]
 Fit = Literal["inner", "outer"]
 LAWS: tuple[Law, ...] = ("coulomb", "convex")
 
+COMPILED_CONTACTS = 45
+"""Contacts up to which a dense compiled call pays."""
 ASYMMETRY = 1e-8
 """Largest |G - Gᵀ| over largest |G| that is taken for rounding (G is then replaced by its symmetric part)."""
 
@@ -214,9 +216,20 @@ class ContactProblem:
         return f"ContactProblem(contacts={self.contacts}, law={self.law!r}{sides})"
 
     @cached_property
-    def compiled(self) -> tuple[FloatArray, FloatArray, float, bool]:
-        """What one compiled call on exact cones takes: G, the vectors, 1 / ||G||₂, and convex or not."""
-        return self.G, self.vectors, 1.0 / self.norm if self.norm > 0.0 else 1.0, self.law == "convex"
+    def compiled(self) -> FloatArray | None:
+        """What one compiled call takes, as one array (3n + 3, 3n); None for pyramids, or too many contacts.
+
+        Its rows are G, g, the laws (mu, normal_min, normal_max), and last 1 / ||G||₂ and whether the law is
+        convex. Every argument of a compiled call costs time, arrays most.
+        """
+        size = self.g.size
+        if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
+            return None
+        packed = np.zeros((size + 3, size))
+        packed[:size], packed[size : size + 2] = self.G, self.vectors
+        packed[-1, 0] = 1.0 / self.norm if self.norm > 0.0 else 1.0
+        packed[-1, 1] = self.law == "convex"
+        return packed
 
     @cached_property
     def norm(self) -> float:

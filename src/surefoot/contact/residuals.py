@@ -79,9 +79,10 @@ def measure(
         return 0.0, 0.0, 0.0, 0.0, 0.0
     step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
     facets = 0 if problem.facets is None else problem.facets
+    f, u = (np.ascontiguousarray(x, dtype=np.float64).reshape(-1) for x in (forces, velocities))
     return _measure(
-        forces, velocities, problem.g, problem.mu, problem.normal_min, problem.normal_max,
-        step, facets, problem.fit == "inner", problem.law == "coulomb",
+        f, u, problem.g, problem.mu, problem.normal_min, problem.normal_max, step, facets,
+        problem.fit == "inner", problem.law == "coulomb",
     )  # fmt: skip
 
 
@@ -93,11 +94,13 @@ def certificate(
         velocities = problem.velocity(forces)
         return velocities, measure(problem, forces, velocities)
     norm = problem.norm
-    velocities = np.empty((problem.contacts, 3))
-    return velocities, certify_dense(
-        problem.G, problem.g, problem.laws, 1.0 / norm if norm > 0.0 else 1.0, problem.facets or 0,
-        problem.fit == "inner", problem.law == "coulomb", forces, velocities,
+    velocities = np.empty(problem.g.size)
+    numbers = certify_dense(
+        problem.G, problem.g, problem.mu, problem.normal_min, problem.normal_max,
+        1.0 / norm if norm > 0.0 else 1.0, problem.facets or 0, problem.fit == "inner",
+        problem.law == "coulomb", np.ascontiguousarray(forces).reshape(-1), velocities,
     )  # fmt: skip
+    return velocities.reshape(-1, 3), numbers
 
 
 @inline_kernel
@@ -121,14 +124,17 @@ def _nearest_round(
     radius = _length(x, y)
     p, r = radius, z
     if radius > mu * z:
-        r = (mu * radius + z) / (1.0 + mu * mu)
-        p = mu * r
-        if r <= 0.0:
-            p, r = 0.0, 0.0
+        along = mu * radius + z
+        p, r = 0.0, 0.0
+        if not along <= 0.0:
+            r = along / (1.0 + mu * mu)
+            p = mu * r
     if r < low or r > high:
         r = low if r < low else high
         p = min(radius, mu * r)
-    share = p / radius if radius > 0.0 else 0.0
+    if p == radius:
+        return x, y, r
+    share = p / radius
     return x * share, y * share, r
 
 
@@ -184,7 +190,7 @@ def _dissipation_limit(ut_x: float, ut_y: float, mu: float, facets: int, inner: 
     return ray_mu * speed * math.cos(off)
 
 
-@kernel
+@inline_kernel
 def _measure(
     forces: FloatArray,
     velocities: FloatArray,
@@ -197,13 +203,16 @@ def _measure(
     inner: bool,
     coulomb: bool,
 ) -> tuple[float, float, float, float, float]:
-    gap = force_scale = violation = approach = normal_power = slip_power = 0.0
-    for k in range(forces.shape[0]):
-        x, y, z = forces[k, 0], forces[k, 1], forces[k, 2]
-        ux, uy, uz = velocities[k, 0], velocities[k, 1], velocities[k, 2]
+    """Return the fields of `Residuals` for flat (3n,) forces and velocities."""
+    gap = force_scale = violation = approach = normal_power = slip_power = reach = 0.0
+    for k in range(mu.size):
+        i = 3 * k
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
+        ux, uy, uz = velocities[i], velocities[i + 1], velocities[i + 2]
+        force_scale += x * x + y * y + z * z
+        reach += free[i] * free[i] + free[i + 1] * free[i + 1] + free[i + 2] * free[i + 2]
         if low[k] == -np.inf:  # bilateral: any force, no velocity
             gap += step * step * (ux * ux + uy * uy + uz * uz)
-            force_scale += x * x + y * y + z * z
             speed = math.sqrt(ux * ux + uy * uy + uz * uz)
             approach = speed if not speed <= approach else approach
             continue
@@ -213,9 +222,10 @@ def _measure(
             x - step * ux, y - step * uy, z - step * shifted, mu[k], low[k], high[k], facets, inner
         )
         gap += (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
-        force_scale += x * x + y * y + z * z
-        a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
-        away = math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
+        away = 0.0
+        if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
+            a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
+            away = math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
         violation = away if not away <= violation else violation
         v = uz if coulomb else uz - limit
         if v < 0.0 and z < high[k]:
@@ -226,7 +236,7 @@ def _measure(
         normal_power = power if not power <= normal_power else normal_power
         lost = abs(z * limit + x * ux + y * uy)
         slip_power = lost if not lost <= slip_power else slip_power
-    reach = step * math.sqrt(np.sum(free * free))
+    reach = step * math.sqrt(reach)
     scale = max(math.sqrt(force_scale), reach)
     if reach > 0.0:
         if 4e-16 * math.sqrt(force_scale) > NOTHING_DONE * reach:  # rounding has swallowed the velocities
@@ -239,18 +249,15 @@ def _measure(
 
 @kernel
 def certify_dense(
-    G: FloatArray, free: FloatArray, laws: FloatArray, step: float, facets: int, inner: bool, coulomb: bool,
-    forces: FloatArray, velocities: FloatArray,
+    G: FloatArray, free: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, step: float,
+    facets: int, inner: bool, coulomb: bool, forces: FloatArray, velocities: FloatArray,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """Fill the (n, 3) velocities of (n, 3) forces, and return the fields of `Residuals`.
-
-    `laws` has the rows (mu, normal_min, normal_max).
-    """
-    flat = velocities.reshape(free.size)
-    flat[:] = free
-    for k in range(forces.shape[0]):  # row by row: G is symmetric, and sums of rows need no fixed order
-        x, y, z = forces[k, 0], forces[k, 1], forces[k, 2]
+    """Fill the flat (3n,) velocities of flat forces, and return the fields of `Residuals`."""
+    for j in range(free.size):
+        velocities[j] = free[j]
+    for i in range(0, free.size, 3):  # row by row: G is symmetric, and sums of rows need no fixed order
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
         if x != 0.0 or y != 0.0 or z != 0.0:
             for j in range(free.size):
-                flat[j] += G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
-    return _measure(forces, velocities, free, laws[0], laws[1], laws[2], step, facets, inner, coulomb)
+                velocities[j] += G[i, j] * x + G[i + 1, j] * y + G[i + 2, j] * z
+    return _measure(forces, velocities, free, mu, low, high, step, facets, inner, coulomb)

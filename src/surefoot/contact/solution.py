@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import Residuals
 from surefoot.errors import NoSolution
+
+
+Details = tuple[FloatArray, Residuals, dict[str, float]]
+"""Velocities, residuals and timings."""
 
 
 class Status(Enum):
@@ -29,9 +30,18 @@ class Status(Enum):
     INVALID = "invalid"
 
 
-@dataclass(frozen=True)
 class ContactSolution:
-    """Forces and velocities of a `ContactProblem`, with their residuals.
+    """Forces and velocities of a `ContactProblem`, with their residuals; nothing of it can be set.
+
+    Written out, with slots, because a solve of two microseconds would notice a frozen dataclass.
+
+    Parameters
+    ----------
+    problem, forces, status, solver, iterations, solve_time
+        See the attributes.
+    rest
+        Velocities, residuals and timings; or the (2n + 2, 3) buffer of a compiled solver, from which they are
+        cut when first read: forces, velocities, and the five numbers of `Residuals`.
 
     Attributes
     ----------
@@ -53,29 +63,85 @@ class ContactSolution:
         Parts of the solve, name to seconds, where the solver tells.
     """
 
-    problem: ContactProblem
-    forces: FloatArray
-    velocities: FloatArray
-    status: Status
-    residuals: Residuals
-    solver: str
-    iterations: int
-    solve_time: float
-    timings: dict[str, float] = field(default_factory=dict)
+    __slots__ = ("_forces", "_iterations", "_problem", "_rest", "_solve_time", "_solver", "_status")
 
-    def __getattr__(self, name: str) -> Any:
-        """Cut a field out of the buffer; called only for what is not there yet."""
-        fields = self.__dict__
-        if "buffer" not in fields or name not in ("velocities", "residuals", "timings"):
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        buffer, n = fields["buffer"], fields["problem"].contacts
-        if name == "velocities":
-            fields[name] = buffer[n : 2 * n]
-        elif name == "residuals":
-            fields[name] = Residuals(*buffer[2 * n :].ravel()[:5].tolist())
-        else:
-            fields[name] = {}
-        return fields[name]
+    def __init__(
+        self,
+        problem: ContactProblem,
+        forces: FloatArray,
+        status: Status,
+        solver: str,
+        iterations: int,
+        solve_time: float,
+        rest: Details | FloatArray,
+    ) -> None:
+        self._problem = problem
+        self._forces = forces
+        self._status = status
+        self._solver = solver
+        self._iterations = iterations
+        self._solve_time = solve_time
+        self._rest = rest
+
+    @property
+    def problem(self) -> ContactProblem:
+        """What was asked."""
+        return self._problem
+
+    @property
+    def forces(self) -> FloatArray:
+        """The (n, 3) forces."""
+        return self._forces
+
+    @property
+    def velocities(self) -> FloatArray:
+        """The (n, 3) velocities G @ forces + g."""
+        return self._details()[0]
+
+    @property
+    def status(self) -> Status:
+        """How the solve ended."""
+        return self._status
+
+    @property
+    def residuals(self) -> Residuals:
+        """Every law as a number."""
+        return self._details()[1]
+
+    @property
+    def solver(self) -> str:
+        """Name of the solver that ran."""
+        return self._solver
+
+    @property
+    def iterations(self) -> int:
+        """The solver's iterations."""
+        return self._iterations
+
+    @property
+    def solve_time(self) -> float:
+        """Wall time inside the solver [s]."""
+        return self._solve_time
+
+    @property
+    def timings(self) -> dict[str, float]:
+        """Parts of the solve, name to seconds."""
+        return self._details()[2]
+
+    def _details(self) -> Details:
+        """Return velocities, residuals and timings; cut them out of the buffer the first time."""
+        found = self._rest
+        if not isinstance(found, tuple):
+            n = self._problem.contacts
+            numbers = found[2 * n :].ravel()[:5].tolist()
+            found = self._rest = (found[n : 2 * n], Residuals(*numbers), {})
+        return found
+
+    def __repr__(self) -> str:
+        return (
+            f"ContactSolution(status={self._status}, solver={self._solver!r}, iterations={self._iterations}, "
+            f"solve_time={self._solve_time:.3g}, forces={self._forces!r}, residuals={self.residuals!r})"
+        )
 
     @property
     def solved(self) -> bool:
@@ -98,32 +164,3 @@ class ContactSolution:
                 self,
             )
         return self
-
-
-def from_buffer(
-    problem: ContactProblem,
-    buffer: FloatArray,
-    solver: str,
-    iterations: int,
-    solve_time: float,
-    _new: Callable[[type[ContactSolution]], ContactSolution] = object.__new__,
-    _fill: Callable[[ContactSolution, str, dict[str, Any]], None] = object.__setattr__,
-    _solved: Status = Status.SOLVED,
-) -> ContactSolution:
-    """Return a solved solution whose velocities and residuals are cut out of a buffer when first read.
-
-    The buffer is (2n + 2, 3): forces, velocities, and the numbers of `Residuals`. Frozen dataclasses fill
-    field by field; for a call of two microseconds that matters, as does where names are looked up.
-    """
-    found = _new(ContactSolution)
-    fields = {
-        "problem": problem,
-        "buffer": buffer,
-        "forces": buffer[: problem.contacts],
-        "status": _solved,
-        "solver": solver,
-        "iterations": iterations,
-        "solve_time": solve_time,
-    }
-    _fill(found, "__dict__", fields)
-    return found

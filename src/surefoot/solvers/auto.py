@@ -17,7 +17,7 @@ import time
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.problem import ContactProblem
+from surefoot.contact.problem import COMPILED_CONTACTS, ContactProblem
 from surefoot.contact.residuals import certificate, certify_dense
 from surefoot.contact.solution import Status
 from surefoot.errors import SurefootError
@@ -27,7 +27,6 @@ from surefoot.solvers.newton import FEW, SHARES_MANY, run_dense
 from surefoot.solvers.newton_sparse import newton_sparse
 from surefoot.solvers.nsgs import Sweeper, prepare_blocks
 from surefoot.solvers.solver import (
-    SHORTCUT_CONTACTS,
     Answer,
     Settings,
     mismatch,
@@ -64,27 +63,38 @@ PYRAMIDS: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
 so far: a bad guess can hold a method back, so some start afresh."""
 
 
-def solve_small(
-    problem: ContactProblem, tol: float, max_iterations: int | None, warm_start: FloatArray | None
-) -> tuple[FloatArray, int, bool]:
-    """Solve a small problem on exact cones, and have it judged, in one compiled call."""
-    G, vectors, step, convex = problem.compiled
-    n = problem.contacts
-    buffer = np.empty((2 * n + 2, 3))
-    if warm_start is not None:
-        buffer[:n] = warm_start
-    rounds = ROUNDS if max_iterations is None else min(max_iterations, ROUNDS)
-    done = _solve_certified(G, vectors, step, tol, convex, rounds, warm_start is not None, buffer)
-    return (buffer, done, True) if done >= 0 else (buffer, ~done, False)
+@kernel
+def solve_compiled(packed: FloatArray, tol: float, most: int, warm: bool, buffer: FloatArray) -> int:
+    """Fill the buffer: forces, velocities, and what `contact.residuals` says of them; see `Shortcut`."""
+    m = packed.shape[1]
+    n = m // 3
+    G, g, laws, step, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0], packed[m + 2, 1] != 0.0
+    mu, low, high = laws[:n], laws[n : 2 * n], laws[2 * n :]
+    forces, velocities = np.zeros(m), np.empty(m)
+    if warm:
+        for k in range(n):
+            for a in range(3):
+                forces[3 * k + a] = buffer[k, a]
+    rounds = ROUNDS if most < 0 else min(most, ROUNDS)
+    burst = BURST if n <= FEW else BURST_MANY
+    sweeps, steps, _ = run_dense(G, g, mu, low, high, convex, step, tol, rounds, burst, forces, velocities)
+    numbers = certify_dense(G, g, mu, low, high, step, 0, True, not convex, forces, velocities)
+    for k in range(n):
+        for a in range(3):
+            buffer[k, a], buffer[n + k, a] = forces[3 * k + a], velocities[3 * k + a]
+    buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
+    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
+    done = sweeps + steps
+    return done if numbers[0] <= tol else ~done
 
 
-@register("auto", bilateral=True, polyhedral=True, shortcut=solve_small)
+@register("auto", bilateral=True, polyhedral=True, shortcut=solve_compiled)
 def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, exact or on pyramids; an iteration is one of whatever method ran."""
     start = time.perf_counter()
     if problem.facets is not None:
         return _hand_on(problem, settings, warm_start, 0, PYRAMIDS[problem.law], start)
-    if problem.contacts <= SHORTCUT_CONTACTS:
+    if problem.contacts <= COMPILED_CONTACTS:
         return _hand_on(problem, settings, warm_start, 0, CONES[problem.law], start)
     forces = start_forces(problem, warm_start)
     done, relative = alternate(problem, settings, start + settings.max_time, forces, hopeless=3)
@@ -94,30 +104,6 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     if problem.law == "coulomb" and relative > NO_GUESS:
         names = names[1:]
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
-
-
-@kernel
-def _solve_certified(
-    G: FloatArray, vectors: FloatArray, step: float, tol: float, convex: bool, rounds: int, warm: bool,
-    buffer: FloatArray,
-) -> int:  # fmt: skip
-    """Fill the buffer: forces, velocities, and what `contact.residuals` says of them.
-
-    Return the iterations if that is below tol, and less than zero (their bits turned) if it is not.
-    """
-    g, laws = vectors[0], vectors[1].reshape(3, vectors.shape[1] // 3)
-    n = laws.shape[1]
-    shaped, velocities = buffer[:n], buffer[n : 2 * n]
-    forces = shaped.reshape(3 * n)
-    if not warm:
-        forces[:] = 0.0
-    burst = BURST if n <= FEW else BURST_MANY
-    sweeps, steps, _ = run_dense(G, g, laws[0], laws[1], laws[2], convex, step, tol, rounds, burst, forces)
-    numbers = certify_dense(G, g, laws, step, 0, True, not convex, shaped, velocities)
-    buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
-    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
-    done = sweeps + steps
-    return done if numbers[0] <= tol else ~done
 
 
 def _hand_on(
@@ -142,7 +128,7 @@ def _hand_on(
         if settings.max_iterations is not None:
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
-            mixed = name == "admm" and problem.facets is None and problem.contacts > SHORTCUT_CONTACTS
+            mixed = name == "admm" and problem.facets is None and problem.contacts > COMPILED_CONTACTS
             function = _admm_and_newton if mixed else entries[name].function
             answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
         except SurefootError:  # an optional package that is not installed

@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.cones.projection import project_truncated
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.kernels import inline_kernel
 
 
 @inline_kernel
@@ -33,7 +33,7 @@ def relative_gap(gap: float, size: float, free: float) -> float:
     return gap / size if size > 0.0 else gap
 
 
-@kernel
+@inline_kernel
 def natural_gap(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
     step: float, convex: bool,

@@ -22,7 +22,8 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.kernels import inline_kernel
+from surefoot.solvers.elimination import lu_solve, symmetric_solve
 from surefoot.solvers.natural_map import natural_gap, relative_gap
 from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
@@ -40,121 +41,126 @@ SHARES_MANY, FEW = (0.1, 1e-6, 1.0), 25
 """The shares above `FEW` contacts: who slides is open for longer there."""
 
 
-@kernel
+@inline_kernel
+def _stick(
+    k: int, count: int, small: float, rows: FloatArray, columns: FloatArray, weight: FloatArray,
+    target: FloatArray,
+) -> None:  # fmt: skip
+    """Give contact k its first `count` components as unknowns, and that their velocities vanish."""
+    for c in range(count):
+        for a in range(3):
+            rows[k, c, a] = columns[k, c, a] = 1.0 if a == c else 0.0
+        weight[k, c], target[k, c] = small, 0.0
+
+
+@inline_kernel
+def _only_normal(
+    k: int, small: float, rows: FloatArray, columns: FloatArray, weight: FloatArray, target: FloatArray
+) -> None:
+    """Give contact k its normal force as first unknown, and that the normal velocity vanishes."""
+    rows[k, 0, 0] = rows[k, 0, 1] = columns[k, 0, 0] = columns[k, 0, 1] = 0.0
+    rows[k, 0, 2] = columns[k, 0, 2] = 1.0
+    weight[k, 0], target[k, 0] = small, 0.0
+
+
+@inline_kernel
 def classify(
     forces: FloatArray, velocities: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray,
     high: FloatArray, convex: bool, rows: FloatArray, columns: FloatArray, weight: FloatArray,
-    jump: FloatArray, target: FloatArray, proximal: float,
-) -> IntArray:  # fmt: skip
+    jump: FloatArray, target: FloatArray, proximal: float, count: IntArray,
+) -> None:  # fmt: skip
     """Linearise every contact: its free directions, its equations and the part of the step that is known.
 
     For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c];
     the equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
     """
-    n = mu.size
-    count = np.zeros(n, dtype=np.int64)
-    for k in range(n):
+    for k in range(mu.size):
         i = 3 * k
-        W = local[k]
-        trace = W[0] + W[3] + W[5]
-        small = proximal * trace
+        W00, W11, W22 = local[k, 0], local[k, 3], local[k, 5]
+        small = proximal * (W00 + W11 + W22)
+        jump[k, 0] = jump[k, 1] = jump[k, 2] = 0.0
+        if low[k] == -np.inf:
+            _stick(k, 3, small, rows, columns, weight, target)
+            count[k] = 3
+            continue
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
-        rows[k], columns[k], target[k], jump[k] = 0.0, 0.0, 0.0, 0.0
-        weight[k] = small
-        if low[k] == -np.inf:
-            count[k] = 3
-            for c in range(3):
-                rows[k, c, c] = columns[k, c, c] = 1.0
-            continue
-        step_t, step_n = 1.0 / max(W[0], W[3]), 1.0 / W[5]
+        step_t, step_n = 1.0 / max(W00, W11), 1.0 / W22
         wx, wy = x - step_t * p, y - step_t * q
         length = math.sqrt(wx * wx + wy * wy)
-        shift = 0.0
         lifted = z - step_n * r
-        if convex and mu[k] > 0.0:
+        if convex and mu[k] > 0.0 and length > mu[k] * min(max(lifted, low[k]), high[k]):
             # where the contact slides, the convex law adds mu ||u_t|| to its normal velocity
-            shift = mu[k] * math.sqrt(p * p + q * q)
-            lifted = z - step_n * (r - shift)
-            if length <= mu[k] * min(max(z - step_n * r, low[k]), high[k]):
-                lifted, shift = z - step_n * r, 0.0
+            lifted = z - step_n * (r - mu[k] * math.sqrt(p * p + q * q))
         held = lifted <= low[k] or lifted >= high[k]
         normal = min(max(lifted, low[k]), high[k])
         radius = mu[k] * normal
-        c = 0
+        if held:
+            jump[k, 2] = normal - z
         if radius == 0.0 and (held or mu[k] == 0.0):
             jump[k, 0], jump[k, 1] = -x, -y
-            if held:
-                jump[k, 2] = normal - z
-            else:
-                rows[k, 0, 2] = columns[k, 0, 2] = 1.0
-                c = 1
-        elif length <= radius:  # stick
-            if held:
-                jump[k, 2] = normal - z
-            for a in range(2 if held else 3):
-                rows[k, a, a] = columns[k, a, a] = 1.0
-            c = 2 if held else 3
-        else:  # slide along e
-            ex, ey = wx / length, wy / length
-            along = x * ex + y * ey
-            ratio = radius / length
-            if held:
-                jump[k, 2] = normal - z
-                change = mu[k] * normal - along
-            else:
-                change = mu[k] * z - along
-                rows[k, 0, 2] = 1.0
-                columns[k, 0, 0], columns[k, 0, 1], columns[k, 0, 2] = mu[k] * ex, mu[k] * ey, 1.0
-                if convex:
-                    rows[k, 0, 0], rows[k, 0, 1] = mu[k] * ex, mu[k] * ey
-                c = 1
-            jump[k, 0], jump[k, 1] = change * ex, change * ey
-            columns[k, c, 0], columns[k, c, 1] = -ey, ex
-            rows[k, c, 0], rows[k, c, 1] = -ratio * ey, ratio * ex
-            across = -p * ey + q * ex
-            target[k, c] = (ratio - 1.0) * across
-            weight[k, c] = (1.0 - ratio) / step_t + small
-            c += 1
-        count[k] = c
-    return count
+            count[k] = 0
+            if not held:
+                _only_normal(k, small, rows, columns, weight, target)
+                count[k] = 1
+            continue
+        if length <= radius:
+            count[k] = 2 if held else 3
+            _stick(k, count[k], small, rows, columns, weight, target)
+            continue
+        ex, ey = wx / length, wy / length  # it slides along e
+        ratio = radius / length
+        change = mu[k] * (normal if held else z) - (x * ex + y * ey)
+        jump[k, 0], jump[k, 1] = change * ex, change * ey
+        c = 0
+        if not held:
+            _only_normal(k, small, rows, columns, weight, target)
+            columns[k, 0, 0], columns[k, 0, 1] = mu[k] * ex, mu[k] * ey
+            if convex:
+                rows[k, 0, 0], rows[k, 0, 1] = mu[k] * ex, mu[k] * ey
+            c = 1
+        columns[k, c, 0], columns[k, c, 1], columns[k, c, 2] = -ey, ex, 0.0
+        rows[k, c, 0], rows[k, c, 1], rows[k, c, 2] = -ratio * ey, ratio * ex, 0.0
+        target[k, c] = (ratio - 1.0) * (q * ex - p * ey)
+        weight[k, c] = (1.0 - ratio) / step_t + small
+        count[k] = c + 1
 
 
-@kernel
+@inline_kernel
 def _assemble(
     G: FloatArray, velocities: FloatArray, rows: FloatArray, columns: FloatArray, weight: FloatArray,
-    jump: FloatArray, target: FloatArray, count: IntArray, moved: FloatArray, across: FloatArray,
-    A: FloatArray, b: FloatArray,
+    jump: FloatArray, target: FloatArray, count: IntArray, moved: FloatArray, A: FloatArray, b: FloatArray,
 ) -> int:  # fmt: skip
     """Fill the reduced matrix and right-hand side of the linearised equations; return their size."""
     n = count.size
-    moved[:] = velocities  # u after the known part of the step
+    for j in range(moved.size):
+        moved[j] = velocities[j]  # u after the known part of the step
     for k in range(n):
-        for a in range(3):
-            d = jump[k, a]
-            if d != 0.0:
-                for j in range(moved.size):
-                    moved[j] += G[3 * k + a, j] * d
+        x, y, z = jump[k, 0], jump[k, 1], jump[k, 2]
+        if x != 0.0 or y != 0.0 or z != 0.0:
+            for j in range(moved.size):
+                moved[j] += G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
     i = 0
     for k in range(n):
         for c in range(count[k]):
             x, y, z = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-            row = across  # this equation's row of G
-            if count[k] == 3:  # three unknowns are the three components, here and below
-                row = G[3 * k + c]
-            else:
-                for j in range(moved.size):
-                    across[j] = G[3 * k, j] * x + G[3 * k + 1, j] * y + G[3 * k + 2, j] * z
             at = 0
             for h in range(n):
-                if count[h] == 0:
+                few = count[h]
+                if few == 0:
                     continue
-                p, q, r = row[3 * h], row[3 * h + 1], row[3 * h + 2]
-                if count[h] == 3:
+                j = 3 * h
+                if count[k] == 3:  # three unknowns are the three components, here and below
+                    p, q, r = G[3 * k + c, j], G[3 * k + c, j + 1], G[3 * k + c, j + 2]
+                else:
+                    p = x * G[3 * k, j] + y * G[3 * k + 1, j] + z * G[3 * k + 2, j]
+                    q = x * G[3 * k, j + 1] + y * G[3 * k + 1, j + 1] + z * G[3 * k + 2, j + 1]
+                    r = x * G[3 * k, j + 2] + y * G[3 * k + 1, j + 2] + z * G[3 * k + 2, j + 2]
+                if few == 3:
                     A[i, at], A[i, at + 1], A[i, at + 2] = p, q, r
                     at += 3
                     continue
-                for d in range(count[h]):
+                for d in range(few):
                     A[i, at] = p * columns[h, d, 0] + q * columns[h, d, 1] + r * columns[h, d, 2]
                     at += 1
             A[i, i] += weight[k, c]
@@ -164,91 +170,6 @@ def _assemble(
 
 
 @inline_kernel
-def _back_substitute(A: FloatArray, b: FloatArray, m: int) -> None:
-    """Solve with the upper triangle of A in place."""
-    for k in range(m - 1, -1, -1):
-        total = b[k]
-        for j in range(k + 1, m):
-            total -= A[k, j] * b[j]
-        b[k] = total / A[k, k]
-
-
-@kernel
-def symmetric_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
-    """Solve m equations A x = b with a positive definite A in place (x in b); False if it is not.
-
-    Elimination on the upper half, two columns at a time, without pivoting.
-    """
-    for k in range(0, m, 2):
-        if not A[k, k] > 0.0:
-            return False
-        if k + 1 == m:
-            break
-        first = 1.0 / A[k, k]
-        factor = A[k, k + 1] * first
-        for j in range(k + 1, m):
-            A[k + 1, j] -= factor * A[k, j]
-        b[k + 1] -= factor * b[k]
-        if not A[k + 1, k + 1] > 0.0:
-            return False
-        second = 1.0 / A[k + 1, k + 1]
-        for i in range(k + 2, m):
-            p, q = A[k, i] * first, A[k + 1, i] * second
-            for j in range(i, m):
-                A[i, j] -= p * A[k, j] + q * A[k + 1, j]
-            b[i] -= p * b[k] + q * b[k + 1]
-    _back_substitute(A, b, m)
-    return True
-
-
-@inline_kernel
-def _pivot(A: FloatArray, b: FloatArray, k: int, m: int, first: int) -> bool:
-    """Bring the largest entry of column k to its diagonal, rows from `first` on; False if all are zero."""
-    pivot, best = k, abs(A[k, k])
-    for i in range(k + 1, m):
-        if abs(A[i, k]) > best:
-            pivot, best = i, abs(A[i, k])
-    if not best > 0.0:
-        return False
-    if pivot != k:
-        for j in range(first, m):
-            A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
-        b[k], b[pivot] = b[pivot], b[k]
-    return True
-
-
-@kernel
-def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
-    """Solve m equations A x = b in place (x in b), pivoting rows; return False for a zero pivot.
-
-    Two columns at a time: half as often through the matrix.
-    """
-    for k in range(0, m, 2):
-        if not _pivot(A, b, k, m, k):
-            return False
-        if k + 1 == m:
-            break
-        inverse = 1.0 / A[k, k]
-        for i in range(k + 1, m):
-            A[i, k] *= inverse
-            A[i, k + 1] -= A[i, k] * A[k, k + 1]
-        if not _pivot(A, b, k + 1, m, k):
-            return False
-        inverse = 1.0 / A[k + 1, k + 1]
-        factor = A[k + 1, k]
-        for j in range(k + 2, m):
-            A[k + 1, j] -= factor * A[k, j]
-        b[k + 1] -= factor * b[k]
-        for i in range(k + 2, m):
-            p, q = A[i, k], A[i, k + 1] * inverse
-            for j in range(k + 2, m):
-                A[i, j] -= p * A[k, j] + q * A[k + 1, j]
-            b[i] -= p * b[k] + q * b[k + 1]
-    _back_substitute(A, b, m)
-    return True
-
-
-@kernel
 def spread(
     columns: FloatArray, jump: FloatArray, count: IntArray, unknowns: FloatArray, step: FloatArray
 ) -> None:
@@ -263,7 +184,7 @@ def spread(
             at += 1
 
 
-@kernel
+@inline_kernel
 def newton_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     scale: float, tol: float, limit: int, share: float, local: FloatArray, forces: FloatArray,
@@ -275,13 +196,14 @@ def newton_dense(
     """
     n = mu.size
     m = 3 * n
-    work = np.empty(m * (15 + m))  # one allocation: a dozen would take as long as a step
-    rows, columns = work[: 3 * m].reshape(n, 3, 3), work[3 * m : 6 * m].reshape(n, 3, 3)
-    weight, jump = work[6 * m : 7 * m].reshape(n, 3), work[7 * m : 8 * m].reshape(n, 3)
-    target, step = work[8 * m : 9 * m].reshape(n, 3), work[9 * m : 10 * m]
-    moved, b, across = work[10 * m : 11 * m], work[11 * m : 12 * m], work[12 * m : 13 * m]
-    best_forces, best_velocities = work[13 * m : 14 * m], work[14 * m : 15 * m]
-    A = work[15 * m :].reshape(m, m)
+    A, kinds = np.empty((m, m)), np.empty(n, dtype=np.int64)
+    directions, known, vectors = np.empty((2, n, 3, 3)), np.empty((3, n, 3)), np.empty((5, m))
+    rows, columns = (
+        directions[0],
+        directions[1],
+    )  # few allocations and no reshaping: both take as long as a step
+    weight, jump, target = known[0], known[1], known[2]
+    moved, b, step, best_forces, best_velocities = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
     free = 0.0
     for j in range(m):
         free += g[j] * g[j]
@@ -289,15 +211,16 @@ def newton_dense(
     gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
     relative = relative_gap(gap, size, free)
     best = relative
-    best_forces[:], best_velocities[:] = forces, velocities
+    for j in range(m):
+        best_forces[j], best_velocities[j] = forces[j], velocities[j]
     done = since = 0
     while done < limit and best > tol and since < PATIENCE:
         done += 1
-        kinds = classify(
+        classify(
             forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target,
-            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)),
+            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)), kinds,
         )  # fmt: skip
-        m = _assemble(G, velocities, rows, columns, weight, jump, target, kinds, moved, across, A, b)
+        m = _assemble(G, velocities, rows, columns, weight, jump, target, kinds, moved, A, b)
         plain = True  # all of them stick, or carry nothing: G itself, symmetric
         for k in range(n):
             plain = plain and (kinds[k] == 3 or kinds[k] == 0)
@@ -314,19 +237,22 @@ def newton_dense(
             if relative < 0.9 * best:
                 since = 0
             best = relative
-            best_forces[:], best_velocities[:] = forces, velocities
-    forces[:], velocities[:] = best_forces, best_velocities
+            if best <= tol:
+                return done, best
+            for j in range(step.size):
+                best_forces[j], best_velocities[j] = forces[j], velocities[j]
+    for j in range(step.size):
+        forces[j], velocities[j] = best_forces[j], best_velocities[j]
     return done, best
 
 
-@kernel
+@inline_kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    scale: float, tol: float, rounds: int, burst: int, forces: FloatArray,
+    scale: float, tol: float, rounds: int, burst: int, forces: FloatArray, velocities: FloatArray,
 ) -> tuple[int, int, float]:  # fmt: skip
     """Alternate Gauss-Seidel sweeps with Newton steps; return sweeps, steps, and the relative gap."""
     local = prepare_dense(G)
-    velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
     free = 0.0
     for i in range(g.size):

@@ -114,7 +114,7 @@ def newton_sparse(
     free = scale * float(np.linalg.norm(problem.g))
     rows, columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
     weight, jump, target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    step = np.empty(3 * n)
+    step, count = np.empty(3 * n), np.empty(n, dtype=np.int64)
 
     def measure(f: FloatArray) -> tuple[FloatArray, float]:
         velocities = block_product(*matrix, f) + problem.g
@@ -127,9 +127,9 @@ def newton_sparse(
     while done < limit and best > tol and since < PATIENCE and time.perf_counter() < end:
         done += 1
         since += 1
-        count = classify(
+        classify(
             current, velocities, local, *laws, convex, rows, columns, weight, jump, target,
-            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)),
+            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)), count,
         )  # fmt: skip
         first = np.concatenate([[0], np.cumsum(count)])
         moved = velocities + block_product(*matrix, jump.ravel())

@@ -20,7 +20,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.natural_map import natural_gap, relative_gap
-from surefoot.solvers.one_contact import prepare, solve_one
+from surefoot.solvers.one_contact import WIDTH, block_of, prepare, solve_one
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
 MAX_SWEEPS = 100_000
@@ -30,20 +30,20 @@ SPARSE_BELOW = 0.4
 """Share of stored blocks under which the block form is used."""
 
 
-@kernel
+@inline_kernel
 def prepare_dense(G: FloatArray) -> FloatArray:
-    """Return the local data of every contact of a dense G: (n, 13), see `one_contact.prepare`."""
+    """Return the local data of every contact of a dense G: (n, WIDTH), see `one_contact.prepare`."""
     n = G.shape[0] // 3
-    local = np.empty((n, 13))
+    local = np.empty((n, WIDTH))
     for k in range(n):
         i = 3 * k
         prepare(
-            G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local[k]
+            G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local, k
         )
     return local
 
 
-@kernel
+@inline_kernel
 def sweep_dense(
     G: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     relax: float, forces: FloatArray, velocities: FloatArray,
@@ -53,12 +53,14 @@ def sweep_dense(
         i = 3 * k
         if high[k] == 0.0:
             continue
-        W = local[k]
+        W = block_of(local, k)
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)
         q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
         q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
-        a, b, c = solve_one(W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y)
+        a, b, c, local[k, 12], local[k, 13] = solve_one(
+            W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
+        )
         d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
             forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
@@ -66,7 +68,7 @@ def sweep_dense(
                 velocities[j] += G[i, j] * d0 + G[i + 1, j] * d1 + G[i + 2, j] * d2
 
 
-@kernel
+@inline_kernel
 def refresh_dense(G: FloatArray, g: FloatArray, forces: FloatArray, velocities: FloatArray) -> None:
     """Recompute u = G λ + g, row by row (G is symmetric)."""
     for j in range(g.size):
@@ -117,18 +119,18 @@ def run_dense(
 
 @kernel
 def prepare_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> FloatArray:
-    """Return the local data of every contact of a block matrix: (n, 13)."""
+    """Return the local data of every contact of a block matrix: (n, WIDTH)."""
     n = starts.size - 1
-    local = np.zeros((n, 13))
+    local = np.zeros((n, WIDTH))
     for k in range(n):
         for at in range(starts[k], starts[k + 1]):
             if columns[at] == k:
                 B = values[at]
-                prepare(B[0, 0], B[0, 1], B[0, 2], B[1, 1], B[1, 2], B[2, 2], local[k])
+                prepare(B[0, 0], B[0, 1], B[0, 2], B[1, 1], B[1, 2], B[2, 2], local, k)
     return local
 
 
-@kernel
+@inline_kernel
 def sweep_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, local: FloatArray, mu: FloatArray,
     low: FloatArray, high: FloatArray, convex: bool, relax: float, forces: FloatArray, velocities: FloatArray,
@@ -138,12 +140,14 @@ def sweep_blocks(
         i = 3 * k
         if high[k] == 0.0:
             continue
-        W = local[k]
+        W = block_of(local, k)
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)
         q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
         q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
-        a, b, c = solve_one(W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y)
+        a, b, c, local[k, 12], local[k, 13] = solve_one(
+            W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
+        )
         d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
             forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2

@@ -23,13 +23,22 @@ LOCAL_DAMPING = 1e-12
 """Added to a block's diagonal, relative to its trace; a proximal term, so it moves no solution."""
 FRICTIONLESS = 1e-140
 """Friction below this is none: its square would not be a number."""
+WIDTH = 14
+"""Numbers that `prepare` keeps of a contact."""
+Block = tuple[float, ...]
+"""The first twelve of them: a tuple lives in registers, where a view of an array is counted and reloaded."""
 CLOSE = 1e-4
 """A Newton step on the angle below this squares itself away: the next sweep starts from 1e-8 of the angle."""
 
 
-@kernel
-def prepare(G00: float, G01: float, G02: float, G11: float, G12: float, G22: float, out: FloatArray) -> None:
-    """Fill out: [0:6] the damped 3x3 block (00, 01, 02, 11, 12, 22), [6:12] its inverse, [12] the damping."""
+@inline_kernel
+def prepare(
+    G00: float, G01: float, G02: float, G11: float, G12: float, G22: float, local: FloatArray, k: int
+) -> None:
+    """Fill row k of local: [0:6] the damped 3x3 block (00, 01, 02, 11, 12, 22), [6:12] its inverse.
+
+    [12:14] is room for the direction in which the contact last slid; zero, as here, if that is not known.
+    """
     trace = G00 + G11 + G22
     damping = LOCAL_DAMPING * trace if trace > 0.0 else 1.0
     a, b, c = G00 + damping, G11 + damping, G22 + damping
@@ -40,22 +49,19 @@ def prepare(G00: float, G01: float, G02: float, G11: float, G12: float, G22: flo
         a, b, c = G00 + damping, G11 + damping, G22 + damping
         A, B, C = b * c - G12 * G12, G02 * G12 - G01 * c, G01 * G12 - G02 * b
         det = a * A + G01 * B + G02 * C
-    out[0], out[1], out[2], out[3], out[4], out[5] = a, G01, G02, b, G12, c
+    local[k, 0], local[k, 1], local[k, 2], local[k, 3], local[k, 4], local[k, 5] = a, G01, G02, b, G12, c
     share = 1.0 / det
-    out[6], out[7], out[8] = A * share, B * share, C * share
-    out[9], out[10], out[11] = (
-        (a * c - G02 * G02) * share,
-        (G01 * G02 - a * G12) * share,
-        (a * b - G01 * G01) * share,
-    )
-    out[12] = damping
+    local[k, 6], local[k, 7], local[k, 8] = A * share, B * share, C * share
+    local[k, 9], local[k, 10] = (a * c - G02 * G02) * share, (G01 * G02 - a * G12) * share
+    local[k, 11] = (a * b - G01 * G01) * share
+    local[k, 12] = local[k, 13] = 0.0
 
 
 @inline_kernel
 def _slope(
-    W: FloatArray, q0: float, q1: float, q2: float, mu: float, convex: bool, ex: float, ey: float
-) -> tuple[float, float, float, float]:
-    """Return h, dh/dangle, s = v . e (negative at a solution) and the normal force for a direction e.
+    W: Block, q0: float, q1: float, q2: float, mu: float, convex: bool, ex: float, ey: float
+) -> tuple[float, float, float]:
+    """Return h, dh/dangle and s = v . e (negative at a solution) for a direction e.
 
     v is the tangential velocity times a positive factor; h its part across e.
     """
@@ -77,13 +83,25 @@ def _slope(
     h = -vx * ey + vy * ex
     s = vx * ex + vy * ey
     slope = -dx * ey + dy * ex - s
-    normal = -b / a if a > 0.0 else -1.0
-    return h, slope, s, normal
+    return h, slope, s
+
+
+@inline_kernel
+def _sliding_normal(
+    W: Block, q0: float, q1: float, q2: float, mu: float, convex: bool, ex: float, ey: float
+) -> float:
+    """Return the normal force with which the contact slides along e; -1 if there is none."""
+    a, b = W[5] + mu * (W[2] * ex + W[4] * ey), q2
+    if convex:
+        tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
+        a += mu * ((mu * tx + W[2]) * ex + (mu * ty + W[4]) * ey)
+        b += mu * (q0 * ex + q1 * ey)
+    return -b / a if a > 0.0 else -1.0
 
 
 @kernel
 def _search_circle(
-    W: FloatArray, q0: float, q1: float, q2: float, mu: float, convex: bool
+    W: Block, q0: float, q1: float, q2: float, mu: float, convex: bool
 ) -> tuple[bool, float, float]:
     """Look for a sliding direction on the whole circle: sign changes of h, refined by bisection."""
     count = 96
@@ -98,15 +116,16 @@ def _search_circle(
                     low = middle
                 else:
                     high = middle
-            _, _, s, normal = _slope(W, q0, q1, q2, mu, convex, math.cos(low), math.sin(low))
-            if s <= 0.0 and normal > 0.0:
-                return True, math.cos(low), math.sin(low)
+            ex, ey = math.cos(low), math.sin(low)
+            s = _slope(W, q0, q1, q2, mu, convex, ex, ey)[2]
+            if s <= 0.0 and _sliding_normal(W, q0, q1, q2, mu, convex, ex, ey) > 0.0:
+                return True, ex, ey
         last = now
     return False, 1.0, 0.0
 
 
 @kernel
-def _disc(W: FloatArray, q0: float, q1: float, normal: float, radius: float) -> tuple[float, float]:
+def _disc(W: Block, q0: float, q1: float, normal: float, radius: float) -> tuple[float, float]:
     """Return the tangential force of least energy in a disc, the normal force being known.
 
     On the rim (Wtt + s) r = -p with a multiplier s >= 0; Newton on 1 / |r(s)| climbs to it from s = 0.
@@ -136,86 +155,110 @@ def _disc(W: FloatArray, q0: float, q1: float, normal: float, radius: float) -> 
 
 
 @inline_kernel
-def solve_one(
-    W: FloatArray, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
-    x: float, y: float,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return the force of one contact with free velocity q and the block W that `prepare` filled.
+def block_of(local: FloatArray, k: int) -> Block:
+    """Return what `prepare` filled in for contact k."""
+    return (
+        local[k, 0], local[k, 1], local[k, 2], local[k, 3], local[k, 4], local[k, 5],
+        local[k, 6], local[k, 7], local[k, 8], local[k, 9], local[k, 10], local[k, 11],
+    )  # fmt: skip
 
-    (x, y) is a guess of the tangential force. low = -inf marks a bilateral contact.
+
+@inline_kernel
+def solve_one(
+    W: Block, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
+    x: float, y: float, ex: float, ey: float,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Return the force of one contact with free velocity q, and the direction in which it slides.
+
+    (ex, ey) is the direction in which it last slid, returned as it came where it does not slide; for (0, 0)
+    a guess (x, y) of the tangential force serves. low = -inf marks a bilateral contact.
     """
     if low == 0.0:  # first, because take-off and stick may both be solutions where normal and tangents couple
         need = mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0
         if q2 >= need:
-            return 0.0, 0.0, 0.0
+            return 0.0, 0.0, 0.0, ex, ey
     r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
     r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
     r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
     if low == -math.inf:
-        return r0, r1, r2
+        return r0, r1, r2, ex, ey
     limit = mu * r2
     if low <= r2 <= high and r0 * r0 + r1 * r1 <= limit * limit:
-        return r0, r1, r2
+        return r0, r1, r2, ex, ey
     if mu < FRICTIONLESS:
-        return 0.0, 0.0, min(max(-q2 / W[5], low), high)
-    if x == 0.0 and y == 0.0:  # towards where it would stick: right where the tangents' inertias differ much
-        x, y = r0, r1
-    return slide_one(W, q0, q1, q2, mu, low, high, convex, x, y)
+        return 0.0, 0.0, min(max(-q2 / W[5], low), high), ex, ey
+    return slide_one(W, q0, q1, q2, mu, low, high, convex, x, y, ex, ey)
+
+
+@inline_kernel
+def _unit(x: float, y: float) -> tuple[float, float]:
+    length = math.sqrt(x * x + y * y)
+    return (x / length, y / length) if length > 0.0 else (1.0, 0.0)
 
 
 @inline_kernel
 def _turn(
-    W: FloatArray, q0: float, q1: float, q2: float, mu: float, convex: bool, x: float, y: float
-) -> tuple[bool, float, float]:
-    """Turn the direction of (x, y) by Newton steps until it is a sliding direction; tell whether it is."""
-    length = math.sqrt(x * x + y * y)
-    ex, ey = (x / length, y / length) if length > 0.0 else (1.0, 0.0)
+    W: Block, q0: float, q1: float, q2: float, mu: float, convex: bool, ex: float, ey: float
+) -> tuple[bool, float, float, float]:
+    """Turn a unit direction by Newton steps until it is one of sliding.
+
+    Return whether it is, the direction, and the normal force. Contacts are solved one after another, so what
+    counts is how long each number waits for the last: a turn by t takes one division and no root.
+    """
     for _ in range(20):
-        h, slope, s, normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)
-        good = False
+        h, slope, s = _slope(W, q0, q1, q2, mu, convex, ex, ey)
         if slope > 0.0 and s < 0.0:
             turn = -h / slope
-            good = abs(turn) < CLOSE and normal > 0.0
-            turn = max(-0.8, min(0.8, turn))
-            fx, fy = ex - turn * ey, ey + turn * ex
+            good = abs(turn) < CLOSE
+            half = 0.5 * max(-0.8, min(0.8, turn))
+            share = 1.0 / (1.0 + half * half)
+            cosine, sine = (1.0 - half * half) * share, 2.0 * half * share
+            ex, ey = cosine * ex - sine * ey, cosine * ey + sine * ex
+            if good:
+                normal = _sliding_normal(W, q0, q1, q2, mu, convex, ex, ey)
+                if normal > 0.0:
+                    return True, ex, ey, normal
         else:  # uphill: turn against the velocity
             fx, fy = -(ex * s - h * ey), -(ey * s + h * ex)
-        length = math.sqrt(fx * fx + fy * fy)
-        if length == 0.0:
-            break
-        ex, ey = fx / length, fy / length
-        if good:
-            return True, ex, ey
-    return False, ex, ey
+            length = math.sqrt(fx * fx + fy * fy)
+            if length == 0.0:
+                break
+            ex, ey = fx / length, fy / length
+    return False, ex, ey, 0.0
 
 
 @kernel
 def slide_one(
-    W: FloatArray, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
-    x: float, y: float,
-) -> tuple[float, float, float]:  # fmt: skip
-    """Return the force of a contact that neither takes off nor sticks within its bounds."""
+    W: Block, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
+    x: float, y: float, ex: float, ey: float,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Solve a contact that neither takes off nor sticks within its bounds; see `solve_one`."""
     lifts = q2 >= (mu * math.sqrt(q0 * q0 + q1 * q1) if convex else 0.0)
     r0 = -(W[6] * q0 + W[7] * q1 + W[8] * q2)
     r1 = -(W[7] * q0 + W[9] * q1 + W[10] * q2)
     r2 = -(W[8] * q0 + W[10] * q1 + W[11] * q2)
-    ex, ey, normal, good = 1.0, 0.0, 0.0, False
+    normal = 0.0
     if r2 > 0.0 and r0 * r0 + r1 * r1 <= (mu * r2) ** 2:  # it would stick, but for the bounds
         normal = r2
     elif not lifts:
-        good, ex, ey = _turn(W, q0, q1, q2, mu, convex, x, y)
-        if not good:  # afresh, towards where it would stick
-            good, ex, ey = _turn(W, q0, q1, q2, mu, convex, r0, r1)
+        if (
+            ex == 0.0 and ey == 0.0
+        ):  # towards where it would stick: right where the tangents' inertias differ much
+            ex, ey = _unit(r0, r1) if x == 0.0 and y == 0.0 else _unit(x, y)
+        good, ex, ey, normal = _turn(W, q0, q1, q2, mu, convex, ex, ey)
+        if not good:  # afresh
+            ex, ey = _unit(r0, r1)
+            good, ex, ey, normal = _turn(W, q0, q1, q2, mu, convex, ex, ey)
         if not good:
             good, ex, ey = _search_circle(W, q0, q1, q2, mu, convex)
-        if good:
-            normal = _slope(W, q0, q1, q2, mu, convex, ex, ey)[3]
-    if low <= normal <= high:
-        return mu * normal * ex, mu * normal * ey, normal
+            normal = _sliding_normal(W, q0, q1, q2, mu, convex, ex, ey) if good else 0.0
+        if low <= normal <= high:
+            long = 1.5 - 0.5 * (ex * ex + ey * ey)  # keeps it of length one over many turns
+            return mu * normal * ex, mu * normal * ey, normal, long * ex, long * ey
     # a bound holds the normal force; where no sliding force exists the free normal force decides
     normal = min(max(normal, low), high)
     radius = mu * normal
     if radius == 0.0:
-        return 0.0, 0.0, normal
+        return 0.0, 0.0, normal, ex, ey
     a, b = _disc(W, q0, q1, normal, radius)
-    return a, b, normal
+    return a, b, normal, ex, ey

@@ -6,7 +6,7 @@ import importlib
 import math
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -14,12 +14,12 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
 from surefoot.contact.residuals import Residuals, certificate
-from surefoot.contact.solution import ContactSolution, Status, from_buffer
+from surefoot.contact.solution import ContactSolution, Status
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
-_clock, _INFINITY = time.perf_counter, math.inf
+_clock, _INFINITY, _empty, _SOLVED = time.perf_counter, math.inf, np.empty, Status.SOLVED
 
 
 @dataclass(frozen=True)
@@ -53,13 +53,12 @@ class Answer(NamedTuple):
     timings: dict[str, float] | None = None
 
 
-Numbers = tuple[float, float, float, float, float]
-Shortcut = Callable[
-    [ContactProblem, float, int | None, FloatArray | None],
-    tuple[FloatArray, int, bool],
-]
-"""(problem, tol, max_iterations, warm_start) -> (buffer of `from_buffer`, iterations, solved)."""
-SHORTCUT_CONTACTS = 45
+Shortcut = Callable[[FloatArray, float, int, bool, FloatArray], int]
+"""(`ContactProblem.compiled`, tol, max_iterations, warm, buffer of `ContactSolution`) -> iterations.
+
+The iterations are turned bit by bit (less than zero) if the problem is not solved. A bound of -1 on them is
+none; `warm` says that the buffer holds forces to start from.
+"""
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
 Function = TypeVar("Function", bound=SolverFunction)
 
@@ -118,8 +117,8 @@ def register(
     bounds
         Whether it takes normal bounds other than 0 and infinity.
     shortcut
-        What `solve` tries first for few contacts on exact cones: one compiled call that solves and has
-        `contact.residuals` judge. If that is not solved, the function goes on from its forces. It has to
+        What `solve` tries first where `ContactProblem.compiled` is not None: one compiled call that solves
+        and has `contact.residuals` judge. If that is not solved, the function goes on from its forces. It has to
         take everything on exact cones: bounds, bilateral contacts, both laws.
     """
 
@@ -188,8 +187,8 @@ def solve(
     """
     start = _clock()
     shortcut = _SHORTCUTS.get(solver)
-    if not (0.0 <= tol < _INFINITY and max_time >= 0.0):
-        real_number("tol", tol, low=0.0, high=1e300)
+    if type(tol) is not float or not (0.0 <= tol < _INFINITY and max_time >= 0.0):
+        tol = real_number("tol", tol, low=0.0, high=1e300)
         real_number("max_time", max_time, low=0.0)
     if max_iterations is not None and max_iterations < 0:
         raise ProblemError(f"max_iterations must be >= 0, got {max_iterations}")
@@ -198,18 +197,23 @@ def solve(
     if shortcut is None:
         shortcut = find_solver(solver, problem).shortcut
     before = 0
-    if shortcut is not None and problem.facets is None and 0 < problem.contacts <= SHORTCUT_CONTACTS:
-        buffer, before, solved = shortcut(problem, tol, max_iterations, warm_start)
-        if solved:
-            return from_buffer(problem, buffer, solver, before, _clock() - start)
-        warm_start = buffer[: problem.contacts]
+    if shortcut is not None and (packed := problem.compiled) is not None:
+        n = problem.contacts
+        buffer = _empty((2 * n + 2, 3))
+        if warm_start is not None:
+            buffer[:n] = warm_start
+        most = -1 if max_iterations is None else max_iterations
+        done = shortcut(packed, tol, most, warm_start is not None, buffer)
+        if done >= 0:
+            return ContactSolution(problem, buffer[:n], _SOLVED, solver, done, _clock() - start, buffer)
+        before, warm_start = ~done, buffer[:n]
     entry = find_solver(solver, problem)
     if problem.contacts == 0:
         answer = Answer(np.zeros((0, 3)), 0)
     else:
         answer = entry.function(problem, Settings(tol, max_iterations, max_time), warm_start)
-    found = certify(problem, answer, entry.name, tol, _clock() - start)
-    return found if before == 0 else replace(found, iterations=before + found.iterations)
+    answer = answer._replace(iterations=before + answer.iterations)
+    return certify(problem, answer, entry.name, tol, _clock() - start)
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
@@ -234,54 +238,8 @@ def certify(
         status = Status.ALMOST
     else:
         status = answer.stop
-    return _solution(
-        problem, forces, velocities, status, numbers, name, answer.iterations, solve_time, answer.timings
-    )
-
-
-def _solution(
-    problem: ContactProblem,
-    forces: FloatArray,
-    velocities: FloatArray,
-    status: Status,
-    numbers: Numbers,
-    solver: str,
-    iterations: int,
-    solve_time: float,
-    timings: dict[str, float] | None = None,
-) -> ContactSolution:
-    """Return the solution object; frozen dataclasses fill field by field, this does it at once."""
-    gap, violation, approach, normal_power, slip_power = numbers
-    found = object.__new__(Residuals)
-    fill = object.__setattr__
-    fill(
-        found,
-        "__dict__",
-        {
-            "natural_map": gap,
-            "cone_violation": violation,
-            "penetration_velocity": approach,
-            "complementarity": normal_power,
-            "dissipation": slip_power,
-        },
-    )
-    solution = object.__new__(ContactSolution)
-    fill(
-        solution,
-        "__dict__",
-        {
-            "problem": problem,
-            "forces": forces,
-            "velocities": velocities,
-            "status": status,
-            "residuals": found,
-            "solver": solver,
-            "iterations": iterations,
-            "solve_time": solve_time,
-            "timings": timings or {},
-        },
-    )
-    return solution
+    details = velocities, Residuals(*numbers), answer.timings or {}
+    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details)
 
 
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:

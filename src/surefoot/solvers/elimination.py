@@ -1,0 +1,115 @@
+"""Dense linear systems of a few dozen unknowns, inside kernels: a call into LAPACK would take longer."""
+
+from __future__ import annotations
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import inline_kernel, kernel
+
+PAIRED = 24
+"""Equations from which on an elimination takes two columns at a time."""
+
+
+@inline_kernel
+def _back_substitute(A: FloatArray, b: FloatArray, m: int) -> None:
+    """Solve with the upper triangle of A in place."""
+    for k in range(m - 1, -1, -1):
+        total = b[k]
+        for j in range(k + 1, m):
+            total -= A[k, j] * b[j]
+        b[k] = total / A[k, k]
+
+
+@kernel
+def symmetric_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
+    """Solve m equations A x = b with a positive definite A in place (x in b); False if it is not.
+
+    Elimination on the upper half, two columns at a time, without pivoting.
+    """
+    for k in range(0, m, 2):
+        if not A[k, k] > 0.0:
+            return False
+        if k + 1 == m:
+            break
+        first = 1.0 / A[k, k]
+        factor = A[k, k + 1] * first
+        for j in range(k + 1, m):
+            A[k + 1, j] -= factor * A[k, j]
+        b[k + 1] -= factor * b[k]
+        if not A[k + 1, k + 1] > 0.0:
+            return False
+        second = 1.0 / A[k + 1, k + 1]
+        for i in range(k + 2, m):
+            p, q = A[k, i] * first, A[k + 1, i] * second
+            for j in range(i, m):
+                A[i, j] -= p * A[k, j] + q * A[k + 1, j]
+            b[i] -= p * b[k] + q * b[k + 1]
+    _back_substitute(A, b, m)
+    return True
+
+
+@inline_kernel
+def _pivot(A: FloatArray, b: FloatArray, k: int, m: int, first: int) -> bool:
+    """Bring the largest entry of column k to its diagonal, rows from `first` on; False if all are zero."""
+    pivot, best = k, abs(A[k, k])
+    for i in range(k + 1, m):
+        size = abs(A[i, k])
+        more = size > best  # a choice of values, not a branch: nobody can predict it
+        pivot, best = i if more else pivot, size if more else best
+    if not best > 0.0:
+        return False
+    if pivot != k:
+        for j in range(first, m):
+            A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+        b[k], b[pivot] = b[pivot], b[k]
+    return True
+
+
+@kernel
+def _lu_small(A: FloatArray, b: FloatArray, m: int) -> bool:
+    for k in range(m):
+        if not _pivot(A, b, k, m, k):
+            return False
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, m):
+            p = A[i, k] * inverse
+            if p != 0.0:
+                for j in range(k + 1, m):
+                    A[i, j] -= p * A[k, j]
+                b[i] -= p * b[k]
+    _back_substitute(A, b, m)
+    return True
+
+
+@kernel
+def _lu_pairs(A: FloatArray, b: FloatArray, m: int) -> bool:
+    """Eliminate two columns at a time: half as often through the matrix."""
+    for k in range(0, m, 2):
+        if not _pivot(A, b, k, m, k):
+            return False
+        if k + 1 == m:
+            break
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, m):
+            A[i, k] *= inverse
+            A[i, k + 1] -= A[i, k] * A[k, k + 1]
+        if not _pivot(A, b, k + 1, m, k):
+            return False
+        inverse = 1.0 / A[k + 1, k + 1]
+        factor = A[k + 1, k]
+        for j in range(k + 2, m):
+            A[k + 1, j] -= factor * A[k, j]
+        b[k + 1] -= factor * b[k]
+        for i in range(k + 2, m):
+            p, q = A[i, k], A[i, k + 1] * inverse
+            if p != 0.0 or q != 0.0:
+                for j in range(k + 2, m):
+                    A[i, j] -= p * A[k, j] + q * A[k + 1, j]
+                b[i] -= p * b[k] + q * b[k + 1]
+    _back_substitute(A, b, m)
+    return True
+
+
+@kernel
+def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
+    """Solve m equations A x = b in place (x in b), pivoting rows; return False for a zero pivot."""
+    return _lu_small(A, b, m) if m < PAIRED else _lu_pairs(A, b, m)
