@@ -7,6 +7,7 @@ from surefoot.cones.projection import project_truncated
 from surefoot.kernels import kernel
 from surefoot.solvers import distribution_newton as general
 from surefoot.solvers import distribution_six as six
+from surefoot.solvers import distribution_work as layout
 from surefoot.solvers import distribution_wrench as wrench
 
 LOWER = np.tril_indices(6)
@@ -29,11 +30,11 @@ def program(seed, n=5):
     cones = np.column_stack([rng.uniform(0, 1.5, n), rng.uniform(0, 1, n), rng.uniform(1, 4, n)])
     cones[0] = [0.5, 0.0, np.inf]
     cones[1, :2] = 0.0
-    work = np.zeros((n + 2, wrench.WIDTH))
-    work[:n, wrench.MU], work[:n, wrench.LOW], work[:n, wrench.HIGH] = cones.T
-    work[:n, wrench.BLOCK : wrench.BLOCK + 18] = B.T.reshape(n, 18)
-    work[:n, wrench.CENTRE : wrench.CENTRE + 3] = c.reshape(n, 3)
-    work[:n, wrench.TANGENT : wrench.NORMAL + 1] = 1.0
+    work = layout.new_work(n)
+    work[:n, layout.MU], work[:n, layout.LOW], work[:n, layout.HIGH] = cones.T
+    work[:n, layout.BLOCK : layout.BLOCK + 18] = B.T.reshape(n, 18)
+    work[:n, layout.CENTRE : layout.CENTRE + 3] = c.reshape(n, 3)
+    work[:n, layout.TANGENT : layout.NORMAL + 1] = 1.0
     return B, c, b, cones, work
 
 
@@ -94,7 +95,7 @@ def test_gradient_is_that_of_the_dual(seed):
     F = run_place_and_evaluate(work, 5, tuple(y), tuple(b), rho)
     f = forces_twin(B, c, cones, y, rho)
     np.testing.assert_allclose(F, y + B @ f - b, atol=1e-11)
-    np.testing.assert_allclose(work[:5, wrench.FORCE : wrench.FORCE + 3].ravel(), f, atol=1e-12)
+    np.testing.assert_allclose(work[:5, layout.FORCE : layout.FORCE + 3].ravel(), f, atol=1e-12)
 
     def dual(y):
         point = c + rho * B.T @ y
@@ -133,7 +134,7 @@ def test_slope_along_a_step():
     expected = forces_twin(B, c, cones, y + t * d, rho) @ (rho * B.T @ d)
     assert found == pytest.approx(expected, abs=1e-11)
     np.testing.assert_allclose(
-        work[:5, wrench.POINT : wrench.POINT + 3].ravel(), c + rho * B.T @ (y + t * d), atol=1e-12
+        work[:5, layout.POINT : layout.POINT + 3].ravel(), c + rho * B.T @ (y + t * d), atol=1e-12
     )
 
 
@@ -141,13 +142,13 @@ def test_slope_along_a_step():
 def test_newton_against_the_same_in_numpy(seed):
     """Plain Newton on the dual with NumPy's solver ends at the same forces."""
     B, c, b, cones, work = program(seed)
-    work[5, wrench.ROOT : wrench.ROOT + 6] = 1.0
-    work[:5, wrench.PULL] = work[:5, wrench.PULL + 1] = 1.0
-    work[:5, wrench.REFERENCE : wrench.REFERENCE + 3] = c.reshape(5, 3)
-    work[:5, wrench.FLOOR], work[:5, wrench.CEILING] = cones[:, 1], cones[:, 2]
-    work[6, wrench.TOLERANCE], work[6, wrench.LIMIT] = 1e-11, 100
+    work[5, layout.ROOT : layout.ROOT + 6] = 1.0
+    work[:5, layout.PULL] = work[:5, layout.PULL + 1] = 1.0
+    work[:5, layout.REFERENCE : layout.REFERENCE + 3] = c.reshape(5, 3)
+    work[:5, layout.FLOOR], work[:5, layout.CEILING] = cones[:, 1], cones[:, 2]
+    work[6, layout.TOLERANCE], work[6, layout.LIMIT] = 1e-11, 100
     forces = np.zeros((5, 3))
-    assert wrench.distribute_wrench(B, b, work, forces) == wrench.SOLVED
+    assert wrench.distribute_wrench(B, b, work, forces) == layout.SOLVED
 
     def gradient(y):
         return y + B @ forces_twin(B, c, cones, y) - b
@@ -225,3 +226,36 @@ def test_projection_twin():
         np.testing.assert_allclose(
             run(*p, mu, low, low + 3.0), project_twin(p, mu, low, low + 3.0), atol=1e-12
         )
+
+
+@kernel
+def run_memory(work, contacts, y):
+    layout.remember(work, contacts, y)
+    return layout.predict(work, contacts)
+
+
+def test_a_steady_change_is_foretold_and_noise_is_not():
+    """After y, y + d and y + 2 d the guess is y + 3 d; after a jump it is the last y again."""
+    rng = np.random.default_rng(4)
+    y, d = rng.normal(size=(2, 6))
+    work = layout.new_work(2)
+    for k in range(3):
+        guess = run_memory(work, 2, tuple(y + k * d))
+        np.testing.assert_allclose(guess, y + (k if k < 2 else 3) * d, atol=1e-14)
+    jump = y + 2 * d - 3.0 * d
+    np.testing.assert_allclose(run_memory(work, 2, tuple(jump)), jump)
+    assert layout.set_limits(work, np.zeros(2), np.ones(2), np.ones(2, dtype=np.bool_)) == -1
+    np.testing.assert_allclose(run_memory(work, 2, tuple(jump - 3.0 * d)), jump - 6.0 * d)
+    layout.set_limits(work, np.zeros(2), np.ones(2), np.ones(2, dtype=np.bool_))
+    assert work[3, layout.TREND] == 0.0
+
+
+def test_sum_of_outer_products():
+    @kernel
+    def run(work, first, end):
+        return wrench.sum_outer(six.scaled_identity(2.0), work, first, end, layout.BLOCK)
+
+    work = np.random.default_rng(0).normal(size=(7, layout.WIDTH))
+    V = work[2:6, layout.BLOCK : layout.BLOCK + 6]
+    np.testing.assert_allclose(full(run(work, 2, 6)), 2.0 * np.eye(6) + V.T @ V, rtol=1e-12)
+    assert np.array_equal(full(run(work, 3, 3)), 2.0 * np.eye(6))

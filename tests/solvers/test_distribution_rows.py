@@ -5,7 +5,7 @@ import pytest
 
 from surefoot.solvers import distribution_newton as newton
 from surefoot.solvers import distribution_rows as rows_of
-from surefoot.solvers import distribution_wrench as wrench
+from surefoot.solvers import distribution_work as layout
 
 
 def loaded(seed, n=4, count=5):
@@ -13,14 +13,14 @@ def loaded(seed, n=4, count=5):
     rng = np.random.default_rng(seed)
     T = rng.normal(size=(count, 3 * n))
     low, high = -rng.uniform(0.5, 2.0, count), rng.uniform(0.5, 2.0, count)
-    work = np.zeros((n + 2, wrench.WIDTH))
+    work = layout.new_work(n)
     unit_t, unit_n = rng.uniform(0.5, 3.0, (2, n))
-    work[:n, wrench.TANGENT], work[:n, wrench.NORMAL] = unit_t, unit_n
-    work[:n, wrench.MU] = rng.uniform(0.1, 1.0, n) * unit_n / unit_t
-    work[:n, wrench.LOW], work[:n, wrench.HIGH] = 0.5, 4.0
-    work[:n, wrench.BLOCK : wrench.BLOCK + 18] = rng.normal(size=(n, 18))
-    work[:n, wrench.CENTRE : wrench.CENTRE + 3] = rng.normal(size=(n, 3))
-    work[n, wrench.ROOT : wrench.ROOT + 6] = rng.uniform(0.5, 2.0, 6)
+    work[:n, layout.TANGENT], work[:n, layout.NORMAL] = unit_t, unit_n
+    work[:n, layout.MU] = rng.uniform(0.1, 1.0, n) * unit_n / unit_t
+    work[:n, layout.LOW], work[:n, layout.HIGH] = 0.5, 4.0
+    work[:n, layout.BLOCK : layout.BLOCK + 18] = rng.normal(size=(n, 18))
+    work[:n, layout.CENTRE : layout.CENTRE + 3] = rng.normal(size=(n, 3))
+    work[n, layout.ROOT : layout.ROOT + 6] = rng.uniform(0.5, 2.0, 6)
     arrays = rows_of.rows_work(n, count)
     w = rng.normal(size=6)
     columns, sets, points, duals, _, rows = arrays
@@ -34,16 +34,16 @@ def loaded(seed, n=4, count=5):
 @pytest.mark.parametrize("seed", range(5))
 def test_loaded_program(seed):
     T, low, high, units, w, work, (columns, sets, points, duals, _, rows) = loaded(seed)
-    B = work[:4, wrench.BLOCK : wrench.BLOCK + 18].reshape(12, 6)
+    B = work[:4, layout.BLOCK : layout.BLOCK + 18].reshape(12, 6)
     heavy, light = rows[:, rows_of.HEAVY], rows[:, rows_of.LIGHT]
     np.testing.assert_allclose(columns[:, :6], B)
     np.testing.assert_allclose(columns[:, 6:], (heavy[:, None] * T * units).T)
     np.testing.assert_allclose(sets[4:, newton.LOW] / light, low)
     np.testing.assert_allclose(sets[4:, newton.HIGH] / light, high)
     np.testing.assert_allclose(sets[4:, newton.LINK], heavy / light)
-    np.testing.assert_allclose(duals[newton.TARGET, :6], w * work[4, wrench.ROOT : wrench.ROOT + 6])
+    np.testing.assert_allclose(duals[newton.TARGET, :6], w * work[4, layout.ROOT : layout.ROOT + 6])
     np.testing.assert_allclose(
-        points[newton.CENTRE, :12], work[:4, wrench.CENTRE : wrench.CENTRE + 3].ravel()
+        points[newton.CENTRE, :12], work[:4, layout.CENTRE : layout.CENTRE + 3].ravel()
     )
 
 
@@ -94,7 +94,7 @@ def test_proof_of_emptiness_is_one(seed):
     pull = (T.T @ direction * units).reshape(4, 3)
     most = 0.0
     for k in range(4):
-        mu = work[k, wrench.MU]
+        mu = work[k, layout.MU]
         circle = np.column_stack([mu * np.cos(angle), mu * np.sin(angle), np.ones(2000)])
         top = max((z * circle @ pull[k]).max() for z in (0.5, 4.0))
         most += top
@@ -110,11 +110,11 @@ def test_row_violation_and_limits():
     value = J.T @ f.ravel()
     expected = max(np.max(low - value), np.max(value - high))
     assert rows_of.row_violation(J, f, low, high) == pytest.approx(expected)
-    work = np.zeros((4, wrench.WIDTH))
-    work[:2, wrench.NORMAL] = 2.0
+    work = np.zeros((4, layout.WIDTH))
+    work[:2, layout.NORMAL] = 2.0
     on = np.array([True, False])
-    assert wrench.set_limits(work, np.array([1.0, 3.0]), np.array([4.0, 5.0]), on) == -1
-    np.testing.assert_allclose(work[:2, [wrench.LOW, wrench.HIGH]], [[0.5, 2.0], [0.0, 0.0]])
-    np.testing.assert_allclose(work[:2, [wrench.FLOOR, wrench.CEILING]], [[1.0, 4.0], [0.0, 0.0]])
+    assert layout.set_limits(work, np.array([1.0, 3.0]), np.array([4.0, 5.0]), on) == -1
+    np.testing.assert_allclose(work[:2, [layout.LOW, layout.HIGH]], [[0.5, 2.0], [0.0, 0.0]])
+    np.testing.assert_allclose(work[:2, [layout.FLOOR, layout.CEILING]], [[1.0, 4.0], [0.0, 0.0]])
     for low_1, high_1 in ((6.0, 5.0), (-1.0, 5.0), (np.nan, 5.0), (1.0, np.nan)):
-        assert wrench.set_limits(work, np.array([1.0, low_1]), np.array([4.0, high_1]), on) == 1
+        assert layout.set_limits(work, np.array([1.0, low_1]), np.array([4.0, high_1]), on) == 1

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, check_order, finite_array, per_contact, real_array, real_number
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
-from surefoot.solvers import distribution_wrench as newton
+from surefoot.solvers import distribution_work as layout
 from surefoot.solvers.distribution_rows import RowsWork, distribute_with_rows, rows_work
+from surefoot.solvers.distribution_wrench import distribute_wrench
 from surefoot.stance import Stance
 
 _STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
@@ -19,7 +20,7 @@ _FLOAT = np.float64
 _WRENCH = (6,)
 NOT_NUMBERS = "grasp_map and wrench must be arrays of numbers"
 # `solve` takes about a microsecond, of which every attribute lookup is a few per cent
-_contiguous, _empty, _distribute = np.ascontiguousarray, np.empty, newton.distribute_wrench
+_contiguous, _empty, _distribute = np.ascontiguousarray, np.empty, distribute_wrench
 
 
 class ForceDistributor:
@@ -121,17 +122,17 @@ class ForceDistributor:
         self._shape = (6, 3 * count)
         self._forces_shape = (count, 3)
         self._code = 3
-        self._work = work = np.zeros((count + 2, newton.WIDTH))
+        self._work = work = layout.new_work(count)
         self._memory, self._results, rows = work[count], work[count + 1], work[:count]
-        self._memory[newton.ROOT : newton.ROOT + 6] = self._roots
+        self._memory[layout.ROOT : layout.ROOT + 6] = self._roots
         total = self._weights + self._smoothness
         units = 1.0 / np.sqrt(total)
-        rows[:, newton.TANGENT], rows[:, newton.NORMAL] = units.T
-        rows[:, newton.MU] = self._mu * units[:, 1] / units[:, 0]
-        rows[:, newton.PULL : newton.PULL + 2] = self._weights * units
-        rows[:, newton.DRAG : newton.DRAG + 2] = self._smoothness * units
-        self._results[newton.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
-        self._results[newton.LIMIT] = self._limit
+        rows[:, layout.TANGENT], rows[:, layout.NORMAL] = units.T
+        rows[:, layout.MU] = self._mu * units[:, 1] / units[:, 0]
+        rows[:, layout.PULL : layout.PULL + 2] = self._weights * units
+        rows[:, layout.DRAG : layout.DRAG + 2] = self._smoothness * units
+        self._results[layout.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
+        self._results[layout.LIMIT] = self._limit
         self._rows: RowsWork | None = None
         self.set_active(self._all)
 
@@ -274,7 +275,7 @@ class ForceDistributor:
         """Fill `forces`; the work space is made anew only if the number of rows changes."""
         if self._rows is None or self._rows[-1].shape[0] != low.size:
             self._rows = rows_work(len(forces), low.size)
-            self._results[newton.ROWS_WARM] = 0.0
+            self._results[layout.ROWS_WARM] = 0.0
         self._code = distribute_with_rows(
             grasp_map, wrench, jacobian, low, high, self._work, *self._rows, forces
         )
@@ -294,7 +295,7 @@ class ForceDistributor:
         on = np.ascontiguousarray(active, dtype=np.bool_)
         if on.shape != self._mu.shape:
             raise ProblemError(f"active must have shape {self._mu.shape}, got {on.shape}")
-        newton.set_limits(self._work, self._low, self._high, on)
+        layout.set_limits(self._work, self._low, self._high, on)
 
     def set_bounds(self, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
         """Change the bounds on the normal forces, (n,) or numbers [N]; all contacts are switched on.
@@ -312,7 +313,7 @@ class ForceDistributor:
         if (
             low.shape != shape
             or high.shape != shape
-            or newton.set_limits(self._work, low, high, self._all) >= 0
+            or layout.set_limits(self._work, low, high, self._all) >= 0
         ):
             self._low, self._high = _bounds(normal_min, normal_max, self._mu.size)
             self.set_active(self._all)
@@ -324,16 +325,16 @@ class ForceDistributor:
         wanted = np.asarray(forces, dtype=np.float64)
         if wanted.shape != self._forces_shape:
             raise ProblemError(f"reference must have shape {self._forces_shape}, got {wanted.shape}")
-        self._work[: len(wanted), newton.REFERENCE : newton.REFERENCE + 3] = wanted
+        self._work[: len(wanted), layout.REFERENCE : layout.REFERENCE + 3] = wanted
 
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
-        self._results[newton.WARM] = self._results[newton.ROWS_WARM] = 0.0
-        self._results[newton.HAS_LAST] = 0.0 if forces is None else 1.0
+        self._results[layout.WARM] = self._results[layout.ROWS_WARM] = 0.0
+        self._results[layout.HAS_LAST] = 0.0 if forces is None else 1.0
         last = np.zeros(self._forces_shape) if forces is None else finite_array("forces", forces)
         if last.shape != self._forces_shape:
             raise ProblemError(f"forces must have shape {self._forces_shape}, got {last.shape}")
-        self._work[: len(last), newton.LAST : newton.LAST + 3] = last
+        self._work[: len(last), layout.LAST : layout.LAST + 3] = last
 
     @property
     def status(self) -> Status:
@@ -343,7 +344,7 @@ class ForceDistributor:
     @property
     def iterations(self) -> int:
         """Newton iterations of the last `solve`."""
-        return int(self._results[newton.ITERATIONS])
+        return int(self._results[layout.ITERATIONS])
 
     @property
     def force_error(self) -> float:
@@ -351,7 +352,7 @@ class ForceDistributor:
 
         With a Jacobian or rows that bind it is an estimate, infinite if the optimum was not reached.
         """
-        return float(self._results[newton.FORCE_ERROR])
+        return float(self._results[layout.FORCE_ERROR])
 
     @property
     def torque_excess(self) -> float:
@@ -359,12 +360,12 @@ class ForceDistributor:
 
         Negative or zero if all are within.
         """
-        return float(self._results[newton.ROW_VIOLATION])
+        return float(self._results[layout.ROW_VIOLATION])
 
     @property
     def wrench_error(self) -> float:
         """``||A f - w||_W`` of the last forces; in newtons for unit weights."""
-        return float(self._results[newton.WRENCH_ERROR])
+        return float(self._results[layout.WRENCH_ERROR])
 
 
 def _bounds(low: ArrayLike, high: ArrayLike, count: int) -> tuple[FloatArray, FloatArray]:

@@ -21,7 +21,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import kernel
-from surefoot.solvers import distribution_wrench as base
+from surefoot.solvers import distribution_work as base
 from surefoot.solvers.distribution_newton import (
     CENTRE,
     DUAL,
@@ -33,6 +33,7 @@ from surefoot.solvers.distribution_newton import (
     VALUE,
     minimise,
 )
+from surefoot.solvers.distribution_wrench import RELATIVE, distribute_wrench
 
 RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 
@@ -260,7 +261,7 @@ def distribute_with_rows(
     if check != 0.0:
         base.hold(work, contacts, forces)
         return base.INVALID
-    code = base.distribute_wrench(grasp_map, wrench, work, forces)
+    code = distribute_wrench(grasp_map, wrench, work, forces)
     violation = row_violation(jacobian, forces, low, high)
     work[results, base.ROW_VIOLATION] = violation
     if code == base.INVALID or violation <= 0.0:
@@ -300,6 +301,6 @@ def distribute_with_rows(
     work[results, base.ROWS_WARM] = 1.0 if solved else 0.0
     if empty:
         return base.INFEASIBLE
-    if solved and violation <= 0.0 and error <= max(tol, base.RELATIVE * left):
+    if solved and violation <= 0.0 and error <= max(tol, RELATIVE * left):
         return base.SOLVED
     return base.ALMOST if solved and violation <= ALMOST_KEPT else base.MAX_ITERATIONS

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import FloatArray
 from surefoot.cones.projection import project_truncated
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.distribution_six import (
@@ -38,28 +38,36 @@ from surefoot.solvers.distribution_six import (
     solve_six,
     times,
 )
-
-# `work` has one row per contact ...
-MU, LOW, HIGH = 0, 1, 2  # the cone, in scaled units; HIGH = 0 switches the contact off
-CENTRE = 5  # c, 3 numbers
-BLOCK = 8  # the contact's part of B: three columns of six
-POINT = 26  # c + Bᵀ y, 3 numbers
-OLD = 29  # the points before a step
-STEP = 32  # how far a full Newton step moves them
-FORCE = 35  # f, 3 numbers
-TANGENT, NORMAL = 3, 4  # newtons per scaled unit
-FLOOR, CEILING = 38, 39  # normal bounds [N]
-LAST = 40  # the last command [N], 3 numbers
-REFERENCE = 43  # wanted force [N], 3 numbers
-PULL, DRAG = 46, 48  # what the reference and the last command give to c: tangential and normal [1/N]
-WIDTH = 50
-# ... and two more: memory (the dual wrench, roots of the wrench weights) ...
-DUAL, ROOT = 0, 6
-# ... and settings and results.
-WARM, TOLERANCE, LIMIT, HAS_LAST, ITERATIONS, FORCE_ERROR, GAP, WRENCH_ERROR = 0, 1, 2, 3, 4, 5, 6, 7
-ROW_VIOLATION, ROWS_WARM = 8, 9  # see `surefoot.solvers.distribution_rows`
-
-SOLVED, ALMOST, MAX_ITERATIONS, INVALID, INFEASIBLE = 0, 1, 2, 3, 4
+from surefoot.solvers.distribution_work import (
+    ALMOST,
+    BLOCK,
+    CENTRE,
+    FORCE,
+    HIGH,
+    INSIDE,
+    INVALID,
+    ITERATIONS,
+    LIMIT,
+    LOW,
+    MAX_ITERATIONS,
+    MU,
+    OLD,
+    POINT,
+    SOLVED,
+    STEP,
+    TOLERANCE,
+    WARM,
+    column,
+    combine,
+    hold,
+    load,
+    measure,
+    predict,
+    remember,
+    store,
+    unload,
+    weigh,
+)
 
 # Counts are floats on purpose: Numba would compile a caller's integer constants into copies of a kernel.
 # Tuning; what they change is the time of hard instances, never the answer.
@@ -73,28 +81,7 @@ TIGHT_TOLERANCE = 1e-10
 PATH_LIMIT = 40.0  # iterations of the last stage before the path is taken again, carefully
 RELATIVE = 1e-12  # duality gap over the objective that counts as solved where rounding stops the rest
 ROUNDING = 1e-31  # square of the relative error of a residual in doubles
-
-
-@inline_kernel
-def column(work: FloatArray, k: int, at: int) -> Six:
-    """Return six numbers of a row."""
-    return (
-        work[k, at], work[k, at + 1], work[k, at + 2],
-        work[k, at + 3], work[k, at + 4], work[k, at + 5],
-    )  # fmt: skip
-
-
-@inline_kernel
-def combine(work: FloatArray, k: int, x: float, y: float, z: float) -> Six:
-    """Return the wrench B_i (x, y, z) of the contact in a row."""
-    return (
-        work[k, 8] * x + work[k, 14] * y + work[k, 20] * z,
-        work[k, 9] * x + work[k, 15] * y + work[k, 21] * z,
-        work[k, 10] * x + work[k, 16] * y + work[k, 22] * z,
-        work[k, 11] * x + work[k, 17] * y + work[k, 23] * z,
-        work[k, 12] * x + work[k, 18] * y + work[k, 24] * z,
-        work[k, 13] * x + work[k, 19] * y + work[k, 25] * z,
-    )
+EXTRA, LESS_NOISE = 10.0, 0.01  # iterations beyond that, and the share of it at which they stop
 
 
 @inline_kernel
@@ -156,12 +143,22 @@ def evaluate(work: FloatArray, contacts: int, y: Six, b: Six) -> Six:
 
 
 @inline_kernel
+def sum_outer(H: Lower, work: FloatArray, first: int, end: int, at: int) -> Lower:
+    """Return H + the sum of v vᵀ over the vectors v at one place of the rows from `first` to `end`."""
+    for k in range(first, end):
+        H = add_outer(H, column(work, k, at))
+    return H
+
+
+@inline_kernel
 def assemble(work: FloatArray, contacts: int, kappa: float) -> Lower:
     """Return kappa I + Σ B_i P_i' B_iᵀ at the points, P_i' the projection's Jacobian.
 
     On the cone's side the Jacobian has rank two: along the side, and sideways by mu f_z / ||point_t||.
+    The vectors are gathered first and summed in a loop without branches, which is twice as fast.
     """
-    H = scaled_identity(kappa)
+    spare = contacts + 2
+    end = spare
     for k in range(contacts):
         if work[k, HIGH] <= 0.0:
             continue
@@ -170,19 +167,23 @@ def assemble(work: FloatArray, contacts: int, kappa: float) -> Lower:
         free = work[k, LOW] < z < work[k, HIGH]
         t = math.sqrt(u * u + v * v)
         if t <= limit and limit > 0.0:
-            H = add_outer(H, column(work, k, BLOCK))
-            H = add_outer(H, column(work, k, BLOCK + 6))
+            store(work, end, 0, column(work, k, BLOCK))
+            store(work, end + 1, 0, column(work, k, BLOCK + 6))
+            end += 2
             if free:
-                H = add_outer(H, column(work, k, BLOCK + 12))
+                store(work, end, 0, column(work, k, BLOCK + 12))
+                end += 1
         elif z > 0.0:
             p, q = (u / t, v / t) if t > 0.0 else (0.0, 0.0)
             if limit > 0.0:
                 s = math.sqrt(limit / t)
-                H = add_outer(H, combine(work, k, -q * s, p * s, 0.0))
+                store(work, end, 0, combine(work, k, -q * s, p * s, 0.0))
+                end += 1
             if free:
                 s = 1.0 / math.sqrt(1.0 + mu * mu)
-                H = add_outer(H, combine(work, k, p * mu * s, q * mu * s, s))
-    return H
+                store(work, end, 0, combine(work, k, p * mu * s, q * mu * s, s))
+                end += 1
+    return sum_outer(scaled_identity(kappa), work, spare, end, 0)
 
 
 @inline_kernel
@@ -241,20 +242,18 @@ def spread(work: FloatArray, contacts: int) -> float:
 
 @kernel
 def newton(
-    work: FloatArray, contacts: int, b: Six, start: Six, kappa: float, tol: float, noise: float,
+    work: FloatArray, contacts: int, b: Six, start: Six, F: Six, kappa: float, tol: float, noise: float,
     limit: float, patience: float,
-) -> tuple[Six, float, int]:  # fmt: skip
-    """Return the dual wrench, ||F||² and the iterations, for a force weight kappa times larger.
+) -> tuple[Six, Six, int]:  # fmt: skip
+    """Return the dual wrench, F there and the iterations, for a force weight kappa times larger.
 
-    Stops at ||F||² <= tol, at the rounding error, after `limit` iterations or when a full step has
-    failed `patience` times.
+    From a start at which the points and F are known. Stops at ||F||² <= tol, at the rounding error, after
+    `limit` iterations or when a full step has failed `patience` times.
     """
     y, rho = start, 1.0 / kappa
-    place(work, contacts, y, rho)
-    F = evaluate(work, contacts, y, b)
     error = dot(F, F)
     best, count = error, 0
-    while error > max(tol, noise * spread(work, contacts)) and count < limit:
+    while error > tol and error > noise * spread(work, contacts) and count < limit:
         count += 1
         d = scale(kappa, solve_six(assemble(work, contacts, kappa), F))
         aim(work, contacts, d, rho)
@@ -274,20 +273,18 @@ def newton(
             error_new = dot(F_new, F_new)
         y, F, error = y_new, F_new, error_new
         best = min(best, error)
-    return y, error, count
+    return y, F, count
 
 
 @kernel
 def free_dual(work: FloatArray, contacts: int, b: Six, kappa: float) -> Six:
     """Return the dual wrench of the program without cones."""
-    H = scaled_identity(kappa)
-    F = scale(-kappa, b)
+    F, H = scale(-kappa, b), scaled_identity(kappa)
     for k in range(contacts):
         if work[k, HIGH] > 0.0:
             F = mix(F, kappa, combine(work, k, work[k, CENTRE], work[k, CENTRE + 1], work[k, CENTRE + 2]))
-            H = add_outer(H, column(work, k, BLOCK))
-            H = add_outer(H, column(work, k, BLOCK + 6))
-            H = add_outer(H, column(work, k, BLOCK + 12))
+    for i in range(3):
+        H = sum_outer(H, work, 0, contacts, BLOCK + 6 * i)
     return solve_six(H, F)
 
 
@@ -295,110 +292,34 @@ def free_dual(work: FloatArray, contacts: int, b: Six, kappa: float) -> Six:
 def follow_path(
     work: FloatArray, contacts: int, b: Six, kappa: float, tol: float, noise: float, limit: float,
     last: float, shrink: float, accuracy: float,
-) -> tuple[Six, float, int]:  # fmt: skip
+) -> tuple[Six, Six, int]:  # fmt: skip
     """Solve for a large force weight first and bring it back in steps; returns what `newton` does.
 
     At most `limit` iterations in all and `last` in the last stage.
     """
-    y = free_dual(work, contacts, b, kappa)
-    count = 0
-    while kappa > 1.0:
+    y, count, enough = free_dual(work, contacts, b, kappa), 0, accuracy * dot(b, b)
+    while True:
+        place(work, contacts, y, 1.0 / kappa)
+        F = evaluate(work, contacts, y, b)
+        if kappa <= 1.0:
+            break
         stage = min(10.0, limit - count)
-        y, _, used = newton(work, contacts, b, y, kappa, accuracy * dot(b, b), noise, stage, -1.0)
+        y, F, used = newton(work, contacts, b, y, F, kappa, enough, noise, stage, -1.0)
         count += used
         smaller = max(1.0, kappa * shrink)
         # the solution for the smaller weight if no contact changes its face
         y = times(assemble(work, contacts, kappa), y)
         y = scale(-smaller / kappa, solve_six(assemble(work, contacts, smaller), y))
         kappa = smaller
-    y, error, used = newton(work, contacts, b, y, 1.0, tol, noise, min(last, limit - count), -1.0)
-    return y, error, count + used
-
-
-@kernel
-def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float, float]:
-    """Fill B and c; return the squared Frobenius norm of B, and 0 or, for bad input, NaN."""
-    total, check = 0.0, 0.0
-    roots = contacts
-    for k in range(contacts):
-        st, sn = work[k, TANGENT], work[k, NORMAL]
-        for i in range(3):
-            side = 1 if i == 2 else 0
-            wanted = work[k, PULL + side] * work[k, REFERENCE + i] + work[k, DRAG + side] * work[k, LAST + i]
-            work[k, CENTRE + i] = wanted
-            work[k, FORCE + i] = 0.0
-            check += wanted * 0.0
-        if work[k, HIGH] <= 0.0:
-            continue
-        for i in range(6):
-            root = work[roots, ROOT + i]
-            x = grasp_map[i, 3 * k] * (root * st)
-            y = grasp_map[i, 3 * k + 1] * (root * st)
-            z = grasp_map[i, 3 * k + 2] * (root * sn)
-            work[k, BLOCK + i], work[k, BLOCK + 6 + i], work[k, BLOCK + 12 + i] = x, y, z
-            total += x * x + y * y + z * z
-    return total, check + total * 0.0
-
-
-@kernel
-def set_limits(work: FloatArray, low: FloatArray, high: FloatArray, on: BoolArray) -> int:
-    """Set the normal bounds [N], zero for contacts that are off; return a contact with wrong bounds or -1."""
-    for k in range(on.size):
-        if not 0.0 <= low[k] <= high[k]:
-            return k
-    for k in range(on.size):
-        work[k, FLOOR] = low[k] if on[k] else 0.0
-        work[k, CEILING] = high[k] if on[k] else 0.0
-        work[k, LOW] = work[k, FLOOR] / work[k, NORMAL]
-        work[k, HIGH] = work[k, CEILING] / work[k, NORMAL]
-    return -1
-
-
-@kernel
-def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
-    """Write the forces in newtons and remember them as the last command."""
-    for k in range(contacts):
-        if work[k, HIGH] > 0.0:
-            forces[k, 0] = work[k, FORCE] * work[k, TANGENT]
-            forces[k, 1] = work[k, FORCE + 1] * work[k, TANGENT]
-            forces[k, 2] = min(max(work[k, FORCE + 2] * work[k, NORMAL], work[k, FLOOR]), work[k, CEILING])
-        else:
-            forces[k, 0] = forces[k, 1] = forces[k, 2] = 0.0
-        work[k, LAST], work[k, LAST + 1], work[k, LAST + 2] = forces[k, 0], forces[k, 1], forces[k, 2]
-
-
-@kernel
-def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
-    """Write the last command, brought into today's cones; without one, the least normal forces."""
-    keep = work[contacts + 1, HAS_LAST] > 0.0
-    for k in range(contacts):
-        x, y, z = (work[k, LAST], work[k, LAST + 1], work[k, LAST + 2]) if keep else (0.0, 0.0, 0.0)
-        work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2] = project_truncated(
-            x / work[k, TANGENT],
-            y / work[k, TANGENT],
-            z / work[k, NORMAL],
-            work[k, MU],
-            work[k, LOW],
-            work[k, HIGH],
-        )
-    unload(work, contacts, forces)
-
-
-@inline_kernel
-def weigh(wrench: FloatArray, work: FloatArray, contacts: int) -> Six:
-    """Return b, the wanted wrench times the roots of its weights."""
-    return (
-        wrench[0] * work[contacts, ROOT], wrench[1] * work[contacts, ROOT + 1],
-        wrench[2] * work[contacts, ROOT + 2], wrench[3] * work[contacts, ROOT + 3],
-        wrench[4] * work[contacts, ROOT + 4], wrench[5] * work[contacts, ROOT + 5],
-    )  # fmt: skip
+    y, F, used = newton(work, contacts, b, y, F, 1.0, tol, noise, min(last, limit - count), -1.0)
+    return y, F, count + used
 
 
 @kernel
 def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArray, forces: FloatArray) -> int:
     """Write the (n, 3) optimal forces [N] for a (6, 3n) grasp map and a (6,) wrench; return a code."""
     contacts = forces.shape[0]
-    memory, results = contacts, contacts + 1
+    results = contacts + 1
     b = weigh(wrench, work, contacts)
     norm, check = load(grasp_map, work, contacts)
     size = dot(b, b)
@@ -407,65 +328,66 @@ def distribute_wrench(grasp_map: FloatArray, wrench: FloatArray, work: FloatArra
         work[results, ITERATIONS] = 0.0
         return INVALID
     tol, noise, limit = work[results, TOLERANCE] ** 2, ROUNDING * norm, work[results, LIMIT]
-    y = column(work, memory, DUAL) if work[results, WARM] > 0.0 else free_dual(work, contacts, b, 1.0)
+    # where no cone was active the program without cones is the best guess, cold or warm
+    guess = work[results, WARM] > 0.0 and work[results, INSIDE] == 0.0
+    y = predict(work, contacts) if guess else free_dual(work, contacts, b, 1.0)
     place(work, contacts, y, 1.0)
-    F = evaluate(work, contacts, y, b)
-    error, count = dot(F, F), 0
-    if error < FAR * size:
-        y, error, count = newton(work, contacts, b, y, 1.0, tol, noise, limit, PATIENCE)
-    start = max(1.0, PATH_START * norm)
-    if not error <= max(tol, noise * spread(work, contacts)):
-        y, error, used = follow_path(
+    F, count = evaluate(work, contacts, y, b), 0
+    if tol < dot(F, F) < FAR * size:
+        y, F, count = newton(work, contacts, b, y, F, 1.0, tol, noise, limit, PATIENCE)
+    if not dot(F, F) <= tol:
+        y, F, count = persist(work, contacts, b, y, F, norm, count)
+    return finish(work, contacts, y, F, noise, count, forces)
+
+
+@kernel
+def persist(
+    work: FloatArray, contacts: int, b: Six, y: Six, F: Six, norm: float, count: int
+) -> tuple[Six, Six, int]:  # fmt: skip
+    """Return what `newton` does, for an instance that it alone has not solved in `count` iterations.
+
+    Goes down the path unless only rounding is left. The bound on that is a cautious one: if the gap is not
+    small relative to the objective either, a few more steps mostly make it so.
+    """
+    results, start = contacts + 1, max(1.0, PATH_START * norm)
+    tol, noise, limit = work[results, TOLERANCE] ** 2, ROUNDING * norm, work[results, LIMIT]
+    if not dot(F, F) <= noise * spread(work, contacts):
+        y, F, used = follow_path(
             work, contacts, b, start, tol, noise, limit - count, PATH_LIMIT, PATH_STEP, PATH_TOLERANCE
         )
         count += used
-    if not error <= max(tol, noise * spread(work, contacts)) and count < limit:
+    if not dot(F, F) <= max(tol, noise * spread(work, contacts)) and count < limit:
         left = limit - count
-        y, error, used = follow_path(
+        y, F, used = follow_path(
             work, contacts, b, start, tol, noise, left, left, SMALL_STEP, TIGHT_TOLERANCE
         )
         count += used
-    return finish(work, contacts, b, y, error, max(tol, noise * spread(work, contacts)), count, forces)
+    missing = mix(F, -1.0, y)
+    if dot(F, F) > max(tol, RELATIVE * dot(missing, missing)) and count < limit:
+        extra = min(EXTRA, limit - count)
+        y, F, used = newton(work, contacts, b, y, F, 1.0, tol, LESS_NOISE * noise, extra, 2.0)
+        count += used
+    return y, F, count
 
 
-@kernel
-def measure(work: FloatArray, contacts: int, missing: Six, error: float) -> float:
-    """Write what the forces leave of the wrench and how far they may be from the optimum."""
-    widest, results = 0.0, contacts + 1
-    for k in range(contacts):
-        widest = max(widest, work[k, TANGENT], work[k, NORMAL])
-    left = dot(missing, missing)
-    work[results, GAP] = 0.5 * error
-    work[results, FORCE_ERROR] = widest * math.sqrt(error)
-    work[results, WRENCH_ERROR] = math.sqrt(left)
-    return left
-
-
-@kernel
-def remainder(work: FloatArray, contacts: int, b: Six) -> Six:
-    """Return B f - b."""
-    out = scale(-1.0, b)
-    for k in range(contacts):
-        if work[k, HIGH] > 0.0:
-            out = mix(out, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
-    return out
-
-
-@kernel
+@inline_kernel
 def finish(
-    work: FloatArray, contacts: int, b: Six, y: Six, error: float, tol: float, count: int, forces: FloatArray
+    work: FloatArray, contacts: int, y: Six, F: Six, noise: float, count: int, forces: FloatArray
 ) -> int:
     """Write forces, memory and results, and return the code."""
-    memory, results = contacts, contacts + 1
+    results, error = contacts + 1, dot(F, F)
     work[results, ITERATIONS] = count
     if not error < math.inf:
         work[results, WARM] = 0.0
         hold(work, contacts, forces)
         return INVALID
-    work[memory, 0], work[memory, 1], work[memory, 2], work[memory, 3], work[memory, 4], work[memory, 5] = y
-    work[results, WARM], work[results, HAS_LAST] = 1.0, 1.0
+    remember(work, contacts, y)
     unload(work, contacts, forces)
-    left = measure(work, contacts, remainder(work, contacts, b), error)
-    if error <= work[results, TOLERANCE] ** 2 or (error <= tol and error <= RELATIVE * left):
+    left = measure(work, contacts, mix(F, -1.0, y), error)
+    tol = work[results, TOLERANCE] ** 2
+    if error <= tol:
         return SOLVED
-    return ALMOST if error <= 1e6 * tol else MAX_ITERATIONS
+    floor = max(tol, noise * spread(work, contacts))
+    if error <= floor and error <= RELATIVE * left:
+        return SOLVED
+    return ALMOST if error <= 1e6 * floor else MAX_ITERATIONS
