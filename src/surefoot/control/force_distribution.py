@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import cache
+from typing import Any
 
+import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -20,7 +24,21 @@ _FLOAT = np.float64
 _WRENCH = (6,)
 NOT_NUMBERS = "grasp_map and wrench must be arrays of numbers"
 # `solve` takes about a microsecond, of which every attribute lookup is a few per cent
-_contiguous, _empty, _distribute = np.ascontiguousarray, np.empty, distribute_wrench
+_contiguous, _empty = np.ascontiguousarray, np.empty
+_distribute: Callable[[FloatArray, FloatArray, FloatArray, FloatArray], int] = distribute_wrench
+
+
+@cache
+def _call_directly() -> None:
+    """Let `solve` call the compiled function itself, for the only types that it passes.
+
+    Numba's look at the types takes 80 ns, and for an array that must not be written it would compile anew.
+    """
+    global _distribute
+    matrix, vector = numba.float64[:, ::1], numba.float64[::1]
+    compiled = getattr(distribute_wrench, "compile", None)  # absent if Numba is switched off
+    if compiled is not None:
+        _distribute = compiled((matrix, vector, matrix, matrix))
 
 
 class ForceDistributor:
@@ -112,6 +130,7 @@ class ForceDistributor:
 
     def _build(self, count: int) -> None:
         """Check the per-contact parameters for a number of contacts and make the work space."""
+        _call_directly()
         mu, low, high, weight = self._given
         self._mu = per_contact("mu", mu, count)
         if np.isinf(self._mu).any():
@@ -123,8 +142,8 @@ class ForceDistributor:
         self._forces_shape = (count, 3)
         self._code = 3
         self._work = work = layout.new_work(count)
-        self._memory, self._results, rows = work[count], work[count + 1], work[:count]
-        self._memory[layout.ROOT : layout.ROOT + 6] = self._roots
+        self._results, rows = work[count + 1], work[:count]
+        work[count, layout.ROOT : layout.ROOT + 6] = self._roots
         total = self._weights + self._smoothness
         units = 1.0 / np.sqrt(total)
         rows[:, layout.TANGENT], rows[:, layout.NORMAL] = units.T
@@ -135,6 +154,11 @@ class ForceDistributor:
         self._results[layout.LIMIT] = self._limit
         self._rows: RowsWork | None = None
         self.set_active(self._all)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take the state of a copy, whose results must again be part of its work space."""
+        self.__dict__.update(state)
+        self._results = self._work[self._mu.size + 1]
 
     def solve(
         self,
