@@ -88,6 +88,22 @@ def test_norm_is_the_spectral_norm(seed: int) -> None:
     assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == pytest.approx(np.linalg.norm(G, 2), rel=1e-8)
 
 
+@pytest.mark.parametrize("kind", ["clustered", "two-sided", "diagonal", "low-rank"])
+def test_norm_of_awkward_matrices(kind: str) -> None:
+    """Eigenvalues that nearly coincide, both ends nearly as long, and spaces that end early."""
+    rng = np.random.default_rng(5)
+    for n in (1, 4, 20, 70):
+        q, _ = np.linalg.qr(rng.normal(size=(3 * n, 3 * n)))
+        d = {
+            "clustered": 1.0 + 1e-9 * rng.uniform(-1.0, 1.0, 3 * n),
+            "two-sided": np.concatenate([[1.0, -1.0001], rng.uniform(-1.0, 1.0, 3 * n - 2)]),
+            "diagonal": rng.uniform(0.0, 1.0, 3 * n),
+            "low-rank": np.where(np.arange(3 * n) < 2, 1.0 + np.arange(3 * n), 0.0),
+        }[kind]
+        G = np.diag(d) if kind == "diagonal" else (q * d) @ q.T
+        assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == pytest.approx(np.abs(d).max(), rel=1e-8)
+
+
 def test_norm_of_nothing() -> None:
     assert sf.ContactProblem(np.zeros((3, 3)), np.ones(3), 0.5).norm == 0.0
     assert sf.ContactProblem(np.zeros((0, 0)), np.zeros(0), 0.5).norm == 0.0

@@ -1,16 +1,13 @@
-"""Delassus operators as matrices of 3x3 blocks: checks, block structure and the spectral norm."""
+"""Delassus operators as matrices of 3x3 blocks: checks, block structure and products."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import inline_kernel, kernel
-
-LANCZOS_STEPS = 120
+from surefoot.kernels import kernel
 
 
 @dataclass(frozen=True)
@@ -116,128 +113,3 @@ def block_product(starts: IntArray, columns: IntArray, values: FloatArray, x: Fl
             c += values[at, 2, 0] * p + values[at, 2, 1] * q + values[at, 2, 2] * r
         out[3 * k], out[3 * k + 1], out[3 * k + 2] = a, b, c
     return out
-
-
-@kernel
-def _start_vector(size: int) -> FloatArray:
-    """Return a fixed unit vector without symmetry that a mechanism could share."""
-    v = np.empty(size)
-    state = 12345
-    total = 0.0
-    for i in range(size):
-        state = (1103515245 * state + 12345) % 2147483648
-        v[i] = 0.5 + state / 2147483648.0
-        total += v[i] * v[i]
-    return v / math.sqrt(total)
-
-
-@inline_kernel
-def _all_below(diagonal: FloatArray, off: FloatArray, count: int, sign: float, bound: float) -> bool:
-    """Tell whether all eigenvalues of sign * T are below the bound (T - bound I is negative definite)."""
-    pivot = -1.0
-    for i in range(count):
-        pivot = sign * diagonal[i] - bound - (off[i - 1] ** 2 / pivot if i > 0 else 0.0)
-        if pivot >= 0.0:
-            return False
-    return True
-
-
-@kernel
-def _largest_tridiagonal(diagonal: FloatArray, off: FloatArray, count: int) -> float:
-    """Return the largest |eigenvalue| of a symmetric tridiagonal matrix, by bisection on Sturm counts."""
-    bound = 0.0
-    for i in range(count):
-        reach = abs(diagonal[i])
-        if i > 0:
-            reach += abs(off[i - 1])
-        if i < count - 1:
-            reach += abs(off[i])
-        bound = max(bound, reach)
-    best = 0.0
-    for sign in (1.0, -1.0):
-        low, high = best, bound
-        for i in range(count):
-            low = max(low, sign * diagonal[i])
-        if sign < 0.0 and _all_below(diagonal, off, count, -1.0, best):
-            break
-        while high - low > 1e-11 * high:
-            middle = 0.5 * (low + high)
-            if _all_below(diagonal, off, count, sign, middle):
-                high = middle
-            else:
-                low = middle
-        best = high
-    return best
-
-
-@kernel
-def _orthogonalise(basis: FloatArray, count: int, w: FloatArray) -> float:
-    """Take the first `count` basis rows out of w; return what is left of its length."""
-    for _ in range(2):
-        for i in range(count):
-            dot = 0.0
-            for j in range(w.size):
-                dot += basis[i, j] * w[j]
-            for j in range(w.size):
-                w[j] -= dot * basis[i, j]
-    total = 0.0
-    for j in range(w.size):
-        total += w[j] * w[j]
-    return math.sqrt(total)
-
-
-@kernel
-def spectral_norm(G: FloatArray) -> float:
-    """Return ||G||₂ of a dense symmetric matrix by Lanczos with full orthogonalisation."""
-    size = G.shape[0]
-    most = min(size, LANCZOS_STEPS)
-    basis = np.empty((most, size))
-    basis[0] = _start_vector(size)
-    diagonal, off = np.zeros(most), np.zeros(most)
-    last = 0.0
-    w = np.empty(size)
-    for k in range(most):
-        w[:] = 0.0
-        for i in range(size):
-            x = basis[k, i]
-            for j in range(size):
-                w[j] += G[i, j] * x
-        dot = 0.0
-        for j in range(size):
-            dot += w[j] * basis[k, j]
-        diagonal[k] = dot
-        length = _orthogonalise(basis, k + 1, w)
-        done = k + 1 == most or length <= 1e-14 * abs(dot)
-        if done or (k >= 17 and k % 6 == 5):
-            value = _largest_tridiagonal(diagonal, off, k + 1)
-            if done or value - last <= 1e-10 * value:
-                return value
-            last = value
-        off[k] = length
-        for j in range(size):
-            basis[k + 1, j] = w[j] / length
-    return last
-
-
-@kernel
-def spectral_norm_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> float:
-    """Return ||G||₂ of a block matrix by Lanczos with full orthogonalisation."""
-    size = 3 * (starts.size - 1)
-    most = min(size, LANCZOS_STEPS)
-    basis = np.empty((most, size))
-    basis[0] = _start_vector(size)
-    diagonal, off = np.zeros(most), np.zeros(most)
-    last = 0.0
-    for k in range(most):
-        w = block_product(starts, columns, values, basis[k])
-        diagonal[k] = np.sum(w * basis[k])
-        length = _orthogonalise(basis, k + 1, w)
-        done = k + 1 == most or length <= 1e-14 * abs(diagonal[k])
-        if done or (k >= 17 and k % 6 == 5):
-            value = _largest_tridiagonal(diagonal, off, k + 1)
-            if done or value - last <= 1e-10 * value:
-                return value
-            last = value
-        off[k] = length
-        basis[k + 1] = w / length
-    return last

@@ -15,10 +15,9 @@ from surefoot.contact.blocks import (
     Blocks,
     checked_mirror,
     dense_blocks,
-    spectral_norm,
-    spectral_norm_blocks,
     vectors_fit,
 )
+from surefoot.contact.spectral import spectral_norm, spectral_norm_blocks
 from surefoot.errors import ProblemError, unknown_name
 
 Law = Literal["coulomb", "convex"]
@@ -102,7 +101,8 @@ class ContactProblem:
         if law not in LAWS:
             raise ProblemError(unknown_name("law", law, LAWS))
         self.law: Law = law
-        self._read_vectors(g, mu, normal_min, normal_max)
+        sparse = not isinstance(G, np.ndarray) and sp.issparse(G)
+        self._read_vectors(g, mu, normal_min, normal_max, not sparse)
         self.bilateral: BoolArray | None = None
         if bilateral is not None:
             self._hold(bilateral)
@@ -114,19 +114,23 @@ class ContactProblem:
         self.compliance = _compliance(compliance, self.contacts)
         self._sparse: Any = None
         size = self.g.size
-        if not isinstance(G, np.ndarray) and sp.issparse(G):
+        if sparse:
             self._sparse = _checked_sparse(G, size, self.compliance)
         else:
-            self.__dict__["G"] = _checked_dense(G, size, self.compliance)
+            self.__dict__["G"] = self._packed[:size]
+            _read_dense(G, self.compliance, self.G)
 
     def _read_vectors(
-        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
+        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike, dense: bool
     ) -> None:
-        """Read the vectors: one compiled check, and the words only where it fails."""
+        """Read the vectors: one compiled check, and the words only where it fails.
+
+        They lie in one array, below a dense G, as compiled calls take them; see `compiled`.
+        """
         vector = np.asarray(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
         self.contacts = n = vector.size // 3
-        self.vectors = vectors = np.empty((2, 3 * n))  # g, and the laws: one array for compiled calls
-        self.g, self.laws = vectors[0], vectors[1].reshape(3, n)
+        self._packed = packed = np.empty((3 * n + 3 if dense else 3, 3 * n))
+        self.g, self.laws = packed[-3], packed[-2].reshape(3, n)
         self.mu, self.normal_min, self.normal_max = laws = self.laws
         try:
             laws[0], laws[1], laws[2] = mu, normal_min, normal_max
@@ -222,18 +226,16 @@ class ContactProblem:
         Its rows are G, g, the laws (mu, normal_min, normal_max), and last 1 / ||G||₂ and whether the law is
         convex. Every argument of a compiled call costs time, arrays most.
         """
-        size = self.g.size
         if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
             return None
-        packed = np.zeros((size + 3, size))
-        packed[:size], packed[size : size + 2] = self.G, self.vectors
+        packed = self._packed if self._sparse is None else np.concatenate([self.G, self._packed])
         packed[-1, 0] = 1.0 / self.norm if self.norm > 0.0 else 1.0
         packed[-1, 1] = self.law == "convex"
         return packed
 
     @cached_property
     def norm(self) -> float:
-        """The spectral norm ||G||₂ (Lanczos, to about 1e-9 relative)."""
+        """The spectral norm ||G||₂ (Lanczos, to about 1e-9 relative; see `spectral`)."""
         if self.contacts == 0:
             return 0.0
         if self._sparse is not None or self.contacts > 60:
@@ -260,25 +262,24 @@ def _compliance(value: Any, contacts: int) -> FloatArray | None:
     return R
 
 
-def _checked_dense(G: ArrayLike, size: int, compliance: FloatArray | None) -> FloatArray:
-    """Return a symmetric copy of G with the compliance on its diagonal."""
+def _read_dense(G: ArrayLike, compliance: FloatArray | None, out: FloatArray) -> None:
+    """Fill `out` with the symmetric part of G, and the compliance on its diagonal."""
+    matrix = np.asarray(G) if isinstance(G, np.ndarray) else finite_array("G", G)
+    if matrix.shape != out.shape:
+        finite_array("G", G, out.shape)  # says so
     try:
-        matrix = np.array(G, dtype=np.float64, order="C")
+        out[:] = matrix
     except (TypeError, ValueError):
-        matrix = np.empty(0)
-    if matrix.shape != (size, size):
-        matrix = finite_array("G", G, (size, size))
-    scale, gap, i, j = checked_mirror(matrix)
+        finite_array("G", G, out.shape)
+    scale, gap, i, j = checked_mirror(out)
     if not scale < np.inf:
-        finite_array("G", G, (size, size))  # names the entry
+        finite_array("G", G, out.shape)  # names the entry
     if gap > ASYMMETRY * scale:
-        original = np.asarray(G, dtype=np.float64)
         raise ProblemError(
-            f"G must be symmetric, but G[{i}, {j}] = {original[i, j]:g} and G[{j}, {i}] = {original[j, i]:g}"
+            f"G must be symmetric, but G[{i}, {j}] = {matrix[i, j]:g} and G[{j}, {i}] = {matrix[j, i]:g}"
         )
     if compliance is not None:
-        matrix[np.diag_indices(size)] += compliance
-    return matrix
+        out[np.diag_indices(out.shape[0])] += compliance
 
 
 def _checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:

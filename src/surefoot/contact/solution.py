@@ -9,7 +9,6 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import Residuals
 from surefoot.errors import NoSolution
 
-
 Details = tuple[FloatArray, Residuals, dict[str, float]]
 """Velocities, residuals and timings."""
 
