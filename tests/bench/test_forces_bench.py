@@ -83,8 +83,9 @@ def test_torque_limits_bind_and_are_kept():
 
 
 def test_command_prints_json(capsys):
-    assert main(["bench", "forces", "--count", "2", "--instances", "2", "--json"]) == 0
+    assert main(["bench", "forces", "--count", "2", "--instances", "2", "--no-stands", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
+    assert [row["trajectory"] for row in found["warm"]] == ["made"]
     assert found["accuracy"]["0.1"]["not_solved"] == 0
     assert {"solver", "timing", "cone"} <= set(found["rows"][0])
 

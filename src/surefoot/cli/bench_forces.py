@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from surefoot.cli.output import new_run_folder, to_json
+from surefoot.errors import MissingExtra
 
 WIDTH = 118
 """Columns that the table needs; a narrower terminal wraps its lines."""
@@ -26,6 +28,9 @@ def forces(
     log: Annotated[
         Path | None, typer.Option(help="A log.npz; its busiest stretch is the trajectory.")
     ] = None,
+    stands: Annotated[
+        bool, typer.Option("--stands/--no-stands", help="Simulate stands, to time warm starts along them.")
+    ] = True,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Compare exact force distribution with cone solvers, and with QP solvers on 4, 8 and 16 facets."""
@@ -33,12 +38,15 @@ def forces(
     from surefoot.bench.forces_accuracy import measure_accuracy
     from surefoot.bench.forces_instances import busiest, random_instances, read_log
     from surefoot.bench.forces_torques import time_torque_limits
+    from surefoot.bench.forces_warm import measure_all
 
     count = max(2, count // 5) if quick else count
+    steps = 5 * count // 2
     progress = Console(stderr=True)
-    logged = None if log is None else busiest(read_log(log), 5 * count // 2)
+    logged = None if log is None else busiest(read_log(log), steps)
     with progress.status("timing") as status:
-        rows = run_all(count, 5 * count // 2, logged, lambda text: status.update(text))
+        rows = run_all(count, steps, logged, status.update)
+        warm = list(measure_all(_trajectories(steps, logged, stands, progress), status.update))
         torques = time_torque_limits(count)
         status.update("checking against Clarabel")
         checks = {
@@ -46,19 +54,40 @@ def forces(
             for weight in WEIGHTS
         }
     if json:
-        found = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
-        rows_found = {"rows": [asdict(row) for row in rows], "torques": [asdict(row) for row in torques]}
-        print(to_json({**rows_found, "accuracy": found}))
+        tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
+        found = {name: [asdict(row) for row in table] for name, table in tables.items()}
+        accuracy = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
+        print(to_json({**found, "accuracy": accuracy}))
     else:
         console = Console()
         console = console if console.width >= WIDTH else Console(width=WIDTH)
         _print(console, rows, checks)
+        _print_warm(console, warm)
         _print_torques(console, torques)
     if out is not None:
-        from surefoot.viz.forces_bench import plot_accuracy
+        from surefoot.viz.forces_bench import plot_accuracy, plot_warm_starts
 
-        path = plot_accuracy(rows, new_run_folder(out, "bench-forces"))
-        typer.echo(f"picture: {path}", err=True)
+        folder = new_run_folder(out, "bench-forces")
+        for path in (plot_accuracy(rows, folder), plot_warm_starts(warm, folder)):
+            typer.echo(f"picture: {path}", err=True)
+
+
+def _trajectories(
+    steps: int, logged: list[Any] | None, stands: bool, progress: Console
+) -> Iterator[tuple[str, list[Any]]]:
+    """Yield the made trajectory, the log's and the busiest stretches of simulated stands."""
+    from surefoot.bench.forces_instances import busiest, pushed_stance
+    from surefoot.bench.forces_trajectories import SCENES, simulate
+
+    yield "made", pushed_stance(steps, 1.0 / steps)
+    if logged is not None:
+        yield "log", logged
+    for scene in SCENES if stands else ():
+        try:
+            yield scene.name, busiest(simulate(scene), steps)
+        except MissingExtra as error:
+            progress.print(f"no simulated stands: {error}")
+            return
 
 
 def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
@@ -91,6 +120,28 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
                 f"from the optimum in fifty digits {mine} N, Clarabel's {its} N; "
                 f"off the cone by at most {found.cone_violation:.1e} N"
             )
+
+
+def _print_warm(console: Console, rows: list[Any]) -> None:
+    """Print what a warm start is worth, a line per trajectory."""
+    table = Table(
+        "trajectory", "active", "iterations", "cold [µs]", "warm", "ratio", "loop: cold", "warm", "ratio",
+        "DAQP 8: cold", "warm", title="warm starts: median / 99th percentile", title_justify="left",
+    )  # fmt: skip
+    for row in rows:
+        table.add_row(
+            row.trajectory, f"{row.active:.0%}", f"{row.iterations_cold:.1f} → {row.iterations_warm:.1f}",
+            _times(row.cold), _times(row.warm), f"{row.warm.median / row.cold.median:.2f}",
+            _times(row.loop_cold), _times(row.loop_warm),
+            f"{row.loop_warm.median / row.loop_cold.median:.2f}",
+            *("-" if t is None else _times(t) for t in (row.daqp_cold, row.daqp_warm)),
+        )  # fmt: skip
+    console.print(table)
+
+
+def _times(timing: Any) -> str:
+    """Return median and 99th percentile in microseconds."""
+    return f"{1e6 * timing.median:.2f} / {1e6 * timing.p99:.2f}"
 
 
 def _print_torques(console: Console, rows: list[Any]) -> None:

@@ -51,6 +51,42 @@ def plot_accuracy(rows: Sequence[Any], folder: Path) -> Path:
     return save(figure, folder / "forces.png")
 
 
+def plot_warm_starts(rows: Sequence[Any], folder: Path) -> Path:
+    """Draw cold and warm times along trajectories: the compiled part, the call from Python, and p99.
+
+    Parameters
+    ----------
+    rows
+        Rows of `surefoot.bench.forces_warm`.
+    folder
+        Where `warm-starts.png` is written.
+    """
+    figure, axes = new_figure(1, 1, size=(9.0, 1.2 + 0.75 * len(rows)))
+    axis = axes[0, 0]
+    for k, row in enumerate(rows):
+        for shift, colour, loop, whole in (
+            (-0.19, "#1b6ca8", row.loop_cold, row.cold),
+            (0.19, "#e08e0b", row.loop_warm, row.warm),
+        ):
+            y = k + shift
+            inner, all_of_it, p99 = 1e6 * loop.median, 1e6 * whole.median, 1e6 * whole.p99
+            axis.barh(y, inner, height=0.34, color=colour)
+            axis.barh(y, all_of_it - inner, left=inner, height=0.34, color=colour, alpha=0.3)
+            axis.plot([all_of_it, p99], [y, y], color=INK, linewidth=1.0)
+            axis.plot([p99, p99], [y - 0.1, y + 0.1], color=INK, linewidth=1.0)
+    names = [f"{row.trajectory}\n(cones active in {row.active:.0%})" for row in rows]
+    axis.set_yticks(range(len(rows)), names)
+    axis.invert_yaxis()
+    axis.set_ylim(len(rows) - 0.4, -0.6)
+    axis.set_xlim(left=0.0)
+    axis.grid(True, axis="x")
+    axis.set_xlabel(
+        "time per call [µs]: solving (dark), the call from Python (light), 99th percentile (line)"
+    )
+    axis.set_title("Surefoot cold (blue) and warm-started (orange), along trajectories", loc="left")
+    return save(figure, folder / "warm-starts.png")
+
+
 def _draw(axis: Any, row: Any) -> None:
     """Draw one row as a marker with a line to its p99."""
     cone = row.cone.split()[0]
