@@ -55,7 +55,7 @@ def _all_below(diagonal: FloatArray, off: FloatArray, count: int, sign: float, b
 def _largest_eigenvalue(
     diagonal: FloatArray, off: FloatArray, count: int, sign: float
 ) -> tuple[float, float]:
-    """Return the largest eigenvalue of sign * T (0 for a negative one), and its vector's last entry squared."""
+    """Return the largest eigenvalue of sign * T (0 if negative), and its vector's last entry squared."""
     bound = 0.0
     for i in range(count):
         reach = sign * diagonal[i]
