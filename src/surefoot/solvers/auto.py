@@ -35,6 +35,7 @@ from surefoot.solvers.solver import (
     start_forces,
 )
 
+NEWTON_ROUNDS = 40
 NO_GUESS = 0.1
 """A relative gap above which forces are no better a start than none."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
@@ -64,8 +65,13 @@ so far: a bad guess can hold a method back, so some start afresh."""
 
 
 @kernel
-def solve_compiled(packed: FloatArray, tol: float, most: int, warm: bool, buffer: FloatArray) -> int:
-    """Fill the buffer: forces, velocities, and what `contact.residuals` says of them; see `Shortcut`."""
+def solve_compiled(
+    packed: FloatArray, tol: float, most: int, burst: int, warm: bool, buffer: FloatArray
+) -> int:  # fmt: skip
+    """Fill the buffer: forces, velocities, and what `contact.residuals` says of them; see `Shortcut`.
+
+    `burst` is the number of sweeps before the first Newton step.
+    """
     m = packed.shape[1]
     n = m // 3
     G, g, laws, step, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0], packed[m + 2, 1] != 0.0
@@ -76,7 +82,8 @@ def solve_compiled(packed: FloatArray, tol: float, most: int, warm: bool, buffer
             for a in range(3):
                 forces[3 * k + a] = buffer[k, a]
     rounds = ROUNDS if most < 0 else min(most, ROUNDS)
-    burst = BURST if n <= FEW else BURST_MANY
+    if burst == 0:
+        burst = BURST if n <= FEW else BURST_MANY
     sweeps, steps, _ = run_dense(G, g, mu, low, high, convex, step, tol, rounds, burst, forces, velocities)
     numbers = certify_dense(G, g, mu, low, high, step, 0, True, not convex, forces, velocities)
     for k in range(n):
@@ -162,13 +169,21 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
 
 @register("newton", bilateral=True)
 def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law by semismooth Newton alone as far as it gets: one sweep before each attempt.
+    """Solve either law by semismooth Newton as far as it gets, from one sweep.
 
-    An iteration is a Newton step or a sweep; see `surefoot.solvers.newton`.
+    Small problems have twice as many sweeps before each further attempt. An iteration is a Newton step or a
+    sweep; see `surefoot.solvers.newton`.
     """
+    rounds = NEWTON_ROUNDS if settings.max_iterations is None else settings.max_iterations
+    if (packed := problem.compiled) is not None:
+        n = problem.contacts
+        buffer = np.empty((2 * n + 2, 3))
+        if warm_start is not None:
+            buffer[:n] = warm_start
+        steps = solve_compiled(packed, settings.tol, rounds, 1, warm_start is not None, buffer)
+        return Answer(buffer[:n], max(steps, ~steps), Status.STALLED)
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
-    rounds = 40 if settings.max_iterations is None else settings.max_iterations
     done, _ = alternate(problem, settings, end, forces, burst=1, grow=1, rounds=rounds)
     stop = Status.MAX_TIME if time.perf_counter() > end else Status.STALLED
     return Answer(forces.reshape(-1, 3), done, stop)

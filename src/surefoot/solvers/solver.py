@@ -53,8 +53,8 @@ class Answer(NamedTuple):
     timings: dict[str, float] | None = None
 
 
-Shortcut = Callable[[FloatArray, float, int, bool, FloatArray], int]
-"""(`ContactProblem.compiled`, tol, max_iterations, warm, buffer of `ContactSolution`) -> iterations.
+Shortcut = Callable[[FloatArray, float, int, int, bool, FloatArray], int]
+"""(`ContactProblem.compiled`, tol, max_iterations, 0, warm, buffer of `ContactSolution`) -> iterations.
 
 The iterations are turned bit by bit (less than zero) if the problem is not solved. A bound of -1 on them is
 none; `warm` says that the buffer holds forces to start from.
@@ -118,8 +118,8 @@ def register(
         Whether it takes normal bounds other than 0 and infinity.
     shortcut
         What `solve` tries first where `ContactProblem.compiled` is not None: one compiled call that solves
-        and has `contact.residuals` judge. If that is not solved, the function goes on from its forces. It has to
-        take everything on exact cones: bounds, bilateral contacts, both laws.
+        and has `contact.residuals` judge. If that is not solved, the function goes on from its forces. It
+        has to take everything on exact cones: bounds, bilateral contacts, both laws.
     """
 
     def decorate(function: Function) -> Function:
@@ -203,7 +203,7 @@ def solve(
         if warm_start is not None:
             buffer[:n] = warm_start
         most = -1 if max_iterations is None else max_iterations
-        done = shortcut(packed, tol, most, warm_start is not None, buffer)
+        done = shortcut(packed, tol, most, 0, warm_start is not None, buffer)
         if done >= 0:
             return ContactSolution(problem, buffer[:n], _SOLVED, solver, done, _clock() - start, buffer)
         before, warm_start = ~done, buffer[:n]
