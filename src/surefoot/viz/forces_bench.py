@@ -78,6 +78,7 @@ def plot_warm_starts(rows: Sequence[Any], folder: Path) -> Path:
     axis.set_yticks(range(len(rows)), names)
     axis.invert_yaxis()
     axis.set_ylim(len(rows) - 0.4, -0.6)
+    axis.set_axisbelow(True)
     axis.set_xlim(left=0.0)
     axis.grid(True, axis="x")
     axis.set_xlabel(
