@@ -9,7 +9,18 @@ import pytest
 
 import surefoot as sf
 from surefoot.contact import blocks
-from surefoot.solvers import admm, elimination, lcp_iterative, lemke, natural_map, newton, newton_sparse, nsgs, pyramid
+from surefoot.solvers import (
+    admm,
+    elimination,
+    lcp_iterative,
+    lemke,
+    natural_map,
+    newton,
+    newton_sparse,
+    nsgs,
+    pyramid,
+    solver,
+)
 
 
 def problem(seed: int, contacts: int = 4, law: str = "coulomb") -> sf.ContactProblem:
@@ -168,6 +179,15 @@ def test_symmetric_elimination_is_numpy_solve() -> None:
     assert not elimination.symmetric_solve(-np.eye(2), np.ones(2), 2)
 
 
+def test_inverse_is_numpy_inverse() -> None:
+    rng = np.random.default_rng(2)
+    for m in (1, 3, 12, 45):
+        root = rng.normal(size=(m, m))
+        G, out = root @ root.T, np.empty((m, m))
+        elimination.invert_shifted(G, 0.3, out)
+        assert np.allclose(out @ (G + 0.3 * np.eye(m)), np.eye(m), atol=1e-9)
+
+
 def test_fields_read_late_are_those_read_at_once() -> None:
     """Solutions of the compiled call cut their arrays out of a buffer: nothing may tell them apart."""
     p = problem(3, 4)
@@ -220,6 +240,23 @@ def test_admm_iterations() -> None:
         y, z = y + rho * (mixed - new), new
     for a, b in zip(found, (x, z, y), strict=True):
         assert np.allclose(a, b, atol=1e-10)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+@pytest.mark.parametrize("facets", [None, 6])
+def test_admm_of_few_contacts_is_that_of_many(law: str, facets: int | None) -> None:
+    """The compiled loop against the one in Python, which inverts by LAPACK and looks less often."""
+    p = problem(7, 5, law).replace(facets=facets)
+    few = sf.solve(p, "admm", tol=1e-10)
+    assert few.solved
+    many = admm.run_admm(p, solver.Settings(1e-10), None, None)
+    assert np.allclose(few.forces, many.forces, atol=1e-7)
+    again = sf.solve(p, "admm", tol=1e-10, warm_start=few.forces)
+    assert again.solved
+    assert again.iterations <= few.iterations
+    short = sf.solve(p, "admm", tol=1e-14, max_iterations=7)
+    assert short.iterations == 7
+    assert sf.solve(p, "admm", tol=1e-300, max_time=1e-9).status.value in ("max_time", "almost")
 
 
 def test_lcp_kernels() -> None:

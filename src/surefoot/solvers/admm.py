@@ -26,14 +26,15 @@ import scipy.linalg
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
+from surefoot.solvers.elimination import invert_shifted
 from surefoot.solvers.natural_map import relative_gap
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
 MAX_ITERATIONS = 20_000
 CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
-"""Iterations between two looks at the residual and the penalty, and above how many contacts they are more."""
+"""Iterations between two looks at residual and penalty, for few and for many contacts; and what is few."""
 FINISH_FROM, FINISH_GROWTH = 100, 1.5
 """Iterations after which something else may try to finish, and by how much more each time."""
 PROXIMAL = 1e-9
@@ -49,7 +50,7 @@ def _iterate(
 ) -> tuple[float, float]:  # fmt: skip
     """Run `count` iterations in place; return the primal and dual residuals of the last one."""
     n = mu.size
-    b = np.empty(3 * n)
+    b, share = np.empty(3 * n), 1.0 / rho
     primal = dual = 0.0
     for _ in range(count):
         for k in range(n):
@@ -58,7 +59,8 @@ def _iterate(
                 b[i + a] = rho * z[i + a] - y[i + a] + eta * x[i + a] - g[i + a]
             if coulomb and low[k] > -np.inf:
                 b[i + 2] -= shift_any(-y[i], -y[i + 1], mu[k], facets, inner)
-        x[:] = 0.0
+        for i in range(3 * n):
+            x[i] = 0.0
         for j in range(3 * n):  # not BLAS: its threads cost more than they bring, and row by row is as fast
             factor = b[j]
             for i in range(3 * n):
@@ -70,9 +72,9 @@ def _iterate(
             r1 = RELAXATION * x[i + 1] + (1.0 - RELAXATION) * z[i + 1]
             r2 = RELAXATION * x[i + 2] + (1.0 - RELAXATION) * z[i + 2]
             p, q, r = project_any(
-                r0 + y[i] / rho,
-                r1 + y[i + 1] / rho,
-                r2 + y[i + 2] / rho,
+                r0 + y[i] * share,
+                r1 + y[i + 1] * share,
+                r2 + y[i + 2] * share,
                 mu[k],
                 low[k],
                 high[k],
@@ -107,6 +109,75 @@ def gap_any(
     return math.sqrt(gap), math.sqrt(size)
 
 
+@inline_kernel
+def _next_penalty(
+    rho: float, used: float, primal: float, dual: float, z: FloatArray, y: FloatArray, largest: float
+) -> float:
+    """Return the penalty that balances the residuals, or the one in use if that is near enough."""
+    most_z = most_y = 1e-300
+    for i in range(z.size):
+        most_z, most_y = max(most_z, abs(z[i])), max(most_y, abs(y[i]))
+    ratio = (primal / most_z) / max(dual / most_y, 1e-300)
+    if 1.0 / BALANCE <= ratio <= BALANCE:
+        return rho
+    rho = min(max(rho * min(max(math.sqrt(ratio), 0.1), 10.0), 1e-8 * largest), 1e6 * largest)
+    return rho if rho > 1.5 * used or rho < used / 1.5 else used
+
+
+@kernel
+def _run_dense(
+    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, coulomb: bool,
+    facets: int, inner: bool, D: FloatArray, step: float, free: float, tol: float, limit: int,
+    x: FloatArray, z: FloatArray, y: FloatArray, inverse: FloatArray, state: FloatArray, best: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Iterate to the tolerance or the limit; return the iterations and the least relative gap, of `best`.
+
+    G, g, the bounds and x, z, y are scaled by D; `state` holds the penalty, the one that is inverted (zero
+    for none), the proximal term and the iterations after which the penalty stays.
+    """
+    m, n = g.size, mu.size
+    largest = state[2] / PROXIMAL
+    forces, velocities = np.empty(m), np.empty(m)
+    own_low, own_high = np.empty(n), np.empty(n)
+    for k in range(n):
+        own_low[k], own_high[k] = low[k] * D[3 * k + 2], high[k] * D[3 * k + 2]
+    done, least = 0, np.inf
+    while done < limit:
+        rho = state[0]
+        if state[1] == 0.0:
+            invert_shifted(G, rho + state[2], inverse)
+            state[1] = rho
+        now = min(CHECK_EVERY, limit - done)
+        primal, dual = _iterate(
+            inverse, g, mu, low, high, coulomb, facets, inner, rho, state[2], x, z, y, now
+        )  # fmt: skip
+        done += now
+        for i in range(m):
+            velocities[i] = g[i]
+        for i in range(m):
+            for j in range(m):
+                velocities[j] += G[i, j] * z[i]
+        for i in range(m):
+            forces[i] = z[i] * D[i]
+            velocities[i] /= D[i]
+        gap, size = gap_any(
+            forces, velocities, mu, own_low, own_high, step, coulomb, facets, inner
+        )  # fmt: skip
+        relative = relative_gap(gap, size, free)
+        if relative < least:
+            least = relative
+            for i in range(m):
+                best[i] = forces[i]
+        if relative <= tol:
+            break
+        state[3] -= now
+        if state[3] > 0.0:
+            state[0] = _next_penalty(rho, state[1], primal, dual, z, y, largest)
+            if state[0] != state[1]:
+                state[1] = 0.0
+    return done, least
+
+
 def _scaling(problem: ContactProblem) -> FloatArray:
     """Return the (3n,) factors, equal within a contact, that give every block of G the trace 3."""
     trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1) / 3.0
@@ -115,10 +186,52 @@ def _scaling(problem: ContactProblem) -> FloatArray:
     return np.repeat(1.0 / np.sqrt(trace), 3)
 
 
+class _Scaled:
+    """A problem scaled by D, what its iterations start from, and how far they may go."""
+
+    def __init__(self, problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> None:
+        D = self.D = _scaling(problem)
+        self.G, self.g = D[:, None] * problem.G * D[None, :], D * problem.g
+        low, high = problem.normal_min / D[2::3], problem.normal_max / D[2::3]
+        coulomb, facets = problem.law == "coulomb", problem.facets or 0
+        self.laws = problem.mu, low, high, coulomb, facets, problem.fit == "inner"
+        self.largest = max(float(np.trace(self.G)) / self.g.size * 3.0, 1e-300)
+        self.eta, self.rho = PROXIMAL * self.largest, 0.1 * self.largest
+        self.z = start_forces(problem, warm_start) / D
+        self.x, self.y = self.z.copy(), np.zeros(self.g.size)
+        if warm_start is not None:
+            u = (self.G @ self.z + self.g).reshape(-1, 3)
+            if coulomb:
+                slip = np.where(low > -np.inf, problem.mu * np.hypot(u[:, 0], u[:, 1]), 0.0)
+                u[:, 2] = np.maximum(u[:, 2], 0.0) + slip
+            self.y = -u.ravel()
+        self.limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
+        self.end = time.perf_counter() + settings.max_time
+        self.step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+        self.free = self.step * float(np.linalg.norm(problem.g))
+
+
 @register("admm", polyhedral=True, bilateral=True)
 def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, on cones or pyramids, by ADMM."""
-    return run_admm(problem, settings, warm_start, None)
+    if problem.contacts > LARGE:
+        return run_admm(problem, settings, warm_start, None)
+    s, tol = _Scaled(problem, settings, warm_start), settings.tol
+    size = s.g.size
+    inverse, state = np.empty((size, size)), np.array([s.rho, 0.0, s.eta, 0.5 * s.limit])
+    chunk = s.limit if settings.max_time == math.inf else max(CHECK_EVERY, int(1e6 / (size * size + 1)))
+    best, least, done, found = s.z * s.D, math.inf, 0, np.empty(size)
+    while done < s.limit and least > tol:
+        if done > 0 and time.perf_counter() > s.end:
+            return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
+        used, gap = _run_dense(
+            s.G, s.g, *s.laws, s.D, s.step, s.free, tol, min(chunk, s.limit - done), s.x, s.z, s.y,
+            inverse, state, found,
+        )  # fmt: skip
+        done += used
+        if gap < least:
+            best, least = found.copy(), gap
+    return Answer(best.reshape(-1, 3), done)
 
 
 def run_admm(
@@ -127,47 +240,24 @@ def run_admm(
     warm_start: FloatArray | None,
     finish: Callable[[FloatArray], tuple[FloatArray, float]] | None,
 ) -> Answer:
-    """Run ADMM; after `FINISH_FROM` iterations, and then ever less often, `finish` may try.
+    """Run ADMM on many contacts; after `FINISH_FROM` iterations, and then ever less often, `finish` may try.
 
     `finish` takes flat forces and returns others with their relative gap; it does not disturb the iteration.
     """
-    D = _scaling(problem)
-    G = D[:, None] * problem.G * D[None, :]
-    g = D * problem.g
-    low, high = problem.normal_min / D[2::3], problem.normal_max / D[2::3]
-    coulomb, facets, inner = problem.law == "coulomb", problem.facets or 0, problem.fit == "inner"
-    size = g.size
-    largest = max(float(np.trace(G)) / size * 3.0, 1e-300)
-    eta = PROXIMAL * largest
-    rho = 0.1 * largest
-    z = start_forces(problem, warm_start) / D
-    x, y = z.copy(), np.zeros(size)
-    if warm_start is not None:
-        u = (G @ z + g).reshape(-1, 3)
-        if coulomb:
-            u[:, 2] = np.maximum(u[:, 2], 0.0) + np.where(
-                low > -np.inf, problem.mu * np.hypot(u[:, 0], u[:, 1]), 0.0
-            )
-        y = -u.ravel()
-    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
-    end = time.perf_counter() + settings.max_time
-    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
-    free = step * float(np.linalg.norm(problem.g))
-    best, best_gap = z * D, math.inf
-    done, inverse, used, next_finish = 0, None, rho, FINISH_FROM
-    laws = problem.mu, low, high, coulomb, facets, inner
-    while done < limit:
-        if inverse is None:
-            inverse, used = _inverse(G, rho + eta), rho
-        now = min(CHECK_EVERY_LARGE if problem.contacts > LARGE else CHECK_EVERY, limit - done)
-        primal, dual = _iterate(inverse, g, *laws, rho, eta, x, z, y, now)
+    s = _Scaled(problem, settings, warm_start)
+    *_, coulomb, facets, inner = s.laws
+    own = problem.mu, problem.normal_min, problem.normal_max, s.step, coulomb, facets, inner
+    best, best_gap, rho, used = s.z * s.D, math.inf, s.rho, 0.0
+    done, next_finish = 0, FINISH_FROM
+    while done < s.limit:
+        if rho != used:
+            inverse, used = _inverse(s.G, rho + s.eta), rho
+        now = min(CHECK_EVERY_LARGE, s.limit - done)
+        primal, dual = _iterate(inverse, s.g, *s.laws, rho, s.eta, s.x, s.z, s.y, now)
         done += now
-        forces = z * D
-        gap, norm = gap_any(
-            forces, problem.velocity(forces.reshape(-1, 3)).ravel(), problem.mu, problem.normal_min,
-            problem.normal_max, step, coulomb, facets, inner,
-        )  # fmt: skip
-        relative = float(relative_gap(gap, norm, free))
+        forces = s.z * s.D
+        gap, norm = gap_any(forces, problem.velocity(forces.reshape(-1, 3)).ravel(), *own)
+        relative = float(relative_gap(gap, norm, s.free))
         if finish is not None and done >= next_finish and relative > settings.tol:
             next_finish = int(FINISH_GROWTH * next_finish)
             forces, relative = finish(forces)
@@ -175,15 +265,10 @@ def run_admm(
             best, best_gap = forces, relative
         if relative <= settings.tol:
             break
-        if time.perf_counter() > end:
+        if time.perf_counter() > s.end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
-        ratio = (primal / max(np.abs(z).max(), 1e-300)) / max(dual / max(np.abs(y).max(), 1e-300), 1e-300)
-        if (ratio > BALANCE or ratio < 1.0 / BALANCE) and done < 0.5 * limit:
-            rho = min(max(rho * min(max(math.sqrt(ratio), 0.1), 10.0), 1e-8 * largest), 1e6 * largest)
-            if rho > 1.5 * used or rho < used / 1.5:
-                inverse = None
-            else:
-                rho = used
+        if done < 0.5 * s.limit:
+            rho = _next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
     return Answer(best.reshape(-1, 3), done)
 
 

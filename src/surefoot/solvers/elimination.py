@@ -113,3 +113,24 @@ def _lu_pairs(A: FloatArray, b: FloatArray, m: int) -> bool:
 def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
     """Solve m equations A x = b in place (x in b), pivoting rows; return False for a zero pivot."""
     return _lu_small(A, b, m) if m < PAIRED else _lu_pairs(A, b, m)
+
+
+@inline_kernel
+def invert_shifted(G: FloatArray, shift: float, out: FloatArray) -> None:
+    """Fill out with the inverse of a positive definite G + shift I, by Gauss-Jordan on the diagonal."""
+    m = G.shape[0]
+    for i in range(m):
+        for j in range(m):
+            out[i, j] = G[i, j]
+        out[i, i] += shift
+    for k in range(m):
+        pivot = 1.0 / out[k, k]
+        out[k, k] = 1.0
+        for j in range(m):
+            out[k, j] *= pivot
+        for i in range(m):
+            factor = out[i, k]
+            if i != k and factor != 0.0:
+                out[i, k] = 0.0
+                for j in range(m):
+                    out[i, j] -= factor * out[k, j]
