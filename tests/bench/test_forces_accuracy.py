@@ -10,7 +10,7 @@ import surefoot as sf
 from surefoot.bench.forces_accuracy import measure_accuracy
 from surefoot.bench.forces_clarabel import fixed_point_residual, refined_clarabel, turned_cones
 from surefoot.bench.forces_digits import DIGITS, exact_forces, exactly, project, solve_exactly
-from surefoot.bench.forces_instances import four_feet, random_instances
+from surefoot.bench.forces_instances import WRENCH_WEIGHTS, four_feet, random_instances
 from surefoot.bench.forces_rivals import cone_violation, contact_problem, objective, program
 
 
@@ -111,3 +111,15 @@ def test_refined_clarabel_keeps_contacts_off():
     f = refined_clarabel(off)
     assert np.all(f[1] == 0.0)
     assert np.abs(f - exact_forces(off, f)).max() < 1e-6
+
+
+@pytest.mark.parametrize("force_weight", [1e-2, 1e-5, 1e-7])
+def test_the_error_bound_holds_to_fifty_digits(force_weight):
+    for instance in random_instances(60, seed=21):
+        distributor = sf.ForceDistributor(
+            instance.mu, instance.normal_min, instance.normal_max, WRENCH_WEIGHTS, force_weight
+        )
+        f = distributor.solve(instance.grasp_map, instance.wrench)
+        distance = np.linalg.norm(f - exact_forces(instance, f, force_weight))
+        assert distance <= distributor.force_error + 1e-11
+        assert distance <= 1e-5

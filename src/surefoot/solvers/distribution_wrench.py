@@ -264,7 +264,9 @@ def newton(
         at_0, at_1 = dot(F, d), dot(F_new, d)
         if at_1 > -0.3 * at_0 and error_new > 0.25 * best:  # too far, and no nearer either
             patience -= 1.0
-            if patience == 0.0:
+            if patience == 0.0:  # give up where the step began
+                move(work, contacts, 0.0)
+                F = evaluate(work, contacts, y, b)
                 break
             t = search(work, contacts, kappa, dot(mix(y, -1.0, b), d), dot(d, d), at_0, at_1)
             move(work, contacts, t)
@@ -365,7 +367,7 @@ def persist(
     missing = mix(F, -1.0, y)
     if dot(F, F) > max(tol, RELATIVE * dot(missing, missing)) and count < limit:
         extra = min(EXTRA, limit - count)
-        y, F, used = newton(work, contacts, b, y, F, 1.0, tol, LESS_NOISE * noise, extra, 2.0)
+        y, F, used = newton(work, contacts, b, y, F, 1.0, tol, LESS_NOISE * noise, extra, -1.0)
         count += used
     return y, F, count
 
