@@ -14,7 +14,7 @@ from surefoot.viz.forces_bench import plot_warm_starts
 
 
 def test_a_simulated_stand_on_a_slope_has_active_cones():
-    scene = next(s for s in SCENES if s.name == "slope, sliding")
+    scene = next(s for s in SCENES if s.name == "sliding")
     scene = replace(scene, pushes=((0.05, (60.0, 30.0, 0.0), 0.2),))
     trajectory = simulate(scene, 0.2)
     assert len(trajectory) == 200

@@ -125,12 +125,13 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
 def _print_warm(console: Console, rows: list[Any]) -> None:
     """Print what a warm start is worth, a line per trajectory."""
     table = Table(
-        "trajectory", "active", "iterations", "cold [µs]", "warm", "ratio", "loop: cold", "warm", "ratio",
-        "DAQP 8: cold", "warm", title="warm starts: median / 99th percentile", title_justify="left",
+        "trajectory", "active", "iterations", "cold", "warm", "ratio", "loop cold", "loop warm", "ratio",
+        "DAQP cold", "DAQP warm", title="warm starts: median/99th percentile [µs]; DAQP with 8 inner facets",
+        title_justify="left", collapse_padding=True, pad_edge=False,
     )  # fmt: skip
     for row in rows:
         table.add_row(
-            row.trajectory, f"{row.active:.0%}", f"{row.iterations_cold:.1f} → {row.iterations_warm:.1f}",
+            row.trajectory, f"{row.active:.0%}", f"{row.iterations_cold:.1f}→{row.iterations_warm:.1f}",
             _times(row.cold), _times(row.warm), f"{row.warm.median / row.cold.median:.2f}",
             _times(row.loop_cold), _times(row.loop_warm),
             f"{row.loop_warm.median / row.loop_cold.median:.2f}",
@@ -141,7 +142,7 @@ def _print_warm(console: Console, rows: list[Any]) -> None:
 
 def _times(timing: Any) -> str:
     """Return median and 99th percentile in microseconds."""
-    return f"{1e6 * timing.median:.2f} / {1e6 * timing.p99:.2f}"
+    return f"{1e6 * timing.median:.2f}/{1e6 * timing.p99:.2f}"
 
 
 def _print_torques(console: Console, rows: list[Any]) -> None:
