@@ -185,6 +185,17 @@ def test_zero_iterations_and_zero_time_are_survived() -> None:
     assert sf.solve(sf.ContactProblem(np.zeros((0, 0)), [], 0.5)).solved
 
 
+@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])
+def test_bounds_on_iterations_and_time_are_kept(name: str) -> None:
+    """Also where one compiled call takes sweeps and Newton steps, and other methods come after it."""
+    problems = [problem for _, problem in family_problems() if problem.contacts <= 25]
+    for most in (0, 1, 3, 10, 50):
+        for problem in problems:
+            assert sf.solve(problem, name, 1e-300, max_iterations=most).iterations <= most
+    hard = max(problems, key=lambda p: p.contacts)
+    assert sf.solve(hard, name, 1e-300, max_time=0.0).status is sf.Status.MAX_TIME
+
+
 @pytest.mark.parametrize("name", list(TABLE))
 def test_claims_on_bounds_and_bilateral_contacts_are_kept(name: str) -> None:
     """A solver takes bounds, compliance and bilateral contacts and gets them right, or refuses with names."""

@@ -35,6 +35,8 @@ from surefoot.solvers.solver import Answer, Settings, register, start_forces
 MAX_ITERATIONS = 20_000
 CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
 """Iterations between two looks at residual and penalty, for few and for many contacts; and what is few."""
+ENTRY = 4e-10
+"""Seconds per entry of G that an iteration takes."""
 FINISH_FROM, FINISH_GROWTH = 100, 1.5
 """Iterations after which something else may try to finish, and by how much more each time."""
 PROXIMAL = 1e-9
@@ -219,7 +221,9 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     s, tol = _Scaled(problem, settings, warm_start), settings.tol
     size = s.g.size
     inverse, state = np.empty((size, size)), np.array([s.rho, 0.0, s.eta, 0.5 * s.limit])
-    chunk = s.limit if settings.max_time == math.inf else max(CHECK_EVERY, int(1e6 / (size * size + 1)))
+    chunk = s.limit
+    if settings.max_time < math.inf:  # the clock is read four times or more
+        chunk = max(CHECK_EVERY, int(0.25 * settings.max_time / (ENTRY * size * (size + 30))))
     best, least, done, found = s.z * s.D, math.inf, 0, np.empty(size)
     while done < s.limit and least > tol:
         if done > 0 and time.perf_counter() > s.end:

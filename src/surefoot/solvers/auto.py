@@ -6,7 +6,7 @@ on 3x3 blocks with a sparse factorisation. What these leave unsolved is handed o
 ADMM for Coulomb's law and to an interior point for the convex law, where redundant contacts make sweeps
 crawl. Pyramids: ADMM, then Lemke's method (Coulomb) or a QP solver (convex). The forces returned are the
 best that any of them found; the status is theirs. `max_time` is checked between methods and iterations; the
-one compiled call of a small problem, a few milliseconds at the very most, is not interrupted.
+one compiled call of a small problem looks at no clock and is given as many iterations as should fit.
 """
 
 from __future__ import annotations
@@ -29,13 +29,14 @@ from surefoot.solvers.nsgs import Sweeper, prepare_blocks
 from surefoot.solvers.solver import (
     Answer,
     Settings,
+    fitting,
     mismatch,
     register,
     registry,
     start_forces,
 )
 
-NEWTON_ROUNDS = 40
+NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
 NO_GUESS = 0.1
 """A relative gap above which forces are no better a start than none."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
@@ -81,17 +82,16 @@ def solve_compiled(
         for k in range(n):
             for a in range(3):
                 forces[3 * k + a] = buffer[k, a]
-    rounds = ROUNDS if most < 0 else min(most, ROUNDS)
+    most = UNBOUNDED if most < 0 else most
     if burst == 0:
         burst = BURST if n <= FEW else BURST_MANY
-    sweeps, steps, _ = run_dense(G, g, mu, low, high, convex, step, tol, rounds, burst, forces, velocities)
+    done, _ = run_dense(G, g, mu, low, high, convex, step, tol, ROUNDS, burst, most, forces, velocities)
     numbers = certify_dense(G, g, mu, low, high, step, 0, True, not convex, forces, velocities)
     for k in range(n):
         for a in range(3):
             buffer[k, a], buffer[n + k, a] = forces[3 * k + a], velocities[3 * k + a]
     buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
     buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
-    done = sweeps + steps
     return done if numbers[0] <= tol else ~done
 
 
@@ -174,16 +174,21 @@ def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatA
     Small problems have twice as many sweeps before each further attempt. An iteration is a Newton step or a
     sweep; see `surefoot.solvers.newton`.
     """
-    rounds = NEWTON_ROUNDS if settings.max_iterations is None else settings.max_iterations
     if (packed := problem.compiled) is not None:
         n = problem.contacts
         buffer = np.empty((2 * n + 2, 3))
         if warm_start is not None:
             buffer[:n] = warm_start
-        steps = solve_compiled(packed, settings.tol, rounds, 1, warm_start is not None, buffer)
-        return Answer(buffer[:n], max(steps, ~steps), Status.STALLED)
+        most = -1 if settings.max_iterations is None else settings.max_iterations
+        fits = fitting(settings.max_time, n, most)
+        steps = solve_compiled(packed, settings.tol, fits, 1, warm_start is not None, buffer)
+        used, stop = max(steps, ~steps), Status.STALLED
+        if used >= fits:
+            stop = Status.MAX_ITERATIONS if fits == most else Status.MAX_TIME
+        return Answer(buffer[:n], used, stop)
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
+    rounds = NEWTON_ROUNDS if settings.max_iterations is None else settings.max_iterations
     done, _ = alternate(problem, settings, end, forces, burst=1, grow=1, rounds=rounds)
     stop = Status.MAX_TIME if time.perf_counter() > end else Status.STALLED
     return Answer(forces.reshape(-1, 3), done, stop)

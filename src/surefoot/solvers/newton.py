@@ -249,24 +249,24 @@ def newton_dense(
 @inline_kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    scale: float, tol: float, rounds: int, burst: int, forces: FloatArray, velocities: FloatArray,
-) -> tuple[int, int, float]:  # fmt: skip
-    """Alternate Gauss-Seidel sweeps with Newton steps; return sweeps, steps, and the relative gap."""
+    scale: float, tol: float, rounds: int, burst: int, most: int, forces: FloatArray, velocities: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the gap."""
     local = prepare_dense(G)
     refresh_dense(G, g, forces, velocities)
     free = 0.0
     for i in range(g.size):
         free += g[i] * g[i]
     free = scale * math.sqrt(free)
-    sweeps = steps = 0
+    done = 0
     relative = last = np.inf
     relax = 1.0
     patience = WORTH + 0.5 * mu.size
     for attempt in range(rounds):
         count, before = 0, np.inf
-        while True:
+        while done < most:
             sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
-            sweeps += 1
+            done += 1
             count += 1
             gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
             relative = relative_gap(gap, size, free)
@@ -282,7 +282,7 @@ def run_dense(
                 break
             if count >= burst + 30:
                 break
-        if relative <= tol:
+        if relative <= tol or done >= most:
             break
         refresh_dense(G, g, forces, velocities)
         if relative > 0.5 * last and burst > 20:
@@ -290,10 +290,10 @@ def run_dense(
         last = relative
         share = PROXIMAL_SHARES[attempt % 3] if mu.size <= FEW else SHARES_MANY[attempt % 3]
         used, relative = newton_dense(
-            G, g, mu, low, high, convex, scale, tol, 20, share, local, forces, velocities
+            G, g, mu, low, high, convex, scale, tol, min(20, most - done), share, local, forces, velocities
         )  # fmt: skip
-        steps += used
+        done += used
         if relative <= tol:
             break
         burst = min(2 * burst, 200)
-    return sweeps, steps, relative
+    return done, relative

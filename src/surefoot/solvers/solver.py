@@ -19,6 +19,8 @@ from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
+ITERATION = 2e-7
+"""Seconds that an iteration of a compiled call takes per contact, sweeps and Newton steps as they come."""
 _clock, _INFINITY, _empty, _SOLVED = time.perf_counter, math.inf, np.empty, Status.SOLVED
 
 
@@ -169,7 +171,7 @@ def solve(
     tol
         Wanted natural map residual.
     max_iterations, max_time
-        Bounds, see `Settings`.
+        Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
         (n, 3) forces to start from; see `surefoot.contact.warm_start` for contacts that came and went.
 
@@ -203,6 +205,8 @@ def solve(
         if warm_start is not None:
             buffer[:n] = warm_start
         most = -1 if max_iterations is None else max_iterations
+        if max_time < _INFINITY:
+            most = fitting(max_time, n, most)
         done = shortcut(packed, tol, most, 0, warm_start is not None, buffer)
         if done >= 0:
             return ContactSolution(problem, buffer[:n], _SOLVED, solver, done, _clock() - start, buffer)
@@ -211,9 +215,17 @@ def solve(
     if problem.contacts == 0:
         answer = Answer(np.zeros((0, 3)), 0)
     else:
-        answer = entry.function(problem, Settings(tol, max_iterations, max_time), warm_start)
+        remaining = None if max_iterations is None else max_iterations - before
+        left = max(max_time - (_clock() - start), 0.0)
+        answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     return certify(problem, answer, entry.name, tol, _clock() - start)
+
+
+def fitting(max_time: float, contacts: int, most: int) -> int:
+    """Return how many iterations of a compiled call, which looks at no clock, should fit; at most `most` >= 0."""
+    fits = int(min(max_time / (ITERATION * contacts), 1e9))
+    return fits if most < 0 else min(fits, most)
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
