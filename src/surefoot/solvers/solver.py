@@ -223,7 +223,7 @@ def solve(
 
 
 def fitting(max_time: float, contacts: int, most: int) -> int:
-    """Return how many iterations of a compiled call, which looks at no clock, should fit; at most `most` >= 0."""
+    """Return how many iterations of a compiled call, which looks at no clock, should fit; at most `most`."""
     fits = int(min(max_time / (ITERATION * contacts), 1e9))
     return fits if most < 0 else min(fits, most)
 
