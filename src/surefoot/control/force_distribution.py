@@ -7,13 +7,13 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, check_order, finite_array, per_contact, real_array, real_number
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
+from surefoot.kernels import MATRIX, VECTOR, entry_point
 from surefoot.solvers import distribution_work as layout
 from surefoot.solvers.distribution_rows import RowsWork, distribute_with_rows, rows_work
 from surefoot.solvers.distribution_wrench import distribute_wrench
@@ -30,15 +30,9 @@ _distribute: Callable[[FloatArray, FloatArray, FloatArray, FloatArray], int] = d
 
 @cache
 def _call_directly() -> None:
-    """Let `solve` call the compiled function itself, for the only types that it passes.
-
-    Numba's look at the types takes 80 ns, and for an array that must not be written it would compile anew.
-    """
+    """Let `solve` call the compiled function itself, for the only types that it passes."""
     global _distribute
-    matrix, vector = numba.float64[:, ::1], numba.float64[::1]
-    compiled = getattr(distribute_wrench, "compile", None)  # absent if Numba is switched off
-    if compiled is not None:
-        _distribute = compiled((matrix, vector, matrix, matrix))
+    _distribute = entry_point(distribute_wrench, MATRIX, VECTOR, MATRIX, MATRIX)
 
 
 class ForceDistributor:

@@ -16,6 +16,7 @@ from surefoot.contact.problem import LAWS, ContactProblem, Law
 from surefoot.contact.residuals import Residuals, certificate
 from surefoot.contact.solution import ContactSolution, Status
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
+from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, entry_point
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
@@ -92,6 +93,7 @@ _MODULES = (
 )
 _loaded = False
 _SHORTCUTS: dict[str, Shortcut] = {}
+"""Shortcuts that have been asked for, compiled."""
 
 
 def register(
@@ -128,8 +130,6 @@ def register(
         _REGISTRY[name] = SolverEntry(
             name, function, tuple(laws), exact, polyhedral, bilateral, bounds, shortcut
         )
-        if shortcut is not None:
-            _SHORTCUTS[name] = shortcut
         return function
 
     return decorate
@@ -196,8 +196,9 @@ def solve(
         raise ProblemError(f"max_iterations must be >= 0, got {max_iterations}")
     if warm_start is not None:
         warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
-    if shortcut is None:
-        shortcut = find_solver(solver, problem).shortcut
+    if shortcut is None and (shortcut := find_solver(solver, problem).shortcut) is not None:
+        types = MATRIX, REAL, INTEGER, INTEGER, BOOLEAN, MATRIX
+        _SHORTCUTS[solver] = shortcut = entry_point(shortcut, *types)
     before = 0
     if shortcut is not None and (packed := problem.compiled) is not None:
         n = problem.contacts
