@@ -3,10 +3,11 @@
 Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
 out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: the same alternation
 on 3x3 blocks with a sparse factorisation. What these leave unsolved is handed on, best forces first: to
-ADMM for Coulomb's law and to an interior point for the convex law, where redundant contacts make sweeps
-crawl. Pyramids: ADMM, then Lemke's method (Coulomb) or a QP solver (convex). The forces returned are the
-best that any of them found; the status is theirs. `max_time` is checked between methods and iterations; the
-one compiled call of a small problem looks at no clock and is given as many iterations as should fit.
+ADMM for Coulomb's law, and for the convex law to Newton's method on its dual (`distribution`) and an
+interior point, where redundant contacts make sweeps crawl. Pyramids: ADMM, then Lemke's method (Coulomb) or
+a QP solver (convex). The forces returned are the best that any of them found; the status is theirs.
+`max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
+clock and is given as many iterations as should fit.
 """
 
 from __future__ import annotations
@@ -51,11 +52,16 @@ CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
         ("admm", None, True),
         ("nsgs", None, True),
     ),
-    "convex": (("interior_point", None, False), ("admm", 4000, True), ("clarabel", None, False)),
+    "convex": (
+        ("distribution", None, False),
+        ("interior_point", None, False),
+        ("admm", 4000, True),
+        ("clarabel", None, False),
+    ),
 }
 CONES_LARGE: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (("admm", 600, True), ("admm", None, False), ("staggered", 100, True)),
-    "convex": CONES["convex"],
+    "convex": CONES["convex"][1:],
 }
 PYRAMIDS: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (("admm", 2000, True), ("lemke", None, False), ("admm", None, True)),
