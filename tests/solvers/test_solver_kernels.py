@@ -209,12 +209,12 @@ def test_fields_read_late_are_those_read_at_once() -> None:
 
 def test_sparse_newton_steps_are_the_dense_ones() -> None:
     p = problem(5, 8)
-    local, b = nsgs.prepare_dense(p.G), p.blocks
+    local = nsgs.prepare_dense(p.G)
     start = sf.solve(p, "nsgs", max_iterations=3).forces.ravel()
     dense, u = start.copy(), p.G @ start + p.g
     newton.newton_dense(p.G, p.g, *laws(p), False, 1.0 / p.norm, 1e-10, 4, 0.1, local, dense, u)
     sparse = start.copy()
-    newton_sparse.newton_sparse(p, b, local, 1e-10, 4, 0.1, np.inf, sparse)
+    newton_sparse.BlockNewton(p, 1e-10, np.inf).run(sparse, 4, 0.1)
     assert np.allclose(dense, sparse, atol=1e-9)
 
 

@@ -25,8 +25,7 @@ from surefoot.errors import SurefootError
 from surefoot.kernels import kernel
 from surefoot.solvers.admm import run_admm
 from surefoot.solvers.newton import FEW, SHARES_MANY, run_dense
-from surefoot.solvers.newton_sparse import newton_sparse
-from surefoot.solvers.nsgs import Sweeper, prepare_blocks
+from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
 from surefoot.solvers.solver import (
     Answer,
     Settings,
@@ -38,8 +37,13 @@ from surefoot.solvers.solver import (
 )
 
 NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
-NO_GUESS = 0.1
-"""A relative gap above which forces are no better a start than none."""
+CHUNK, STEP_WORTH = 10, 50
+"""Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
+SMOOTH, HOPELESS = 50, 10
+"""Sweeps after the first Newton step on blocks, and steps after which no guess means no hope."""
+TRIES = (3.0, UNBOUNDED, 20), (100.0, UNBOUNDED, 25), (0.3, UNBOUNDED, 25)
+"""Newton on blocks, one after the other: the proximal term's share, the most iterations, the patience."""
+FINISH_SHARE, FINISH_STEPS = 0.1, 8
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
@@ -107,13 +111,11 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     start = time.perf_counter()
     if problem.facets is not None:
         return _hand_on(problem, settings, warm_start, 0, PYRAMIDS[problem.law], start)
-    if problem.contacts <= COMPILED_CONTACTS:
-        return _hand_on(problem, settings, warm_start, 0, CONES[problem.law], start)
     forces = start_forces(problem, warm_start)
-    done, relative = alternate(problem, settings, start + settings.max_time, forces, hopeless=3)
+    done, relative = alternate(problem, settings, forces)
     if relative <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
-    names = CONES_LARGE[problem.law]
+    names = (CONES if problem.contacts <= COMPILED_CONTACTS else CONES_LARGE)[problem.law]
     if problem.law == "coulomb" and relative > NO_GUESS:
         names = names[1:]
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
@@ -161,13 +163,11 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
 
     It sorts out who slides long before it converges.
     """
-    b = problem.blocks
-    local = prepare_blocks(b.starts, b.columns, b.values)
-    end = time.perf_counter() + settings.max_time
+    newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
 
     def finish(forces: FloatArray) -> tuple[FloatArray, float]:
         found = forces.copy()
-        _, relative = newton_sparse(problem, b, local, settings.tol, 30, SHARES_MANY[0], end, found)
+        _, relative = newton.run(found, UNBOUNDED, FINISH_SHARE, SMOOTH, FINISH_STEPS)
         return found, relative
 
     return run_admm(problem, settings, warm_start, finish)
@@ -194,43 +194,39 @@ def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatA
         return Answer(buffer[:n], used, stop)
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
-    rounds = NEWTON_ROUNDS if settings.max_iterations is None else settings.max_iterations
-    done, _ = alternate(problem, settings, end, forces, burst=1, grow=1, rounds=rounds)
-    stop = Status.MAX_TIME if time.perf_counter() > end else Status.STALLED
-    return Answer(forces.reshape(-1, 3), done, stop)
-
-
-def alternate(
-    problem: ContactProblem,
-    settings: Settings,
-    end: float,
-    forces: FloatArray,
-    burst: int = 10,
-    grow: int = 2,
-    rounds: int = 14,
-    hopeless: int | None = None,
-) -> tuple[int, float]:
-    """Alternate sweeps and Newton steps on the blocks of G; update flat forces in place.
-
-    Stop after round `hopeless` where the forces are still no guess and have hardly got better.
-    """
-    sweep = Sweeper(problem, forces, blocks=True)
-    done, relative, first = 0, math.inf, math.inf
-    for attempt in range(rounds):
-        sweeps, solved = sweep(settings.tol, burst)
-        done += sweeps
-        if solved:
-            return done, 0.0
-        if time.perf_counter() > end:
+    most = UNBOUNDED if settings.max_iterations is None else settings.max_iterations
+    newton, done = BlockNewton(problem, settings.tol, end), 0
+    for attempt in range(NEWTON_ROUNDS):
+        if done >= most or time.perf_counter() > end:
             break
-        steps, relative = newton_sparse(
-            problem, problem.blocks, sweep.local, settings.tol, 30, SHARES_MANY[attempt % 3], end, forces
-        )
+        done += newton.sweep(forces, 1)
+        steps, relative = newton.run(forces, min(30, most - done), SHARES_MANY[attempt % 3])
         done += steps
-        if relative <= settings.tol or time.perf_counter() > end:
+        if relative <= settings.tol:
             break
-        first = relative if attempt == 0 else first
-        if attempt == hopeless and relative > max(NO_GUESS, 0.5 * first):
+    stop = Status.MAX_ITERATIONS if done >= most else Status.STALLED
+    return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME if time.perf_counter() > end else stop)
+
+
+def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float]:
+    """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
+
+    Flat forces are updated in place; return the sweeps and steps, and the relative gap.
+    """
+    tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
+    newton = BlockNewton(problem, tol, time.perf_counter() + settings.max_time)
+    done, before = 0, math.inf
+    relative = newton.measure(forces)[1]
+    while relative > tol and done < most and time.perf_counter() < newton.end:
+        done += newton.sweep(forces, min(CHUNK, most - done))
+        before, relative = relative, newton.measure(forces)[1]
+        if done > CHUNK and not tol > relative * (relative / before) ** (STEP_WORTH / CHUNK):
             break
-        burst = min(grow * burst, 400)
+    for share, limit, patience in TRIES:
+        if relative <= tol or done >= most or time.perf_counter() > newton.end:
+            break
+        used, relative = newton.run(forces, min(limit, most - done), share, SMOOTH, patience, HOPELESS)
+        done += used
+        if relative > NO_GUESS:
+            break
     return done, relative

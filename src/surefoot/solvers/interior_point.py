@@ -25,8 +25,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.solvers.natural_map import natural_gap, relative_gap
-from surefoot.solvers.newton_sparse import newton_sparse
-from surefoot.solvers.nsgs import prepare_blocks
+from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.solver import Answer, Settings, register
 
 MAX_ITERATIONS = 100
@@ -216,9 +215,7 @@ def solve_interior_point(
             stop = Status.MAX_TIME
             break
     if settings.tol < best_gap < POLISH and time.perf_counter() < end:
-        blocks = problem.blocks
-        local = prepare_blocks(blocks.starts, blocks.columns, blocks.values)
-        steps, _ = newton_sparse(problem, blocks, local, settings.tol, 20, 0.1, end, best)
+        steps, _ = BlockNewton(problem, settings.tol, end).run(best, 20, 0.1)
         done += steps
     return Answer(best.reshape(-1, 3), done, stop)
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact.blocks import Blocks, block_product
+from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
 from surefoot.solvers.natural_map import natural_gap, relative_gap
@@ -21,7 +21,12 @@ from surefoot.solvers.newton import (
     classify,
     spread,
 )
+from surefoot.solvers.nsgs import prepare_blocks, run_blocks
 
+SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
+"""By how much more sweeps follow each further step, and the most of them."""
+NO_GUESS = 0.1
+"""A relative gap above which forces are no better a start than none."""
 DENSE_ABOVE = 0.12
 """Share of non-zeros of the reduced matrix above which it is factorised as a dense one."""
 
@@ -95,53 +100,100 @@ def _solve(begin: IntArray, where: IntArray, entries: FloatArray, b: FloatArray)
     return x if np.isfinite(x).all() else None
 
 
-def newton_sparse(
-    problem: ContactProblem,
-    blocks: Blocks,
-    local: FloatArray,
-    tol: float,
-    limit: int,
-    share: float,
-    end: float,
-    forces: FloatArray,
-) -> tuple[int, float]:
-    """Take Newton steps from flat forces, updated in place and never worse; return steps and relative gap."""
-    n = problem.contacts
-    matrix = blocks.starts, blocks.columns, blocks.values
-    convex = problem.law == "convex"
-    scale = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
-    laws = problem.mu, problem.normal_min, problem.normal_max
-    free = scale * float(np.linalg.norm(problem.g))
-    rows, columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
-    weight, jump, target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
-    step, count = np.empty(3 * n), np.empty(n, dtype=np.int64)
+class BlockNewton:
+    """Newton steps on one problem's 3x3 blocks, with Gauss-Seidel sweeps between them if wanted.
 
-    def measure(f: FloatArray) -> tuple[FloatArray, float]:
-        velocities = block_product(*matrix, f) + problem.g
-        gap, size = natural_gap(f, velocities, *laws, scale, convex)
-        return velocities, float(relative_gap(gap, size, free))
+    A sweep costs a hundredth of a step with its factorisation. A few dozen after each step take out what a
+    wrong guess of who slides has left, as a smoother does between the levels of a multigrid method; without
+    them Newton's method cycles on redundant contacts.
+    """
 
-    current = forces.copy()
-    velocities, relative = measure(current)
-    best, done, since = relative, 0, 0
-    while done < limit and best > tol and since < PATIENCE and time.perf_counter() < end:
-        done += 1
-        since += 1
-        classify(
-            current, velocities, local, *laws, convex, rows, columns, weight, jump, target,
-            max(PROXIMAL, min(PROXIMAL_FAR, share * relative)), count,
+    def __init__(self, problem: ContactProblem, tol: float, end: float) -> None:
+        self.problem, self.tol, self.end = problem, tol, end
+        b, n = problem.blocks, problem.contacts
+        self.matrix = b.starts, b.columns, b.values
+        self.local = prepare_blocks(*self.matrix)
+        self.convex = problem.law == "convex"
+        self.scale = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+        self.laws = problem.mu, problem.normal_min, problem.normal_max
+        self.free = self.scale * float(np.linalg.norm(problem.g))
+        self._rows, self._columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+        self._weight, self._jump, self._target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
+        self._step, self._count = np.empty(3 * n), np.empty(n, dtype=np.int64)
+
+    def measure(self, forces: FloatArray) -> tuple[FloatArray, float]:
+        """Return the velocities of flat forces, and their relative gap."""
+        velocities = block_product(*self.matrix, forces) + self.problem.g
+        gap, size = natural_gap(forces, velocities, *self.laws, self.scale, self.convex)
+        return velocities, float(relative_gap(gap, size, self.free))
+
+    def sweep(self, forces: FloatArray, count: int) -> int:
+        """Sweep over flat forces in place, until solved or `count` times; return how often."""
+        state = np.array([1.0, np.inf, 0.0])
+        return run_blocks(
+            *self.matrix, self.problem.g, *self.laws, self.convex, self.scale, self.tol, count, self.local,
+            forces, state,
+        )[0]  # fmt: skip
+
+    def step(self, forces: FloatArray, velocities: FloatArray, proximal: float) -> FloatArray | None:
+        """Return the forces after one step; None if the linearised equations are singular."""
+        known = self._rows, self._columns, self._weight, self._jump, self._target
+        classify(forces, velocities, self.local, *self.laws, self.convex, *known, proximal, self._count)
+        first = np.concatenate([[0], np.cumsum(self._count)])
+        moved = velocities + block_product(*self.matrix, self._jump.ravel())
+        reduced = _reduced_entries(
+            *self.matrix, self._rows, self._columns, self._weight, self._count, first
         )  # fmt: skip
-        first = np.concatenate([[0], np.cumsum(count)])
-        moved = velocities + block_product(*matrix, jump.ravel())
-        reduced = _reduced_entries(*matrix, rows, columns, weight, count, first)
-        unknowns = _solve(*reduced, _right_hand_side(moved, rows, target, count, first))
+        unknowns = _solve(*reduced, _right_hand_side(moved, self._rows, self._target, self._count, first))
         if unknowns is None:
-            break
-        spread(columns, jump, count, unknowns, step)
-        current = current + step
-        velocities, relative = measure(current)
-        if relative < best:
-            since = 0 if relative < 0.9 * best else since
-            best = relative
-            forces[:] = current
-    return done, best
+            return None
+        spread(self._columns, self._jump, self._count, unknowns, self._step)
+        return forces + self._step
+
+    def run(
+        self,
+        forces: FloatArray,
+        limit: int,
+        share: float,
+        sweeps: int = 0,
+        patience: int = PATIENCE,
+        hopeless: int | None = None,
+    ) -> tuple[int, float]:
+        """Take steps from flat forces, updated in place and never worse; return their number and the gap.
+
+        Parameters
+        ----------
+        forces
+            Flat forces.
+        limit
+            Most steps, or most of steps and sweeps if there are sweeps.
+        share
+            The proximal term over the relative gap, see `newton`.
+        sweeps
+            After the first step; `SWEEPS_GROW` times as many after each further one.
+        patience
+            Steps that may pass without a better gap.
+        hopeless
+            Steps after which to stop where the gap is still above `NO_GUESS`.
+        """
+        current = forces.copy()
+        velocities, relative = self.measure(current)
+        best, done, steps, since, count = relative, 0, 0, 0, float(sweeps)
+        while done < limit and best > self.tol and since < patience and time.perf_counter() < self.end:
+            moved = self.step(current, velocities, max(PROXIMAL, min(PROXIMAL_FAR, share * relative)))
+            done, steps, since = done + 1, steps + 1, since + 1
+            if moved is None:
+                break
+            current = moved
+            velocities, relative = self.measure(current)
+            if sweeps and relative > self.tol and done < limit:
+                done += self.sweep(current, min(int(count), SWEEPS_MOST, limit - done))
+                count *= SWEEPS_GROW
+                velocities, relative = self.measure(current)
+            if relative < best:
+                since = 0 if relative < 0.9 * best else since
+                best = relative
+                forces[:] = current
+            if steps == hopeless and best > NO_GUESS:
+                break
+        return done, best

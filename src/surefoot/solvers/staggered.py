@@ -49,7 +49,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
         convex.g = problem.g.copy()
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
-        alternate(convex, Settings(tol, None, settings.max_time), end, forces, rounds=8)
+        alternate(convex, Settings(tol, None, max(end - time.perf_counter(), 0.0)), forces)
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         gap, size = natural_gap(forces, velocities, *laws)
         relative = float(relative_gap(gap, size, free))
