@@ -39,11 +39,14 @@ from surefoot.solvers.solver import (
 NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
-SMOOTH, HOPELESS = 50, 10
-"""Sweeps after the first Newton step on blocks, and steps after which no guess means no hope."""
-TRIES = (3.0, UNBOUNDED, 20), (100.0, UNBOUNDED, 25), (0.3, UNBOUNDED, 25)
-"""Newton on blocks, one after the other: the proximal term's share, the most iterations, the patience."""
-FINISH_SHARE, FINISH_STEPS = 0.1, 8
+Try = tuple[float, int, int, int | None]
+FIRST_TRY: Try = (3.0, 50, 20, 6)
+"""Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
+NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
+GUESS_TRIES: tuple[Try, ...] = ((100.0, 50, 25, None), (0.3, 50, 25, None))
+"""What follows if that found no guess (mass ratios of 1e6 bear no large proximal term), and if it did."""
+FINISH = (0.1, 50, 5)
+"""Newton from the forces of ADMM: share, sweeps, patience."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
@@ -167,7 +170,7 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
 
     def finish(forces: FloatArray) -> tuple[FloatArray, float]:
         found = forces.copy()
-        _, relative = newton.run(found, UNBOUNDED, FINISH_SHARE, SMOOTH, FINISH_STEPS)
+        _, relative = newton.run(found, UNBOUNDED, *FINISH)
         return found, relative
 
     return run_admm(problem, settings, warm_start, finish)
@@ -222,11 +225,11 @@ def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -
         before, relative = relative, newton.measure(forces)[1]
         if done > CHUNK and not tol > relative * (relative / before) ** (STEP_WORTH / CHUNK):
             break
-    for share, limit, patience in TRIES:
-        if relative <= tol or done >= most or time.perf_counter() > newton.end:
-            break
-        used, relative = newton.run(forces, min(limit, most - done), share, SMOOTH, patience, HOPELESS)
+    tries = [FIRST_TRY]
+    while tries and relative > tol and done < most and time.perf_counter() < newton.end:
+        now = tries.pop(0)
+        used, relative = newton.run(forces, most - done, *now)
         done += used
-        if relative > NO_GUESS:
-            break
+        if now is FIRST_TRY:
+            tries = list(NO_GUESS_TRIES if relative > NO_GUESS else GUESS_TRIES)
     return done, relative
