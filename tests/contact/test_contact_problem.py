@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -102,6 +105,21 @@ def test_norm_of_awkward_matrices(kind: str) -> None:
         }[kind]
         G = np.diag(d) if kind == "diagonal" else (q * d) @ q.T
         assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == pytest.approx(np.abs(d).max(), rel=1e-8)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("way", ["itself", "pickle", "deepcopy"])
+def test_vectors_changed_in_place_are_seen_by_compiled_solvers(way: str, sparse: bool) -> None:
+    G, g = random_matrix(3, 3, 12), np.tile([0.1, -0.2, -1.0], 3)
+    problem = sf.ContactProblem(sp.csr_matrix(G) if sparse else G, np.ones(9), 0.5)
+    assert sf.solve(problem).solved
+    if way != "itself":
+        problem = pickle.loads(pickle.dumps(problem)) if way == "pickle" else copy.deepcopy(problem)
+    problem.g[:] = g
+    problem.mu[:] = 0.3
+    expected = sf.solve(sf.ContactProblem(G, g, 0.3), tol=1e-12)
+    assert np.allclose(sf.solve(problem, tol=1e-12).forces, expected.forces, atol=1e-9)
+    assert expected.forces.any()
 
 
 def test_norm_of_nothing() -> None:

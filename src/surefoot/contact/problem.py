@@ -129,9 +129,10 @@ class ContactProblem:
         """
         vector = np.asarray(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
         self.contacts = n = vector.size // 3
-        self._packed = packed = np.empty((3 * n + 3 if dense else 3, 3 * n))
-        self.g, self.laws = packed[-3], packed[-2].reshape(3, n)
-        self.mu, self.normal_min, self.normal_max = laws = self.laws
+        room = dense or n <= COMPILED_CONTACTS
+        self._packed = np.empty((3 * n + 3 if room else 3, 3 * n))
+        self._cut()
+        laws = self.laws
         try:
             laws[0], laws[1], laws[2] = mu, normal_min, normal_max
             if vector.shape == (3 * n,):
@@ -151,6 +152,18 @@ class ContactProblem:
             raise ProblemError("normal_min must be finite, got inf")
         laws[2] = per_contact("normal_max", normal_max, n)
         check_order(self.normal_min, self.normal_max)
+
+    def _cut(self) -> None:
+        """Cut the vectors out of their common array."""
+        self.g, self.laws = self._packed[-3], self._packed[-2].reshape(3, self.contacts)
+        self.mu, self.normal_min, self.normal_max = self.laws
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take the state of a copy, whose arrays must again be parts of one."""
+        self.__dict__.update(state)
+        self._cut()
+        if "G" in state and self._packed.shape[0] > 3:
+            self.__dict__["G"] = self._packed[: self.g.size]
 
     def _hold(self, bilateral: ArrayLike) -> None:
         """Read the mask of bilateral contacts."""
@@ -177,7 +190,11 @@ class ContactProblem:
     @cached_property
     def G(self) -> FloatArray:
         """The (3n, 3n) Delassus operator with compliance, dense."""
-        return np.ascontiguousarray(self._sparse.toarray())
+        if self.contacts > COMPILED_CONTACTS:
+            return np.ascontiguousarray(self._sparse.toarray())
+        room = self._packed[: self.g.size]
+        room[:] = self._sparse.toarray()
+        return room
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -228,10 +245,10 @@ class ContactProblem:
         """
         if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
             return None
-        packed = self._packed if self._sparse is None else np.concatenate([self.G, self._packed])
-        packed[-1, 0] = 1.0 / self.norm if self.norm > 0.0 else 1.0
-        packed[-1, 1] = self.law == "convex"
-        return packed
+        norm = self.norm if self.G.size else 0.0  # reads a sparse G into its room
+        self._packed[-1, 0] = 1.0 / norm if norm > 0.0 else 1.0
+        self._packed[-1, 1] = self.law == "convex"
+        return self._packed
 
     @cached_property
     def norm(self) -> float:

@@ -22,9 +22,9 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.auto import alternate
+from surefoot.solvers.auto import alternate, solve_compiled
 from surefoot.solvers.natural_map import natural_gap, relative_gap
-from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, Settings, fitting, register, start_forces
 
 MAX_ITERATIONS = 500
 
@@ -46,10 +46,10 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     best, best_gap, since = forces.copy(), math.inf, 0
     while done < limit:
         done += 1
-        convex.g = problem.g.copy()
+        convex.g[:] = problem.g  # in place: `compiled` looks at the same memory
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
-        alternate(convex, Settings(tol, None, max(end - time.perf_counter(), 0.0)), forces)
+        _solve_convex(convex, Settings(tol, None, max(end - time.perf_counter(), 0.0)), forces)
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         gap, size = natural_gap(forces, velocities, *laws)
         relative = float(relative_gap(gap, size, free))
@@ -70,6 +70,19 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
         last = relative
         shift = (1.0 - relax) * shift + relax * _shift(problem, forces, held)
     return Answer(best.reshape(-1, 3), done, stop)
+
+
+def _solve_convex(problem: ContactProblem, settings: Settings, forces: FloatArray) -> None:
+    """Solve one of the convex problems as well as sweeps and Newton steps can, from flat forces, in place."""
+    packed, n = problem.compiled, problem.contacts
+    if packed is not None:
+        buffer = np.empty((2 * n + 2, 3))
+        buffer[:n] = forces.reshape(-1, 3)
+        done = solve_compiled(packed, settings.tol, fitting(settings.max_time, n, -1), 0, True, buffer)
+        forces[:] = buffer[:n].ravel()
+        if done >= 0:
+            return
+    alternate(problem, settings, forces)
 
 
 def _shift(problem: ContactProblem, forces: FloatArray, held: FloatArray) -> FloatArray:
