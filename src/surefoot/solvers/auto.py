@@ -50,10 +50,12 @@ FINISH = (0.1, 50, 5)
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
+ON_BLOCKS = "sweeps and newton on blocks"
 CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
     "coulomb": (
-        ("admm", 600, True),
+        ("newton", None, False),
         ("admm", 1500, False),
+        (ON_BLOCKS, None, False),
         ("staggered", 100, True),
         ("interior_point", None, False),
         ("admm", None, True),
@@ -114,11 +116,16 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     start = time.perf_counter()
     if problem.facets is not None:
         return _hand_on(problem, settings, warm_start, 0, PYRAMIDS[problem.law], start)
+    if problem.contacts <= COMPILED_CONTACTS:
+        names = CONES[problem.law]
+        if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
+            names = tuple(sorted(names, key=lambda entry: entry[0] != ON_BLOCKS))
+        return _hand_on(problem, settings, warm_start, 0, names, start)
     forces = start_forces(problem, warm_start)
     done, relative = alternate(problem, settings, forces)
     if relative <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
-    names = (CONES if problem.contacts <= COMPILED_CONTACTS else CONES_LARGE)[problem.law]
+    names = CONES_LARGE[problem.law]
     if problem.law == "coulomb" and relative > NO_GUESS:
         names = names[1:]
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
@@ -141,13 +148,15 @@ def _hand_on(
         if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
             break
-        if name not in entries or mismatch(entries[name], problem) is not None:
+        if name != ON_BLOCKS and (name not in entries or mismatch(entries[name], problem) is not None):
             continue
         if settings.max_iterations is not None:
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
             mixed = name == "admm" and problem.facets is None and problem.contacts > COMPILED_CONTACTS
-            function = _admm_and_newton if mixed else entries[name].function
+            function = (
+                _admm_and_newton if mixed else _on_blocks if name == ON_BLOCKS else entries[name].function
+            )
             answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
         except SurefootError:  # an optional package that is not installed
             continue
@@ -159,6 +168,13 @@ def _hand_on(
         if best_gap <= settings.tol or stop is Status.INFEASIBLE:
             break
     return Answer(best, done, stop)
+
+
+def _on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Solve few contacts as many are solved."""
+    forces = start_forces(problem, warm_start)
+    done, _ = alternate(problem, settings, forces)
+    return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
 def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
