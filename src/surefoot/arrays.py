@@ -38,6 +38,8 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
     array([0. , 0. , 0.3])
     """
     try:
+        if np.iscomplexobj(value):
+            raise TypeError
         array = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
@@ -85,6 +87,18 @@ def real_number(name: str, value: float, *, low: float = -np.inf, high: float = 
             f"{name} must be a number {wanted if low > -np.inf else ''}".rstrip() + f", got {number:g}"
         )
     return number
+
+
+def whole_number(name: str, value: int, *, low: int = 0) -> int:
+    """Return `value` as an integer >= low; 5.0 is one, 5.5 and True are not.
+
+    >>> whole_number("max_iterations", 5)
+    5
+    """
+    number = None if isinstance(value, (bool, np.bool_)) else real_number(name, value)
+    if number is None or number != np.floor(number) or not low <= number < 2**53:
+        raise ProblemError(f"{name} must be a whole number >= {low}, got {value!r:.80}")
+    return int(number)
 
 
 def per_contact(name: str, value: ArrayLike, count: int, *, low: float = 0.0) -> FloatArray:

@@ -185,6 +185,23 @@ def test_zero_iterations_and_zero_time_are_survived() -> None:
     assert sf.solve(sf.ContactProblem(np.zeros((0, 0)), [], 0.5)).solved
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"max_iterations": "many"}, "max_iterations must be a number, got 'many'"),
+        ({"max_iterations": 2.5}, "max_iterations must be a whole number >= 0, got 2.5"),
+        ({"max_iterations": -1}, "max_iterations must be a whole number >= 0, got -1"),
+        ({"tol": float("nan")}, "tol must be a number between"),
+        ({"max_time": "soon"}, "max_time must be a number, got 'soon'"),
+        ({"solver": ["auto"]}, "unknown solver .*valid names: admm, auto"),
+        ({"warm_start": [0.0, 1.0]}, "warm_start must have shape"),
+    ],
+)
+def test_wrong_settings_are_named(changes: dict[str, object], words: str) -> None:
+    with pytest.raises(sf.SurefootError, match=words):
+        sf.solve(family_problems()[0][1], **changes)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])
 def test_bounds_on_iterations_and_time_are_kept(name: str) -> None:
     """Also where one compiled call takes sweeps and Newton steps, and other methods come after it."""

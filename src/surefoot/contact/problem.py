@@ -282,7 +282,7 @@ def _compliance(value: Any, contacts: int) -> FloatArray | None:
 def _read_dense(G: ArrayLike, compliance: FloatArray | None, out: FloatArray) -> None:
     """Fill `out` with the symmetric part of G, and the compliance on its diagonal."""
     matrix = np.asarray(G) if isinstance(G, np.ndarray) else finite_array("G", G)
-    if matrix.shape != out.shape:
+    if matrix.shape != out.shape or matrix.dtype.kind == "c":
         finite_array("G", G, out.shape)  # says so
     try:
         out[:] = matrix

@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
 from surefoot.contact.residuals import Residuals, certificate
 from surefoot.contact.solution import ContactSolution, Status
@@ -188,12 +188,16 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
-    shortcut = _SHORTCUTS.get(solver)
-    if type(tol) is not float or not (0.0 <= tol < _INFINITY and max_time >= 0.0):
+    shortcut = _SHORTCUTS.get(solver) if type(solver) is str else None
+    if (
+        type(tol) is not float
+        or type(max_time) is not float
+        or not (0.0 <= tol < _INFINITY and max_time >= 0.0)
+    ):
         tol = real_number("tol", tol, low=0.0, high=1e300)
-        real_number("max_time", max_time, low=0.0)
-    if max_iterations is not None and max_iterations < 0:
-        raise ProblemError(f"max_iterations must be >= 0, got {max_iterations}")
+        max_time = real_number("max_time", max_time, low=0.0)
+    if max_iterations is not None:
+        max_iterations = whole_number("max_iterations", max_iterations)
     if warm_start is not None:
         warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
     if shortcut is None and (shortcut := find_solver(solver, problem).shortcut) is not None:
@@ -258,7 +262,7 @@ def certify(
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
     """Return the entry of a solver that takes the problem; see `solve` for the errors."""
     entries = registry()
-    if name not in entries:
+    if not isinstance(name, str) or name not in entries:
         raise SolverNotFound(unknown_name("solver", name, entries))
     entry = entries[name]
     reason = mismatch(entry, problem)
