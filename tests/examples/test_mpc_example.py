@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
-FILE = Path(__file__).parents[2] / "examples" / "33_plan_on_a_slope.py"
 
-
-def test_a_kick_on_a_slope_is_planned_away(tmp_path: Path) -> None:
-    spec = importlib.util.spec_from_file_location("example_33", FILE)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    facts = module.main(tmp_path, kick=0.4)
+def test_a_kick_on_a_slope_is_planned_away(tmp_path: Path, load: Callable[[str], ModuleType]) -> None:
+    facts = load("33_plan_on_a_slope").main(tmp_path, kick=0.4)
     assert facts["left"] < 0.4 * 0.4
     assert 0.99 < facts["use"] < 1.0 + 1e-9
     assert facts["error"] < 1e-2

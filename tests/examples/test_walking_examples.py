@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 
-
-def load(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"example_{name[:2]}", EXAMPLES / f"{name}.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_a_trot_over_bumps_takes_a_push(tmp_path: Path) -> None:
+def test_a_trot_over_bumps_takes_a_push(tmp_path: Path, load) -> None:
     facts = load("30_trot").main(tmp_path, duration=4.0)
     assert facts["walked"] == 1.0
     assert facts["forward"] == pytest.approx(0.4, rel=0.1)
@@ -29,14 +16,14 @@ def test_a_trot_over_bumps_takes_a_push(tmp_path: Path) -> None:
     assert len(list(tmp_path.rglob("*.png"))) == 2
 
 
-def test_an_own_gait_walks_from_phases_and_from_a_file(tmp_path: Path) -> None:
+def test_an_own_gait_walks_from_phases_and_from_a_file(tmp_path: Path, load) -> None:
     speeds = load("31_own_gait").main(tmp_path, duration=3.5)
     assert speeds["phases"] == pytest.approx(0.4, rel=0.1)
     assert speeds["file"] == pytest.approx(speeds["phases"], abs=0.01)
     assert speeds["refused"] == 1.0
 
 
-def test_whole_body_control_gives_what_friction_allows(tmp_path: Path) -> None:
+def test_whole_body_control_gives_what_friction_allows(tmp_path: Path, load) -> None:
     facts = load("32_whole_body_step").main(tmp_path)
     assert 0.7 * facts["friction"] < facts["largest"] <= facts["friction"] + 1e-6
     assert facts["use"] == pytest.approx(1.0, abs=1e-6)

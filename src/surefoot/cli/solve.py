@@ -105,15 +105,21 @@ def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time
     }
 
 
+def _table(kind: str, tol: float, columns: tuple[str, ...]) -> Table:
+    """Return an empty table with one row per file to come."""
+    table = Table(title=f"{kind} problems, to be solved to {tol:g}", title_justify="left")
+    table.add_column("file", overflow="fold", min_width=18)
+    for name in columns:
+        table.add_column(name, justify="left" if name in ("solver", "status") else "right", no_wrap=True)
+    return table
+
+
 def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
     """Print one row per LCP, and what there is to say of those without a solution."""
     if not records:
         return
     console = Console()
-    table = Table(title=f"Linear complementarity problems, to be solved to {tol:g}", title_justify="left")
-    table.add_column("file", overflow="fold", min_width=18)
-    for name in ("size", "solver", "status", "residual", "steps", "ms"):
-        table.add_column(name, justify="left" if name in ("solver", "status") else "right", no_wrap=True)
+    table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual", "steps", "ms"))
     for r in records:
         table.add_row(
             r["file"],
@@ -136,10 +142,7 @@ def _print(records: list[dict[str, Any]], tol: float) -> None:
     if not records:
         return
     console = Console()
-    table = Table(title=f"Contact problems, to be solved to {tol:g}", title_justify="left")
-    table.add_column("file", overflow="fold", min_width=18)
-    for name in ("n", "rank", "status", "natural map", "steps", "ms"):
-        table.add_column(name, justify="left" if name == "status" else "right", no_wrap=True)
+    table = _table("Contact", tol, ("n", "rank", "status", "natural map", "steps", "ms"))
     for r in records:
         table.add_row(
             r["file"],

@@ -240,14 +240,13 @@ class ContactProblem:
     def compiled(self) -> FloatArray | None:
         """What one compiled call takes, as one array (3n + 3, 3n); None for pyramids, or too many contacts.
 
-        Its rows are G, g, the laws (mu, normal_min, normal_max), and last 1 / ||G||₂ and whether the law is
+        Its rows are G, g, the laws (mu, normal_min, normal_max), and last `step` and whether the law is
         convex. Every argument of a compiled call costs time, arrays most.
         """
         if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
             return None
-        norm = self.norm if self.G.size else 0.0  # reads a sparse G into its room
-        self._packed[-1, 0] = 1.0 / norm if norm > 0.0 else 1.0
-        self._packed[-1, 1] = self.law == "convex"
+        last = self.G.shape[0] + 2  # a sparse G is read into its room by this
+        self._packed[last, :2] = self.step, self.law == "convex"
         return self._packed
 
     @cached_property
@@ -259,6 +258,11 @@ class ContactProblem:
             b = self.blocks
             return float(spectral_norm_blocks(b.starts, b.columns, b.values))
         return float(spectral_norm(self.G))
+
+    @cached_property
+    def step(self) -> float:
+        """The step of the natural map, 1 / ||G||₂; 1 where G is zero."""
+        return 1.0 / self.norm if self.norm > 0.0 else 1.0
 
 
 def _compliance(value: Any, contacts: int) -> FloatArray | None:

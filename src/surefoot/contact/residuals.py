@@ -77,12 +77,10 @@ def measure(
     """Return the fields of `Residuals` for forces and their velocities, both (n, 3)."""
     if problem.contacts == 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0
-    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
-    facets = 0 if problem.facets is None else problem.facets
     f, u = (np.ascontiguousarray(x, dtype=np.float64).reshape(-1) for x in (forces, velocities))
     return _measure(
-        f, u, problem.g, problem.mu, problem.normal_min, problem.normal_max, step, facets,
-        problem.fit == "inner", problem.law == "coulomb",
+        f, u, problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.step,
+        problem.facets or 0, problem.fit == "inner", problem.law == "coulomb",
     )  # fmt: skip
 
 
@@ -93,11 +91,10 @@ def certificate(
     if problem.contacts == 0 or problem.contacts > SMALL:
         velocities = problem.velocity(forces)
         return velocities, measure(problem, forces, velocities)
-    norm = problem.norm
     velocities = np.empty(problem.g.size)
     numbers = certify_dense(
-        problem.G, problem.g, problem.mu, problem.normal_min, problem.normal_max,
-        1.0 / norm if norm > 0.0 else 1.0, problem.facets or 0, problem.fit == "inner",
+        problem.G, problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.step,
+        problem.facets or 0, problem.fit == "inner",
         problem.law == "coulomb", np.ascontiguousarray(forces).reshape(-1), velocities,
     )  # fmt: skip
     return velocities.reshape(-1, 3), numbers

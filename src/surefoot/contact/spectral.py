@@ -108,8 +108,11 @@ def _take_step(
 
 
 @inline_kernel
-def _judge(diagonal: FloatArray, off: FloatArray, count: int, most: int, scale: float) -> tuple[bool, float]:
+def _judge(diagonal: FloatArray, off: FloatArray, count: int, most: int) -> tuple[bool, float]:
     """Tell whether the largest |eigenvalue| of T is that of G, and return it."""
+    scale = 0.0
+    for i in range(count):
+        scale = max(scale, abs(diagonal[i]), off[i])
     last = count == most or off[count - 1] <= BREAKDOWN * scale
     if not last and (count < FIRST or (count - FIRST) % BETWEEN != 0):
         return False, 0.0
@@ -128,7 +131,6 @@ def spectral_norm(G: FloatArray) -> float:
     most = min(3 * size, STEPS)
     v, before, w = _start_vector(size), np.zeros(size), np.empty(size)
     diagonal, off = np.empty(most), np.empty(most)
-    scale = 0.0
     for k in range(most):
         for j in range(size):
             w[j] = 0.0
@@ -137,8 +139,7 @@ def spectral_norm(G: FloatArray) -> float:
             for j in range(size):
                 w[j] += G[i, j] * x
         _take_step(k, v, before, w, diagonal, off)
-        scale = max(scale, abs(diagonal[k]), off[k])
-        done, value = _judge(diagonal, off, k + 1, most, scale)
+        done, value = _judge(diagonal, off, k + 1, most)
         if done:
             return value
     return 0.0
@@ -151,12 +152,10 @@ def spectral_norm_blocks(starts: IntArray, columns: IntArray, values: FloatArray
     most = min(3 * size, STEPS)
     v, before = _start_vector(size), np.zeros(size)
     diagonal, off = np.empty(most), np.empty(most)
-    scale = 0.0
     for k in range(most):
         w = block_product(starts, columns, values, v)
         _take_step(k, v, before, w, diagonal, off)
-        scale = max(scale, abs(diagonal[k]), off[k])
-        done, value = _judge(diagonal, off, k + 1, most, scale)
+        done, value = _judge(diagonal, off, k + 1, most)
         if done:
             return value
     return 0.0

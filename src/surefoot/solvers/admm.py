@@ -209,7 +209,7 @@ class _Scaled:
             self.y = -u.ravel()
         self.limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
         self.end = time.perf_counter() + settings.max_time
-        self.step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+        self.step = problem.step
         self.free = self.step * float(np.linalg.norm(problem.g))
 
 

@@ -1,11 +1,11 @@
 """The default solver: it chooses, combines and keeps to its time.
 
 Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
-out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: the same alternation
-on 3x3 blocks with a sparse factorisation. What these leave unsolved is handed on, best forces first: to
-ADMM for Coulomb's law, and for the convex law to Newton's method on its dual (`distribution`) and an
-interior point, where redundant contacts make sweeps crawl. Pyramids: ADMM, then Lemke's method (Coulomb) or
-a QP solver (convex). The forces returned are the best that any of them found; the status is theirs.
+out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: sweeps on 3x3 blocks,
+then Newton steps by sparse factorisation with sweeps between them. What these leave unsolved is handed on:
+for Coulomb's law above all to ADMM, with Newton steps from where it is, and for the convex law to Newton's
+method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a
+QP solver (convex). The forces returned are the best that any of them found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit.
 """
@@ -29,6 +29,7 @@ from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
 from surefoot.solvers.solver import (
     Answer,
     Settings,
+    SolverFunction,
     fitting,
     mismatch,
     register,
@@ -50,8 +51,10 @@ FINISH = (0.1, 50, 5)
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
-ON_BLOCKS = "sweeps and newton on blocks"
-CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
+ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
+"""What is asked besides solvers; see `_PARTS`."""
+Plan = tuple[tuple[str, int | None, bool], ...]
+CONES: dict[str, Plan] = {
     "coulomb": (
         ("newton", None, False),
         ("admm", 1500, False),
@@ -68,11 +71,11 @@ CONES: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
         ("clarabel", None, False),
     ),
 }
-CONES_LARGE: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
-    "coulomb": (("admm", 600, True), ("admm", None, False), ("staggered", 100, True)),
-    "convex": CONES["convex"][1:],
+CONES_LARGE: dict[str, Plan] = {
+    "coulomb": ((ADMM_AND_NEWTON, 600, True), (ADMM_AND_NEWTON, None, False), ("staggered", 100, True)),
+    "convex": (("interior_point", None, False), (ADMM_AND_NEWTON, 4000, True), ("clarabel", None, False)),
 }
-PYRAMIDS: dict[str, tuple[tuple[str, int | None, bool], ...]] = {
+PYRAMIDS: dict[str, Plan] = {
     "coulomb": (("admm", 2000, True), ("lemke", None, False), ("admm", None, True)),
     "convex": (("admm", 2000, True), ("daqp", None, False), ("admm", None, True)),
 }
@@ -136,7 +139,7 @@ def _hand_on(
     settings: Settings,
     forces: FloatArray | None,
     done: int,
-    names: tuple[tuple[str, int | None, bool], ...],
+    names: Plan,
     start: float,
 ) -> Answer:
     """Try solvers in turn, each with its own bound on iterations, from the best forces so far."""
@@ -148,15 +151,14 @@ def _hand_on(
         if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
             break
-        if name != ON_BLOCKS and (name not in entries or mismatch(entries[name], problem) is not None):
-            continue
+        function = _PARTS.get(name)
+        if function is None:
+            if name not in entries or mismatch(entries[name], problem) is not None:
+                continue
+            function = entries[name].function
         if settings.max_iterations is not None:
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
-            mixed = name == "admm" and problem.facets is None and problem.contacts > COMPILED_CONTACTS
-            function = (
-                _admm_and_newton if mixed else _on_blocks if name == ON_BLOCKS else entries[name].function
-            )
             answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
         except SurefootError:  # an optional package that is not installed
             continue
@@ -192,6 +194,23 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
     return run_admm(problem, settings, warm_start, finish)
 
 
+_PARTS: dict[str, SolverFunction] = {ON_BLOCKS: _on_blocks, ADMM_AND_NEWTON: _admm_and_newton}
+
+
+def call_compiled(
+    packed: FloatArray, settings: Settings, burst: int, warm_start: FloatArray | None
+) -> tuple[FloatArray, int, int]:
+    """Call `solve_compiled`; return (n, 3) forces, what it returned, and the iterations it was given."""
+    n = packed.shape[1] // 3
+    buffer = np.empty((2 * n + 2, 3))
+    if warm_start is not None:
+        buffer[:n] = warm_start
+    most = -1 if settings.max_iterations is None else settings.max_iterations
+    fits = fitting(settings.max_time, n, most)
+    done = solve_compiled(packed, settings.tol, fits, burst, warm_start is not None, buffer)
+    return buffer[:n], done, fits
+
+
 @register("newton", bilateral=True)
 def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law by semismooth Newton as far as it gets, from one sweep.
@@ -200,17 +219,11 @@ def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatA
     sweep; see `surefoot.solvers.newton`.
     """
     if (packed := problem.compiled) is not None:
-        n = problem.contacts
-        buffer = np.empty((2 * n + 2, 3))
-        if warm_start is not None:
-            buffer[:n] = warm_start
-        most = -1 if settings.max_iterations is None else settings.max_iterations
-        fits = fitting(settings.max_time, n, most)
-        steps = solve_compiled(packed, settings.tol, fits, 1, warm_start is not None, buffer)
-        used, stop = max(steps, ~steps), Status.STALLED
+        found, done, fits = call_compiled(packed, settings, 1, warm_start)
+        used, stop = max(done, ~done), Status.STALLED
         if used >= fits:
-            stop = Status.MAX_ITERATIONS if fits == most else Status.MAX_TIME
-        return Answer(buffer[:n], used, stop)
+            stop = Status.MAX_ITERATIONS if fits == settings.max_iterations else Status.MAX_TIME
+        return Answer(found, used, stop)
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
     most = UNBOUNDED if settings.max_iterations is None else settings.max_iterations

@@ -177,7 +177,7 @@ def solve_interior_point(
     """Solve either law on exact cones by a primal-dual interior-point method."""
     p = _program(problem)
     coulomb, m = problem.law == "coulomb", p.cones
-    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+    step = problem.step
     free = step * float(np.linalg.norm(problem.g))
     laws = problem.mu, problem.normal_min, problem.normal_max, step, not coulomb
     unit = np.ones(p.b.size)

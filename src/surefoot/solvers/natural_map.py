@@ -24,6 +24,15 @@ NOTHING_DONE = 0.1
 
 
 @inline_kernel
+def reach(g: FloatArray, step: float) -> float:
+    """Return step ||g||, what the free velocity amounts to in forces: the least scale of a gap."""
+    total = 0.0
+    for i in range(g.size):
+        total += g[i] * g[i]
+    return step * math.sqrt(total)
+
+
+@inline_kernel
 def relative_gap(gap: float, size: float, free: float) -> float:
     """Return a gap over max(||λ||, free), free = step ||g||; over free if it exceeds a tenth of that."""
     if free > 0.0:

@@ -24,7 +24,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel
 from surefoot.solvers.elimination import lu_solve, symmetric_solve
-from surefoot.solvers.natural_map import natural_gap, relative_gap
+from surefoot.solvers.natural_map import natural_gap, reach, relative_gap
 from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
 PATIENCE = 10
@@ -198,16 +198,11 @@ def newton_dense(
     m = 3 * n
     A, kinds = np.empty((m, m)), np.empty(n, dtype=np.int64)
     directions, known, vectors = np.empty((2, n, 3, 3)), np.empty((3, n, 3)), np.empty((5, m))
-    rows, columns = (
-        directions[0],
-        directions[1],
-    )  # few allocations and no reshaping: both take as long as a step
+    # few allocations and no reshaping: both take as long as a step
+    rows, columns = directions[0], directions[1]
     weight, jump, target = known[0], known[1], known[2]
     moved, b, step, best_forces, best_velocities = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
-    free = 0.0
-    for j in range(m):
-        free += g[j] * g[j]
-    free = scale * math.sqrt(free)
+    free = reach(g, scale)
     gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
     relative = relative_gap(gap, size, free)
     best = relative
@@ -254,10 +249,7 @@ def run_dense(
     """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the gap."""
     local = prepare_dense(G)
     refresh_dense(G, g, forces, velocities)
-    free = 0.0
-    for i in range(g.size):
-        free += g[i] * g[i]
-    free = scale * math.sqrt(free)
+    free = reach(g, scale)
     done = 0
     relative = last = np.inf
     relax = 1.0

@@ -114,7 +114,7 @@ class BlockNewton:
         self.matrix = b.starts, b.columns, b.values
         self.local = prepare_blocks(*self.matrix)
         self.convex = problem.law == "convex"
-        self.scale = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+        self.scale = problem.step
         self.laws = problem.mu, problem.normal_min, problem.normal_max
         self.free = self.scale * float(np.linalg.norm(problem.g))
         self._rows, self._columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))

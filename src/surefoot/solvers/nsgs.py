@@ -19,7 +19,7 @@ from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.natural_map import natural_gap, relative_gap
+from surefoot.solvers.natural_map import natural_gap, reach, relative_gap
 from surefoot.solvers.one_contact import WIDTH, block_of, prepare, solve_one
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
@@ -102,7 +102,7 @@ def run_dense(
     """
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
-    free = step * np.sqrt(np.sum(g * g))
+    free = reach(g, step)
     relax, best, since = state[0], state[1], int(state[2])
     for count in range(1, sweeps + 1):
         sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
@@ -170,7 +170,7 @@ def run_blocks(
     `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
     """
     velocities = block_product(starts, columns, values, forces) + g
-    free = step * np.sqrt(np.sum(g * g))
+    free = reach(g, step)
     relax, best, since = state[0], state[1], int(state[2])
     for count in range(1, sweeps + 1):
         sweep_blocks(starts, columns, values, local, mu, low, high, convex, relax, forces, velocities)
@@ -210,10 +210,9 @@ def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArr
 class Sweeper:
     """Gauss-Seidel on one problem's flat forces, call after call; picks the dense or the block form of G."""
 
-    def __init__(self, problem: ContactProblem, forces: FloatArray, blocks: bool | None = None) -> None:
+    def __init__(self, problem: ContactProblem, forces: FloatArray) -> None:
         self.problem, self.forces = problem, forces
-        self.step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
-        self.blocks = problem.blocks if (use_blocks(problem) if blocks is None else blocks) else None
+        self.blocks = problem.blocks if use_blocks(problem) else None
         b = self.blocks
         self.local = prepare_dense(problem.G) if b is None else prepare_blocks(b.starts, b.columns, b.values)
         self.state = np.array([1.0, np.inf, 0.0])
@@ -224,10 +223,10 @@ class Sweeper:
         convex = p.law == "convex"
         if b is None:
             return run_dense(
-                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, self.step, tol, sweeps, self.local,
+                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, p.step, tol, sweeps, self.local,
                 self.forces, self.state,
             )  # fmt: skip
         return run_blocks(
-            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, self.step, tol,
+            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, p.step, tol,
             sweeps, self.local, self.forces, self.state,
         )  # fmt: skip

@@ -22,9 +22,9 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.auto import alternate, solve_compiled
+from surefoot.solvers.auto import alternate, call_compiled
 from surefoot.solvers.natural_map import natural_gap, relative_gap
-from surefoot.solvers.solver import Answer, Settings, fitting, register, start_forces
+from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
 MAX_ITERATIONS = 500
 
@@ -35,7 +35,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
     coulomb = problem.law == "coulomb"
-    step = 1.0 / problem.norm if problem.norm > 0.0 else 1.0
+    step = problem.step
     laws = problem.mu, problem.normal_min, problem.normal_max, step, not coulomb
     free = step * float(np.linalg.norm(problem.g))
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
@@ -74,12 +74,9 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
 
 def _solve_convex(problem: ContactProblem, settings: Settings, forces: FloatArray) -> None:
     """Solve one of the convex problems as well as sweeps and Newton steps can, from flat forces, in place."""
-    packed, n = problem.compiled, problem.contacts
-    if packed is not None:
-        buffer = np.empty((2 * n + 2, 3))
-        buffer[:n] = forces.reshape(-1, 3)
-        done = solve_compiled(packed, settings.tol, fitting(settings.max_time, n, -1), 0, True, buffer)
-        forces[:] = buffer[:n].ravel()
+    if (packed := problem.compiled) is not None:
+        found, done, _ = call_compiled(packed, settings, 0, forces.reshape(-1, 3))
+        forces[:] = found.ravel()
         if done >= 0:
             return
     alternate(problem, settings, forces)
