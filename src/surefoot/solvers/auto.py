@@ -20,10 +20,13 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import COMPILED_CONTACTS, ContactProblem
 from surefoot.contact.residuals import certificate, certify_dense
+from surefoot.contact.scales import scales_dense
 from surefoot.contact.solution import Status
-from surefoot.errors import SurefootError
+from surefoot.errors import MissingExtra, SolverNotFound
 from surefoot.kernels import kernel
 from surefoot.solvers.admm import run_admm
+from surefoot.solvers.infeasibility import find_proof
+from surefoot.solvers.natural_map import settle
 from surefoot.solvers.newton import FEW, SHARES_MANY, run_dense
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
 from surefoot.solvers.solver import (
@@ -32,6 +35,7 @@ from surefoot.solvers.solver import (
     SolverFunction,
     fitting,
     mismatch,
+    nearest_to_zero,
     register,
     registry,
     start_forces,
@@ -51,12 +55,13 @@ FINISH = (0.1, 50, 5)
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
-ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
+ON_BLOCKS, ADMM_AND_NEWTON, PROOF = "sweeps and newton on blocks", "admm and newton", "infeasibility proof"
 """What is asked besides solvers; see `_PARTS`."""
 Plan = tuple[tuple[str, int | None, bool], ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
         ("newton", None, False),
+        (PROOF, None, False),
         ("admm", 1500, False),
         (ON_BLOCKS, None, False),
         ("staggered", 100, True),
@@ -66,18 +71,29 @@ CONES: dict[str, Plan] = {
     ),
     "convex": (
         ("distribution", None, False),
+        (PROOF, None, False),
         ("interior_point", None, False),
         ("admm", 4000, True),
         ("clarabel", None, False),
     ),
 }
 CONES_LARGE: dict[str, Plan] = {
-    "coulomb": ((ADMM_AND_NEWTON, 600, True), (ADMM_AND_NEWTON, None, False), ("staggered", 100, True)),
-    "convex": (("interior_point", None, False), (ADMM_AND_NEWTON, 4000, True), ("clarabel", None, False)),
+    "coulomb": (
+        (PROOF, None, False),
+        (ADMM_AND_NEWTON, 600, True),
+        (ADMM_AND_NEWTON, None, False),
+        ("staggered", 100, True),
+    ),
+    "convex": (
+        (PROOF, None, False),
+        ("interior_point", None, False),
+        (ADMM_AND_NEWTON, 4000, True),
+        ("clarabel", None, False),
+    ),
 }
 PYRAMIDS: dict[str, Plan] = {
-    "coulomb": (("admm", 2000, True), ("lemke", None, False), ("admm", None, True)),
-    "convex": (("admm", 2000, True), ("daqp", None, False), ("admm", None, True)),
+    "coulomb": (("admm", 2000, True), (PROOF, None, False), ("lemke", None, False), ("admm", None, True)),
+    "convex": (("admm", 2000, True), (PROOF, None, False), ("daqp", None, False), ("admm", None, True)),
 }
 """Who is asked next, for at most how many iterations (None: its own limit), and whether from the best forces
 so far: a bad guess can hold a method back, so some start afresh."""
@@ -93,9 +109,10 @@ def solve_compiled(
     """
     m = packed.shape[1]
     n = m // 3
-    G, g, laws, step, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0], packed[m + 2, 1] != 0.0
+    G, g, laws, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0] != 0.0
     mu, low, high = laws[:n], laws[n : 2 * n], laws[2 * n :]
-    forces, velocities = np.zeros(m), np.empty(m)
+    forces, velocities, scales = np.zeros(m), np.empty(m), np.empty((3, n))
+    scales_dense(G, g, low, high, scales)
     if warm:
         for k in range(n):
             for a in range(3):
@@ -103,14 +120,16 @@ def solve_compiled(
     most = UNBOUNDED if most < 0 else most
     if burst == 0:
         burst = BURST if n <= FEW else BURST_MANY
-    done, _ = run_dense(G, g, mu, low, high, convex, step, tol, ROUNDS, burst, most, forces, velocities)
-    numbers = certify_dense(G, g, mu, low, high, step, 0, True, not convex, forces, velocities)
+    settle(low, scales, forces)
+    done, _ = run_dense(G, g, mu, low, high, convex, scales, tol, ROUNDS, burst, most, forces, velocities)
+    settle(low, scales, forces)
+    numbers = certify_dense(G, g, mu, low, high, scales, 0, True, not convex, forces, velocities)
     for k in range(n):
         for a in range(3):
             buffer[k, a], buffer[n + k, a] = forces[3 * k + a], velocities[3 * k + a]
     buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
-    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
-    return done if numbers[0] <= tol else ~done
+    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], numbers[5]
+    return done if numbers[0] <= tol and numbers[1] <= tol else ~done
 
 
 @register("auto", bilateral=True, polyhedral=True, shortcut=solve_compiled)
@@ -130,7 +149,7 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
         return Answer(forces.reshape(-1, 3), done)
     names = CONES_LARGE[problem.law]
     if problem.law == "coulomb" and relative > NO_GUESS:
-        names = names[1:]
+        names = tuple(entry for entry in names if entry[1] != 600)
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
 
 
@@ -143,14 +162,20 @@ def _hand_on(
     start: float,
 ) -> Answer:
     """Try solvers in turn, each with its own bound on iterations, from the best forces so far."""
-    best = np.zeros((problem.contacts, 3)) if forces is None else forces
-    best_gap = certificate(problem, best)[1][0]
+    best = nearest_to_zero(problem)
+    best_error = worst_of(problem, best)
+    if forces is not None and worst_of(problem, forces) <= best_error:
+        best, best_error = forces, worst_of(problem, forces)
     stop, entries = Status.STALLED, registry()
     for name, bound, warm in names:
         left = settings.max_time - (time.perf_counter() - start)
         if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
             break
+        if name == PROOF:
+            if (proof := find_proof(problem)) is not None:
+                return Answer(best, done, Status.INFEASIBLE, proof=proof)
+            continue
         function = _PARTS.get(name)
         if function is None:
             if name not in entries or mismatch(entries[name], problem) is not None:
@@ -160,16 +185,22 @@ def _hand_on(
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
             answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
-        except SurefootError:  # an optional package that is not installed
+        except (MissingExtra, SolverNotFound):  # an optional package that is not installed
             continue
         done, stop = done + answer.iterations, answer.stop
         found = np.ascontiguousarray(answer.forces, dtype=np.float64)
-        gap = certificate(problem, found)[1][0]
-        if gap < best_gap:
-            best, best_gap = found, gap
-        if best_gap <= settings.tol or stop is Status.INFEASIBLE:
+        error = worst_of(problem, found)
+        if error < best_error:
+            best, best_error = found, error
+        if best_error <= settings.tol:
             break
     return Answer(best, done, stop)
+
+
+def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
+    """Return what the certificate compares with the tolerance; infinite for forces that are not finite."""
+    error, rounding = certificate(problem, forces)[1][:2]
+    return math.inf if math.isnan(error) else max(error, rounding)
 
 
 def _on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:

@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
-from surefoot.solvers.natural_map import natural_gap, relative_gap
+from surefoot.solvers.natural_map import velocity_error
 from surefoot.solvers.newton import (
     PATIENCE,
     PROXIMAL,
@@ -26,7 +26,7 @@ from surefoot.solvers.nsgs import prepare_blocks, run_blocks
 SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
 """By how much more sweeps follow each further step, and the most of them."""
 NO_GUESS = 0.1
-"""A relative gap above which forces are no better a start than none."""
+"""A velocity error above which forces are no better a start than none."""
 DENSE_ABOVE = 0.12
 """Share of non-zeros of the reduced matrix above which it is factorised as a dense one."""
 
@@ -112,27 +112,23 @@ class BlockNewton:
         self.problem, self.tol, self.end = problem, tol, end
         b, n = problem.blocks, problem.contacts
         self.matrix = b.starts, b.columns, b.values
-        self.local = prepare_blocks(*self.matrix)
+        self.local = prepare_blocks(*self.matrix, problem.scales)
         self.convex = problem.law == "convex"
-        self.scale = problem.step
         self.laws = problem.mu, problem.normal_min, problem.normal_max
-        self.free = self.scale * float(np.linalg.norm(problem.g))
         self._rows, self._columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
         self._weight, self._jump, self._target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         self._step, self._count = np.empty(3 * n), np.empty(n, dtype=np.int64)
 
     def measure(self, forces: FloatArray) -> tuple[FloatArray, float]:
-        """Return the velocities of flat forces, and their relative gap."""
+        """Return the velocities of flat forces, and their velocity error."""
         velocities = block_product(*self.matrix, forces) + self.problem.g
-        gap, size = natural_gap(forces, velocities, *self.laws, self.scale, self.convex)
-        return velocities, float(relative_gap(gap, size, self.free))
+        return velocities, float(velocity_error(forces, velocities, *self.laws, self.local, self.convex))
 
     def sweep(self, forces: FloatArray, count: int) -> int:
         """Sweep over flat forces in place, until solved or `count` times; return how often."""
         state = np.array([1.0, np.inf, 0.0])
         return run_blocks(
-            *self.matrix, self.problem.g, *self.laws, self.convex, self.scale, self.tol, count, self.local,
-            forces, state,
+            *self.matrix, self.problem.g, *self.laws, self.convex, self.tol, count, self.local, forces, state
         )[0]  # fmt: skip
 
     def step(self, forces: FloatArray, velocities: FloatArray, proximal: float) -> FloatArray | None:
@@ -159,7 +155,7 @@ class BlockNewton:
         patience: int = PATIENCE,
         hopeless: int | None = None,
     ) -> tuple[int, float]:
-        """Take steps from flat forces, updated in place and never worse; return their number and the gap.
+        """Take steps from flat forces, updated in place and never worse; return their number and the error.
 
         Parameters
         ----------
@@ -168,13 +164,13 @@ class BlockNewton:
         limit
             Most steps, or most of steps and sweeps if there are sweeps.
         share
-            The proximal term over the relative gap, see `newton`.
+            The proximal term over the velocity error, see `newton`.
         sweeps
             After the first step; `SWEEPS_GROW` times as many after each further one.
         patience
-            Steps that may pass without a better gap.
+            Steps that may pass without a better error.
         hopeless
-            Steps after which to stop where the gap is still above `NO_GUESS`.
+            Steps after which to stop where the error is still above `NO_GUESS`.
         """
         current = forces.copy()
         velocities, relative = self.measure(current)
