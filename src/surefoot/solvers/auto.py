@@ -45,10 +45,10 @@ NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
 Try = tuple[float, int, int, int | None]
-FIRST_TRY: Try = (3.0, 50, 20, 6)
+FIRST_TRY: Try = (0.3, 50, 20, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
 NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
-GUESS_TRIES: tuple[Try, ...] = ((100.0, 50, 25, None), (0.3, 50, 25, None))
+GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.0, 50, 25, None))
 """What follows if that found no guess (mass ratios of 1e6 bear no large proximal term), and if it did."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
@@ -144,11 +144,11 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
             names = tuple(sorted(names, key=lambda entry: entry[0] != ON_BLOCKS))
         return _hand_on(problem, settings, warm_start, 0, names, start)
     forces = start_forces(problem, warm_start)
-    done, relative = alternate(problem, settings, forces)
-    if relative <= settings.tol:
+    done, error, far = alternate(problem, settings, forces)
+    if error <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
     names = CONES_LARGE[problem.law]
-    if problem.law == "coulomb" and relative > NO_GUESS:
+    if problem.law == "coulomb" and far > NO_GUESS:
         names = tuple(entry for entry in names if entry[1] != 600)
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
 
@@ -206,7 +206,7 @@ def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
 def _on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve few contacts as many are solved."""
     forces = start_forces(problem, warm_start)
-    done, _ = alternate(problem, settings, forces)
+    done, *_ = alternate(problem, settings, forces)
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
@@ -271,25 +271,25 @@ def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatA
     return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME if time.perf_counter() > end else stop)
 
 
-def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float]:
+def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat forces are updated in place; return the sweeps and steps, and the relative gap.
+    Flat forces are updated in place; return the sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, time.perf_counter() + settings.max_time)
     done, before = 0, math.inf
-    relative = newton.measure(forces)[1]
-    while relative > tol and done < most and time.perf_counter() < newton.end:
+    _, error, far = newton.measure(forces)
+    while error > tol and done < most and time.perf_counter() < newton.end:
         done += newton.sweep(forces, min(CHUNK, most - done))
-        before, relative = relative, newton.measure(forces)[1]
-        if done > CHUNK and not tol > relative * (relative / before) ** (STEP_WORTH / CHUNK):
+        before, (_, error, far) = error, newton.measure(forces)
+        if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
     tries = [FIRST_TRY]
-    while tries and relative > tol and done < most and time.perf_counter() < newton.end:
+    while tries and error > tol and done < most and time.perf_counter() < newton.end:
         now = tries.pop(0)
-        used, relative = newton.run(forces, most - done, *now)
-        done += used
+        used, error = newton.run(forces, most - done, *now)
+        done, far = done + used, newton.measure(forces)[2]
         if now is FIRST_TRY:
-            tries = list(NO_GUESS_TRIES if relative > NO_GUESS else GUESS_TRIES)
-    return done, relative
+            tries = list(NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES)
+    return done, error, far

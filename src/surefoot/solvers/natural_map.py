@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.cones.projection import project_truncated
 from surefoot.contact.problem import ContactProblem
-from surefoot.kernels import inline_kernel
+from surefoot.kernels import inline_kernel, kernel
 
 
 @inline_kernel
@@ -67,6 +67,35 @@ def velocity_error(
         gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, at + 1]
         worst = gap if not gap <= worst else worst
     return math.sqrt(worst) if worst >= 0.0 else np.inf
+
+
+@kernel
+def force_error(
+    forces: FloatArray, velocities: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
+    high: FloatArray, measure: FloatArray, convex: bool,
+) -> float:  # fmt: skip
+    """Return the natural map over the forces, both weighted by w_k: how far there is to go, not how good it is.
+
+    What globalises Newton's method (its proximal term, its patience) wants a number that falls as the forces
+    approach; velocities of a high stack stay large until its last force is right. No verdict rests on it.
+    """
+    gap = size = reach = 0.0
+    at = measure.shape[1] - 2
+    for k in range(mu.size):
+        i = 3 * k
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
+        p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
+        if not convex and low[k] > -np.inf:
+            r += mu[k] * math.sqrt(p * p + q * q)
+        step = measure[k, at]
+        a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
+        gap += ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / step
+        size += (x * x + y * y + z * z) / step
+        reach += step * (g[i] ** 2 + g[i + 1] ** 2 + g[i + 2] ** 2)
+    scale = max(size, reach)
+    if not gap >= 0.0:
+        return np.inf
+    return math.sqrt(gap / scale) if scale > 0.0 else math.sqrt(gap)
 
 
 def measure_of(problem: ContactProblem) -> FloatArray:
