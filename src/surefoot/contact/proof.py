@@ -15,8 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.csgraph
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 
 MEANT = 1e6
@@ -96,7 +98,22 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     slack = np.linalg.norm(drift, axis=1) + most * ROUNDING * np.linalg.norm(noise, axis=1)
     worst = float(slack.max(initial=0.0))
     reach = -work / worst if worst > 0.0 else np.inf
+    return InfeasibilityProof(d, work, reach, _needed(problem, np.abs(d).max(axis=1) > 0.0))
+
+
+def connected_parts(problem: ContactProblem) -> IntArray:
+    """Return the number of each contact's part: parts are joined by no entry of G at all."""
+    b, n = problem.blocks, problem.contacts
+    rows = np.repeat(np.arange(n), np.diff(b.starts))
+    joined = np.abs(b.values).max(axis=(1, 2), initial=0.0) > 0.0
+    graph = sp.csr_matrix((joined[joined], (rows[joined], b.columns[joined])), shape=(n, n))
+    return np.asarray(sp.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _needed(problem: ContactProblem, pushed: BoolArray) -> float:
+    """Return `InfeasibilityProof.needed`, of the connected parts that the direction lies in."""
+    label = connected_parts(problem)
+    part = np.isin(label, label[pushed])
     w, s, _ = problem.scales
-    least = float(w[w > 0.0].min(initial=np.inf))
-    fastest = float(s[np.abs(d).max(axis=1) > 0.0].max(initial=0.0))
-    return InfeasibilityProof(d, work, reach, MEANT * fastest / least)
+    weights = w[part & (w > 0.0)]
+    return MEANT * float(s[part].max(initial=0.0)) / float(weights.min()) if weights.size else 0.0

@@ -27,7 +27,7 @@ SURE = 1e-13
 """A bound on the rounding below this need not be made sharp."""
 WEIGHTLESS = 16.0
 """Where G_kk = 0, the weight in units of s_k / ||λ_k||: the larger, the closer to the normal cone's distance."""
-Numbers = tuple[float, float, float, float, float, float]
+Numbers = tuple[float, float, float, float, float, float, float]
 """The fields of `Residuals`."""
 
 
@@ -47,7 +47,12 @@ class Residuals:
         forces are the solution and others count as infinitely wrong.
     rounding
         max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, or a bound on it below 1e-13: how much of the velocities
-        double precision cannot tell. `Status.SOLVED` needs both numbers within the tolerance.
+        double precision cannot tell. `Status.SOLVED` needs it within the tolerance, too.
+    energy_gap
+        For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of the
+        problem: how far each contact is from its share of the least energy; 0 for Coulomb's law. A program
+        whose least energy is approached only by ever larger forces shows here, and nowhere else.
+        `Status.SOLVED` needs it within the tolerance.
     cone_violation
         Largest distance of a contact's force to its cone, normal bounds included [N].
     penetration_velocity
@@ -63,6 +68,7 @@ class Residuals:
 
     velocity_error: float
     rounding: float
+    energy_gap: float
     cone_violation: float
     penetration_velocity: float
     complementarity: float
@@ -75,8 +81,8 @@ class Residuals:
 
     @property
     def worst(self) -> float:
-        """The larger of `velocity_error` and `rounding`: what `Status.SOLVED` compares with the tolerance."""
-        return max(self.velocity_error, self.rounding)
+        """The largest of the first three numbers: what `Status.SOLVED` compares with the tolerance."""
+        return max(self.velocity_error, self.rounding, self.energy_gap)
 
 
 def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
@@ -96,7 +102,7 @@ def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
 def certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray, Numbers]:
     """Return the velocities of (n, 3) forces, and the fields of `Residuals`."""
     if problem.contacts == 0:
-        return problem.velocity(forces), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return problem.velocity(forces), (0.0,) * 7
     f = np.ascontiguousarray(forces, dtype=np.float64).reshape(-1)
     laws = problem.mu, problem.normal_min, problem.normal_max, problem.scales
     kind = problem.facets or 0, problem.fit == "inner", problem.law == "coulomb"
@@ -221,18 +227,28 @@ def _contact_error(
 
 
 @inline_kernel
+def _least_power(ux: float, uy: float, uz: float, limit: float, low: float, high: float) -> float:
+    """Return the least λ·u over the admissible forces, low (u_n - limit) where it would be without bound."""
+    lift = uz - limit
+    return lift * (high if lift < 0.0 and high < np.inf else low)
+
+
+@inline_kernel
 def _measure(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
     scales: FloatArray, facets: int, inner: bool, coulomb: bool, rounding: float,
 ) -> Numbers:  # fmt: skip
     """Return the fields of `Residuals` for flat (3n,) forces and velocities."""
     error = violation = approach = normal_power = slip_power = total = 0.0
+    gap = energy = 0.0
     for k in range(mu.size):
         i = 3 * k
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         ux, uy, uz = velocities[i], velocities[i + 1], velocities[i + 2]
         total += x + y + z + ux + uy + uz
         w, s = scales[0, k], scales[1, k]
+        if w > 0.0:
+            energy += s / w * s
         if low[k] == -np.inf:  # bilateral: any force, no velocity
             speed = math.sqrt(ux * ux + uy * uy + uz * uz)
             approach = max(approach, speed)
@@ -247,6 +263,9 @@ def _measure(
         shifted = uz + limit if coulomb else uz
         own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
         error = own if not own <= error else error  # NaN stays
+        if not coulomb:
+            own = abs(x * ux + y * uy + z * uz - _least_power(ux, uy, uz, limit, low[k], high[k]))
+            gap = own if not own <= gap else gap
         if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
             a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
             violation = max(violation, math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2))
@@ -259,8 +278,10 @@ def _measure(
         normal_power = max(normal_power, power)
         slip_power = max(slip_power, abs(z * limit + x * ux + y * uy))
     if not abs(total) < np.inf:
-        return np.nan, np.nan, np.nan, np.nan, np.nan, np.nan
-    return error, rounding, violation, approach, normal_power, slip_power
+        return np.nan, np.nan, np.nan, np.nan, np.nan, np.nan, np.nan
+    if gap > 0.0:
+        gap = gap / energy if energy > 0.0 else np.inf
+    return error, rounding, gap, violation, approach, normal_power, slip_power
 
 
 @inline_kernel

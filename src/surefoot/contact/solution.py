@@ -17,8 +17,8 @@ Details = tuple[FloatArray, Residuals, dict[str, float]]
 class Status(Enum):
     """How a solve ended.
 
-    SOLVED means that `Residuals.velocity_error` and `Residuals.rounding`, computed from the problem alone,
-    are within the tolerance; ALMOST that the error is within a thousand times of it. INFEASIBLE means that
+    SOLVED means that `Residuals.velocity_error`, `rounding` and `energy_gap`, computed from the problem
+    alone, are within the tolerance; ALMOST that the error is within a thousand times of it. INFEASIBLE means that
     there is no solution, and comes with a proof. INVALID: the forces' velocities overflow. The others say
     why the solver stopped.
     """
@@ -42,8 +42,8 @@ class ContactSolution:
     problem, forces, status, solver, iterations, solve_time
         See the attributes.
     rest
-        Velocities, residuals and timings; or the (2n + 2, 3) buffer of a compiled solver, from which they are
-        cut when first read: forces, velocities, and the six numbers of `Residuals`.
+        Velocities, residuals and timings; or the (2n + 3, 3) buffer of a compiled solver, from which they are
+        cut when first read: forces, velocities, and the seven numbers of `Residuals`.
     proof
         See the attributes.
 
@@ -146,7 +146,7 @@ class ContactSolution:
         found = self._rest
         if not isinstance(found, tuple):
             n = self._problem.contacts
-            numbers = found[2 * n :].ravel().tolist()
+            numbers = found[2 * n :].ravel()[:7].tolist()
             found = self._rest = (found[n : 2 * n], Residuals(*numbers), {})
         return found
 

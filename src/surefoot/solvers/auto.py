@@ -60,18 +60,18 @@ ON_BLOCKS, ADMM_AND_NEWTON, PROOF = "sweeps and newton on blocks", "admm and new
 Plan = tuple[tuple[str, int | None, bool], ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
-        ("newton", None, False),
         (PROOF, None, False),
+        ("newton", None, False),
         ("admm", 1500, False),
-        (ON_BLOCKS, None, False),
-        ("staggered", 100, True),
+        (ON_BLOCKS, 20_000, False),
         ("interior_point", None, False),
-        ("admm", None, True),
-        ("nsgs", None, True),
+        ("admm", 10_000, True),
+        ("staggered", 20, True),
+        ("nsgs", 20_000, True),
     ),
     "convex": (
-        ("distribution", None, False),
         (PROOF, None, False),
+        ("distribution", None, False),
         ("interior_point", None, False),
         ("admm", 4000, True),
         ("clarabel", None, False),
@@ -129,7 +129,8 @@ def solve_compiled(
             buffer[k, a], buffer[n + k, a] = forces[3 * k + a], velocities[3 * k + a]
     buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
     buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], numbers[5]
-    return done if numbers[0] <= tol and numbers[1] <= tol else ~done
+    buffer[2 * n + 2, 0], buffer[2 * n + 2, 1], buffer[2 * n + 2, 2] = numbers[6], 0.0, 0.0
+    return done if max(numbers[0], numbers[1], numbers[2]) <= tol else ~done
 
 
 @register("auto", bilateral=True, polyhedral=True, shortcut=solve_compiled)
@@ -141,7 +142,7 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     if problem.contacts <= COMPILED_CONTACTS:
         names = CONES[problem.law]
         if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
-            names = tuple(sorted(names, key=lambda entry: entry[0] != ON_BLOCKS))
+            names = tuple(sorted(names, key=lambda entry: entry[0] not in (PROOF, ON_BLOCKS)))
         return _hand_on(problem, settings, warm_start, 0, names, start)
     forces = start_forces(problem, warm_start)
     done, error, far = alternate(problem, settings, forces)
@@ -187,7 +188,7 @@ def _hand_on(
             answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
         except (MissingExtra, SolverNotFound):  # an optional package that is not installed
             continue
-        done, stop = done + answer.iterations, answer.stop
+        done += answer.iterations
         found = np.ascontiguousarray(answer.forces, dtype=np.float64)
         error = worst_of(problem, found)
         if error < best_error:
@@ -199,8 +200,8 @@ def _hand_on(
 
 def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
     """Return what the certificate compares with the tolerance; infinite for forces that are not finite."""
-    error, rounding = certificate(problem, forces)[1][:2]
-    return math.inf if math.isnan(error) else max(error, rounding)
+    numbers = certificate(problem, forces)[1][:3]
+    return math.inf if math.isnan(numbers[0]) else max(numbers)
 
 
 def _on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
@@ -233,7 +234,7 @@ def call_compiled(
 ) -> tuple[FloatArray, int, int]:
     """Call `solve_compiled`; return (n, 3) forces, what it returned, and the iterations it was given."""
     n = packed.shape[1] // 3
-    buffer = np.empty((2 * n + 2, 3))
+    buffer = np.empty((2 * n + 3, 3))
     if warm_start is not None:
         buffer[:n] = warm_start
     most = -1 if settings.max_iterations is None else settings.max_iterations

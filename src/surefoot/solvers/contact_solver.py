@@ -124,7 +124,7 @@ class ContactForces:
     @property
     def residuals(self) -> Residuals:
         """Every law as a number, see `surefoot.contact.residuals`."""
-        return Residuals(*self._buffer[2 * len(self._forces) :].ravel().tolist())
+        return Residuals(*self._buffer[2 * len(self._forces) :].ravel()[:7].tolist())
 
     def __repr__(self) -> str:
         return (
@@ -222,7 +222,7 @@ class ContactSolver:
         g
             (3n,) free velocity.
         out
-            (2n + 2, 3) memory for the answer, C-contiguous; without it every answer owns its own.
+            (2n + 3, 3) memory for the answer, C-contiguous; without it every answer owns its own.
 
         Returns
         -------
@@ -243,9 +243,9 @@ class ContactSolver:
         ):  # fmt: skip
             G, g = self._read("G", G, shapes[0]), self._read("g", g, shapes[1])
         if out is None:
-            out = _empty((2 * n + 2, 3))
-        elif not (out.dtype is FLOAT and out.shape == (2 * n + 2, 3) and out.flags.c_contiguous):
-            raise ProblemError(f"out must be a C-contiguous float64 array of shape ({2 * n + 2}, 3)")
+            out = _empty((2 * n + 3, 3))
+        elif not (out.dtype is FLOAT and out.shape == (2 * n + 3, 3) and out.flags.c_contiguous):
+            raise ProblemError(f"out must be a C-contiguous float64 array of shape ({2 * n + 3}, 3)")
         if not self._compiled:
             return self._solve_rest(G, g, out, 0)
         done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)
@@ -287,6 +287,7 @@ class ContactSolver:
         found = solve(problem, "auto", self.tol, max_iterations=left, warm_start=start)
         out[:n], out[n : 2 * n] = found.forces, found.velocities
         r = found.residuals
-        out[2 * n] = r.velocity_error, r.rounding, r.cone_violation
-        out[2 * n + 1] = r.penetration_velocity, r.complementarity, r.dissipation
+        out[2 * n] = r.velocity_error, r.rounding, r.energy_gap
+        out[2 * n + 1] = r.cone_violation, r.penetration_velocity, r.complementarity
+        out[2 * n + 2] = r.dissipation, 0.0, 0.0
         return ContactForces(out, n, found.status, done + found.iterations, found.proof)

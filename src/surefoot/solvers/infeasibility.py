@@ -19,9 +19,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.proof import InfeasibilityProof, check_proof
+from surefoot.contact.proof import InfeasibilityProof, check_proof, connected_parts
 
 STEPS, SHORTEST = 60, 1e-6
 """Newton steps, and the shortest share of one that the line search tries."""
@@ -34,34 +34,79 @@ LARGEST = 700
 
 
 def find_proof(problem: ContactProblem) -> InfeasibilityProof | None:
-    """Return a conclusive proof that a problem has no solution, or None if none was found."""
+    """Return a conclusive proof that a problem has no solution, or None if none was found.
+
+    Part by part: what is joined by nothing has nothing to do with each other, and may differ in size.
+    """
     if not 0 < problem.contacts <= LARGEST:
         return None
-    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1)
+    label = connected_parts(problem)
+    speeds = problem.scales[1]
+    for part in range(int(label.max()) + 1):
+        members = np.flatnonzero(label == part)
+        if float(speeds[members].max()) == 0.0:
+            continue
+        direction = np.zeros((problem.contacts, 3))
+        found = _part_direction(problem, members)
+        if found is None:
+            continue
+        direction[members] = found
+        proof = check_proof(problem, direction)
+        if proof is not None and proof.conclusive:
+            return proof
+    return None
+
+
+def _part_direction(problem: ContactProblem, members: IntArray) -> FloatArray | None:
+    """Return the best direction (m, 3) of one connected part, None if there is none."""
+    rows = (3 * members[:, None] + np.arange(3)).ravel()
+    G, g = problem.G[np.ix_(rows, rows)], problem.g[rows]
+    trace = np.diagonal(G).reshape(-1, 3).sum(axis=1)
     scale = 1.0 / np.sqrt(np.where(trace > 0.0, trace, 1.0))  # blocks of one size; one factor keeps a cone
     D = np.repeat(scale, 3)
-    g = D * problem.g
+    G, g = D[:, None] * G * D[None, :], D * g
     size = float(np.linalg.norm(g))
     if not 0.0 < size < np.inf:
         return None
+    directions = _Directions(problem, members)
     with np.errstate(all="ignore"):
-        values, vectors = np.linalg.eigh(D[:, None] * problem.G * D[None, :])
+        values, vectors = np.linalg.eigh(G)
         V = vectors[:, values > NULL * max(float(values[-1]), 1e-300)]
-        directions = _Directions(problem)
         d = _project(directions, V, g / size)
-    if d is None:
-        return None
-    proof = check_proof(problem, (D * d).reshape(-1, 3))
-    return proof if proof is not None and proof.conclusive else None
+        if d is None:
+            return None
+        d = _onto_null_space(directions, G, d)
+    return np.asarray((D * d).reshape(-1, 3))
+
+
+def _onto_null_space(directions: _Directions, G: FloatArray, d: FloatArray) -> FloatArray:
+    """Move d within its face of D onto the null space of G: what is left of G d is then rounding."""
+    J = directions.project(d)[1]
+    # an edge of the cone counts as the ray through d: its roundness is left out
+    columns = []
+    for k, p in enumerate(d.reshape(-1, 3)):
+        size = float(np.linalg.norm(p))
+        if size == 0.0:
+            continue
+        block = np.eye(3) if np.trace(J[k]) > 2.5 else (p / size)[:, None]
+        whole = np.zeros((d.size, block.shape[1]))
+        whole[3 * k : 3 * k + 3] = block
+        columns.append(whole)
+    C = np.hstack(columns)
+    x = C.T @ d
+    A = G @ C
+    for _ in range(2):
+        x = x - np.linalg.lstsq(A, A @ x, rcond=NULL)[0]
+    return np.asarray(C @ x)
 
 
 class _Directions:
     """The cone D of a problem: where a direction may lie, contact by contact, and the projection onto it."""
 
-    def __init__(self, problem: ContactProblem) -> None:
-        self.held: BoolArray = problem.normal_min == -np.inf
-        self.free: BoolArray = ~self.held & (problem.normal_max == np.inf)
-        mu = np.zeros(problem.contacts) if problem.law == "coulomb" else problem.mu
+    def __init__(self, problem: ContactProblem, members: IntArray) -> None:
+        self.held: BoolArray = problem.normal_min[members] == -np.inf
+        self.free: BoolArray = ~self.held & (problem.normal_max[members] == np.inf)
+        mu = np.zeros(members.size) if problem.law == "coulomb" else problem.mu[members]
         if problem.facets and problem.fit == "inner":
             mu = mu * np.cos(np.pi / problem.facets)  # the round cone inside the pyramid
         self.mu = mu

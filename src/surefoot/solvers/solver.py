@@ -174,7 +174,7 @@ def solve(
     solver
         A name from `solver_names`, or "auto".
     tol
-        Wanted velocity error and rounding, see `Residuals`: both are shares of the problem's own speeds.
+        Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's own.
     max_iterations, max_time
         Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
@@ -211,7 +211,7 @@ def solve(
     before = 0
     if shortcut is not None and (packed := problem.compiled) is not None:
         n = problem.contacts
-        buffer = _empty((2 * n + 2, 3))
+        buffer = _empty((2 * n + 3, 3))
         if warm_start is not None:
             buffer[:n] = warm_start
         most = -1 if max_iterations is None else max_iterations
@@ -262,15 +262,15 @@ def certify(
     if still.any():  # parts without any velocity: their solution is known
         forces = np.where(still[:, None], nearest_to_zero(problem), forces)
     velocities, numbers = certificate(problem, forces)
-    error, rounding = numbers[0], numbers[1]
+    error, rest = numbers[0], max(numbers[1], numbers[2])
     stop = Status.STALLED if answer.stop is Status.INFEASIBLE else answer.stop
-    if error <= tol and rounding <= tol:
+    if error <= tol and rest <= tol:
         status, proof = Status.SOLVED, None
     elif answer.proof is not None:
         status, proof = Status.INFEASIBLE, answer.proof
     elif math.isnan(error):
         status, proof = Status.INVALID, None
-    elif error <= ALMOST_FACTOR * tol and rounding <= tol:
+    elif error <= ALMOST_FACTOR * tol and rest <= tol:
         status, proof = Status.ALMOST, None
     else:
         status, proof = stop, None

@@ -27,6 +27,8 @@ from surefoot.solvers.natural_map import measure_of, velocity_error
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
 MAX_ITERATIONS = 500
+INNER = 4000
+"""Most sweeps and Newton steps for one convex problem on blocks: the next one starts where it ends."""
 
 
 @register("staggered", bilateral=True)
@@ -47,7 +49,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
         convex.g[:] = problem.g  # in place: `compiled` looks at the same memory
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
-        _solve_convex(convex, Settings(tol, None, max(end - time.perf_counter(), 0.0)), forces)
+        _solve_convex(convex, Settings(tol, INNER, max(end - time.perf_counter(), 0.0)), forces)
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         relative = float(velocity_error(forces, velocities, *laws))
         since += 1
