@@ -53,7 +53,7 @@ def solve_distribution(problem: ContactProblem, settings: Settings, warm_start: 
         unit = 1.0 / np.sqrt(weight)
         sets[:, 0], sets[:, 1], sets[:, 2] = problem.mu, problem.normal_min / unit, problem.normal_max / unit
         points[CENTRE] = unit * (share * largest * forces.ravel() - problem.g)
-        tol = (0.02 * settings.tol * float(np.linalg.norm(problem.g)) / (largest * unit)) ** 2
+        tol = (0.1 * settings.tol * float(np.linalg.norm(problem.g)) / (largest * unit)) ** 2
         warm = turn > 0 or warm_start is not None
         error, floor, used = minimise(
             root * unit, sets, points, duals, H, warm, tol, min(NEWTON_LIMIT, limit - iterations)
