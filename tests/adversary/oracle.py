@@ -4,6 +4,7 @@ What it judges is the definition of SOLVED (docs, `surefoot.contact.residuals`):
 
     eps_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)||,   w_k = ||G_kk||₂
     s     = max ||u_k|| over the block's contacts that are on, at the admissible forces nearest to zero
+            (a contact that is off joins nothing, nor do entries of G at rounding level)
     SOLVED:  max eps_k <= tol s   and   max_k 4 eps Σ_j ||G_kj|| ||λ_j|| <= tol s
 
 Velocities are summed with 80 decimal digits, so that nothing cancels; projections try every face, edge and
@@ -23,7 +24,9 @@ import numpy as np
 DIGITS = Context(prec=80, Emin=-999_999, Emax=999_999)
 EPS = 2.0**-52
 REACH = 1e6
-"""How many times the force s / least ||G_kk|| a proof of infeasibility must reach."""
+"""A proof of infeasibility must reach so many times the force s / least ||G_kk||."""
+NOISE, LENT = 1e-14, 1e-5
+"""Share of their contacts' sizes up to which entries of G are rounding; share of speed lent through them."""
 NOWHERE = 1e-6
 """Step, as a share of ||λ||, of the one-sided derivative that stands for a normal cone where G_kk is zero."""
 
@@ -57,8 +60,9 @@ def read(arguments: dict[str, Any]) -> Data:
     g = np.array(arguments["g"], dtype=float)
     n = g.size // 3
     R = np.asarray(arguments.get("compliance", 0.0), dtype=float)
-    if R.shape == (n,) and n != 3 * n:
+    if R.shape == (n,):
         R = np.repeat(R, 3)
+    G = 0.5 * (G + G.T)
     G[np.diag_indices(3 * n)] += R
     held = arguments.get("bilateral")
     return Data(
@@ -161,9 +165,12 @@ def _sizes(G: np.ndarray) -> np.ndarray:
     return np.linalg.norm(blocks / safe[:, :, None, None], 2, axis=(2, 3)) * peak
 
 
-def connected(G: np.ndarray) -> np.ndarray:
-    """The number of the connected block of each contact: union-find over entries that are not zero."""
-    n = G.shape[0] // 3
+def connected(data: Data, noise: float = 0.0) -> np.ndarray:
+    """The number of the connected block of each contact: union-find over contacts that are on.
+
+    Entries of G_kj up to `noise` times sqrt(trace G_kk trace G_jj) join nothing.
+    """
+    n = data.contacts
     parent = list(range(n))
 
     def root(k: int) -> int:
@@ -172,7 +179,11 @@ def connected(G: np.ndarray) -> np.ndarray:
             k = parent[k]
         return k
 
-    touching = (G.reshape(n, 3, n, 3) != 0.0).any(axis=(1, 3))
+    peak = np.abs(data.G).reshape(n, 3, n, 3).max(axis=(1, 3), initial=0.0)
+    size = np.sqrt(np.maximum(np.diagonal(data.G).reshape(n, 3).sum(axis=1), 0.0))
+    touching = peak > noise * size[:, None] * size
+    off = data.high <= 0.0
+    touching[off], touching[:, off] = False, False
     for k, j in np.argwhere(touching):
         parent[root(int(k))] = root(int(j))
     return np.array([root(k) for k in range(n)], dtype=int)
@@ -192,6 +203,19 @@ def velocities(data: Data, forces: np.ndarray) -> list[Vector]:
     return [(rows[i], rows[i + 1], rows[i + 2]) for i in range(0, len(rows), 3)]
 
 
+def velocities_of(data: Data, forces: np.ndarray) -> list[list[float]]:
+    """The velocities (n, 3) of forces, rounded once."""
+    with localcontext(DIGITS):
+        return [[float(x) for x in v] for v in velocities(data, forces)]
+
+
+def velocity_rounding(data: Data, forces: np.ndarray) -> np.ndarray:
+    """(n,) bound on what summing in double precision may do to a velocity [m/s]."""
+    lengths = np.array([math.hypot(*f) for f in forces.tolist()])
+    with np.errstate(over="ignore"):
+        return EPS * (3 * data.contacts + 3) * (_sizes(data.G) @ lengths)
+
+
 # -------------------------------------------------------------------------------------------------- verdicts
 
 
@@ -209,14 +233,18 @@ class Verdict:
         (n,) s of the contact's connected block [m/s].
     share
         Largest eps_k / (sqrt(1 + mu²) s); 0/0 is 0.
+    worst
+        Largest eps_k / s.
     rounding
-        Largest 4 eps Σ_j ||G_kj|| ||λ_j|| / s.
+        Largest 4 eps Σ_j ||G_kj|| ||λ_j|| / s of contacts that are on; the least forces of parts at rest are
+        known without it.
     """
 
     finite: bool
     error: np.ndarray
     scale: np.ndarray
     share: float
+    worst: float
     rounding: float
 
     def solved(self, tol: float) -> bool:
@@ -229,7 +257,7 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
     """Judge (n, 3) forces."""
     n = data.contacts
     if not np.isfinite(forces).all():
-        return Verdict(False, np.full(n, np.inf), np.zeros(n), math.inf, math.inf)
+        return Verdict(False, np.full(n, np.inf), np.zeros(n), math.inf, math.inf, math.inf)
     with localcontext(DIGITS):
         sizes = _sizes(data.G)
         scale = scales(data)
@@ -237,24 +265,33 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
         error = np.array([_error(data, k, forces[k], u[k], sizes[k, k]) for k in range(n)])
     lengths = np.array([math.hypot(*f) for f in forces.tolist()])
     lost = 4.0 * EPS * (sizes @ lengths)
-    share = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)]) / np.sqrt(1.0 + data.mu**2)
-    rounding = max((_ratio(x, s) for x, s in zip(lost, scale, strict=True)), default=0.0)
-    return Verdict(True, error, scale, float(share.max(initial=0.0)), rounding)
+    worst = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)])
+    share = worst / np.hypot(1.0, data.mu)
+    least = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
+    known = (forces[:, :2] == 0.0).all(axis=1) & (forces[:, 2] == least) & (scale == 0.0)
+    pairs = zip(lost, scale, known | (data.high <= 0.0), strict=True)
+    rounding = max((0.0 if free else float(_ratio(x, s)) for x, s, free in pairs), default=0.0)
+    return Verdict(True, error, scale, float(share.max(initial=0.0)), float(worst.max(initial=0.0)), rounding)
 
 
 def _ratio(x: float, y: float) -> float:
     return 0.0 if x == 0.0 else (x / y if y > 0.0 else math.inf)
 
 
-def scales(data: Data) -> np.ndarray:
+def speeds_of_parts(data: Data, noise: float = 0.0) -> np.ndarray:
     """s of each contact's connected block: the fastest contact that is on, at the least admissible forces."""
     with localcontext(DIGITS):
         least = np.zeros((data.contacts, 3))
         least[:, 2] = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
         speeds = np.array([float(norm(v)) for v in velocities(data, least)])
     speeds[data.high <= 0.0] = 0.0
-    number = connected(data.G)
+    number = connected(data, noise)
     return np.array([speeds[number == number[k]].max() for k in range(data.contacts)])
+
+
+def scales(data: Data) -> np.ndarray:
+    """s of each contact, as generous as it may be: parts that rounding alone joins lend little of theirs."""
+    return np.maximum(speeds_of_parts(data, NOISE), LENT * speeds_of_parts(data))
 
 
 def _error(data: Data, k: int, force: np.ndarray, u: Vector, size: float) -> float:
@@ -332,10 +369,10 @@ def check_proof(data: Data, direction: np.ndarray, reach: float | None = None) -
     if power >= 0:
         return Proof(0.0, math.inf, f"g.d = {float(power):.1e} is not negative")
     true = math.inf if largest == 0 else _root(power * power / largest)
-    number = connected(data.G)
+    number = connected(data, 2.0 * NOISE)
     touched = np.isin(number, number[np.any(d != 0.0, axis=1)])
     sizes = np.diagonal(_sizes(data.G))[touched]
-    s = float(scales(data)[touched].max(initial=0.0))
+    s = float(speeds_of_parts(data, 2.0 * NOISE)[touched].max(initial=0.0))
     positive = sizes[sizes > 0.0]
     needed = REACH * s / float(positive.min()) if positive.size else 0.0
     fault = None
