@@ -27,7 +27,7 @@ REACH = 1e6
 """A proof of infeasibility must reach so many times the force s / least ||G_kk||."""
 NOISE, LENT = 1e-14, 1e-5
 """Share of their contacts' sizes up to which entries of G are rounding; share of speed lent through them."""
-NOWHERE = 1e-6
+NOWHERE = 1e-2
 """Step, as a share of ||λ||, of the one-sided derivative that stands for a normal cone where G_kk is zero."""
 
 Vector = tuple[Decimal, Decimal, Decimal]
@@ -269,6 +269,7 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
     share = worst / np.hypot(1.0, data.mu)
     least = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
     known = (forces[:, :2] == 0.0).all(axis=1) & (forces[:, 2] == least) & (scale == 0.0)
+    error[known] = 0.0
     pairs = zip(lost, scale, known | (data.high <= 0.0), strict=True)
     rounding = max((0.0 if free else float(_ratio(x, s)) for x, s, free in pairs), default=0.0)
     return Verdict(True, error, scale, float(share.max(initial=0.0)), float(worst.max(initial=0.0)), rounding)
@@ -284,7 +285,7 @@ def speeds_of_parts(data: Data, noise: float = 0.0) -> np.ndarray:
         least = np.zeros((data.contacts, 3))
         least[:, 2] = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
         speeds = np.array([float(norm(v)) for v in velocities(data, least)])
-    speeds[data.high <= 0.0] = 0.0
+    speeds[(data.high <= 0.0) | (speeds <= velocity_rounding(data, least))] = 0.0
     number = connected(data, noise)
     return np.array([speeds[number == number[k]].max() for k in range(data.contacts)])
 

@@ -57,10 +57,7 @@ def test_what_families_know_is_true(name: str) -> None:
         if found.forces is not None:
             assert found.truth == FEASIBLE
             verdict = judge(data, found.forces)
-            assert (verdict.error <= 1e-13 * np.hypot(1.0, data.mu) * np.abs(data.g).max()).all(), (
-                name,
-                seed,
-            )
+            assert verdict.error.max() <= 1e-12 * np.abs(data.g).max() * max(1.0, data.mu.max()), (name, seed)
             assert name in DELICATE or verdict.solved(1e-12), (name, seed, verdict.worst, verdict.rounding)
         if found.direction is not None:
             assert found.truth == INFEASIBLE
