@@ -265,11 +265,11 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
         error = np.array([_error(data, k, forces[k], u[k], sizes[k, k]) for k in range(n)])
     lengths = np.array([math.hypot(*f) for f in forces.tolist()])
     lost = 4.0 * EPS * (sizes @ lengths)
-    worst = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)])
-    share = worst / np.hypot(1.0, data.mu)
     least = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
     known = (forces[:, :2] == 0.0).all(axis=1) & (forces[:, 2] == least) & (scale == 0.0)
     error[known] = 0.0
+    worst = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)])
+    share = worst / np.hypot(1.0, data.mu)
     pairs = zip(lost, scale, known | (data.high <= 0.0), strict=True)
     rounding = max((0.0 if free else float(_ratio(x, s)) for x, s, free in pairs), default=0.0)
     return Verdict(True, error, scale, float(share.max(initial=0.0)), float(worst.max(initial=0.0)), rounding)
