@@ -6,9 +6,10 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
+from admissible import nearest, rays
 from building import FEASIBLE, INFEASIBLE, case, corners
 from families import FAMILIES
-from oracle import DIGITS, check_proof, judge, nearest, rays, read
+from oracle import DIGITS, check_proof, judge, read
 from scipy.optimize import minimize
 
 DELICATE = ("gripped", "narrow", "nearly_squeezed", "steep_or_smooth", "spread")
