@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import nasty
 import numpy as np
 import scipy.sparse as sp
 from building import (
@@ -34,7 +35,7 @@ def small(rng: Generator) -> Case:
     return feasible_case(rng, any_matrix(rng, n), laws(rng, n))
 
 
-__all__ = ["FAMILIES"]
+__all__ = ["FAMILIES", "nasty"]
 
 
 @family

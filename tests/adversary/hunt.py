@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from building import FEASIBLE, INFEASIBLE, NO_SOLUTION, Case, case
 from families import FAMILIES
-from oracle import Data, Verdict, check_proof, judge, read
+from oracle import Data, Verdict, check_proof, judge, read, velocities_of, velocity_rounding
 
 import surefoot as sf
 
@@ -47,6 +47,7 @@ class Finding:
     lies: tuple[str, ...]
     leaks: tuple[str, ...]
     missed: bool
+    unproved: bool
 
     @property
     def command(self) -> str:
@@ -80,7 +81,7 @@ def examine(
     data = read(found.arguments)
     forces = np.asarray(solution.forces)
     verdict = judge(data, forces)
-    lies = [*_lies(found, data, solution, verdict, tol)]
+    lies = [*_lies(found, data, forces, solution, verdict, tol)]
     leaks = []
     if solution.solved and found.truth in (INFEASIBLE, NO_SOLUTION):
         leaks.append("SOLVED, and the problem has no solution")
@@ -89,11 +90,13 @@ def examine(
         missed = False  # double precision cannot show that its solution is one
     return Finding(
         name, seed, solver, tol, start, solution.status.name, found.truth, seconds, verdict.share,
-        tuple(lies), tuple(leaks), missed,
+        tuple(lies), tuple(leaks), missed, found.truth == INFEASIBLE and solution.status.name != "INFEASIBLE",
     )  # fmt: skip
 
 
-def _lies(found: Case, data: Data, solution: Any, verdict: Verdict, tol: float) -> Iterator[str]:
+def _lies(
+    found: Case, data: Data, forces: np.ndarray, solution: Any, verdict: Verdict, tol: float
+) -> Iterator[str]:
     """Everything that is false in a solution."""
     if not verdict.finite:
         yield "forces that are not finite"
@@ -115,6 +118,22 @@ def _lies(found: Case, data: Data, solution: Any, verdict: Verdict, tol: float) 
                 total = float(np.linalg.norm(found.forces, axis=1).sum())
                 if total < checked.reach and judge(data, found.forces).solved(tol):
                     yield f"INFEASIBLE, but forces of {total:.1e} N solve it"
+    yield from _false_figures(data, solution, verdict, forces)
+
+
+def _false_figures(data: Data, solution: Any, verdict: Verdict, forces: np.ndarray) -> Iterator[str]:
+    """What a solution states of itself and is not so: its velocities, its velocity error."""
+    exact = np.array(velocities_of(data, forces))
+    stated = np.asarray(solution.velocities)
+    if np.isfinite(exact).all() and np.abs(exact).max(initial=0.0) < 1e300:
+        allowed = 1e-13 * np.abs(exact) + 1e-300 + velocity_rounding(data, forces)[:, None]
+        if not (np.abs(stated - exact) <= allowed).all():
+            yield "velocities that are not G λ + g"
+    error = getattr(solution.residuals, "velocity_error", None)
+    if error is None or not verdict.worst > 1e-10 + 10.0 * verdict.rounding:
+        return
+    if error < 0.1 * verdict.worst:
+        yield f"states an error of {error:.1e} s, it is {verdict.worst:.1e} s"
 
 
 def sweep(
@@ -134,13 +153,13 @@ def sweep(
                     )
 
 
-def report(findings: list[Finding]) -> str:
+def report(findings: list[Finding], limit: float) -> str:
     """A table: counts of each family and status, misses, lies, time."""
     groups: dict[tuple[str, str], list[Finding]] = defaultdict(list)
     for f in findings:
         groups[f.family, f.solver].append(f)
     several = len({f.solver for f in findings}) > 1
-    heads = "solved", "missed", "leaks", "lies"
+    heads = "solved", "missed", "noprf", "leaks", "lies"
     lines = [
         f"{'family':<34} {'truth':<12} {'runs':>5} {' '.join(f'{x:>6}' for x in heads)}  median, most ms"
     ]
@@ -148,17 +167,20 @@ def report(findings: list[Finding]) -> str:
         times = 1e3 * np.array([f.seconds for f in group])
         statuses = ", ".join(f"{k} {v}" for k, v in Counter(f.status for f in group).most_common())
         truth = Counter(f.truth for f in group).most_common(1)[0][0]
+        counts = (f.status == "SOLVED" for f in group), (f.missed for f in group), (f.unproved for f in group)
+        counts += (bool(f.leaks) for f in group), (bool(f.lies) for f in group)
         lines.append(
             f"{name + (' ' + solver if several else ''):<34} {truth:<12} {len(group):>5} "
-            f"{sum(f.status == 'SOLVED' for f in group):>6} {sum(f.missed for f in group):>6} "
-            f"{sum(bool(f.leaks) for f in group):>6} {sum(bool(f.lies) for f in group):>6} "
+            f"{' '.join(f'{sum(c):>6}' for c in counts)} "
             f"{np.median(times):>7.1f} {times.max():>8.0f}  {statuses}"
         )
-    feasible = [f for f in findings if f.truth == FEASIBLE]
+    feasible, bad = ([f for f in findings if f.truth == x] for x in (FEASIBLE, INFEASIBLE))
     lines.append(
         f"{len(findings)} runs, {sum(bool(f.lies) for f in findings)} lies, "
         f"{sum(bool(f.leaks) for f in findings)} solved without having a solution, "
-        f"{sum(f.missed for f in feasible)} of {len(feasible)} feasible ones missed"
+        f"{sum(f.missed for f in feasible)} of {len(feasible)} feasible ones missed, "
+        f"{sum(f.unproved for f in bad)} of {len(bad)} infeasible ones "
+        f"without a proof, {sum(f.seconds > 1.0 + 3.0 * limit for f in findings)} far beyond the time allowed"
     )
     return "\n".join(lines)
 
@@ -189,7 +211,7 @@ def main() -> int:
             print(f"{line}: {f.command}", flush=True)
     for f in sorted((f for f in findings if f.missed), key=lambda f: -f.share)[: options.misses]:
         print(f"MISS  {f.status}, error {f.share:.1e} s, {f.seconds:.2f} s: {f.command}")
-    print(report(findings))
+    print(report(findings, options.max_time))
     return int(any(f.lies for f in findings))
 
 

@@ -4,6 +4,7 @@ What it judges is the definition of SOLVED (docs, `surefoot.contact.residuals`):
 
     eps_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)||,   w_k = ||G_kk||₂
     s     = max ||u_k|| over the block's contacts that are on, at the admissible forces nearest to zero
+            (a contact that is off joins nothing, nor do entries of G at rounding level)
     SOLVED:  max eps_k <= tol s   and   max_k 4 eps Σ_j ||G_kj|| ||λ_j|| <= tol s
 
 Velocities are summed with 80 decimal digits, so that nothing cancels; projections try every face, edge and
@@ -19,16 +20,16 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from admissible import ONE, ZERO, Vector, nearest, norm, rays
 
 DIGITS = Context(prec=80, Emin=-999_999, Emax=999_999)
 EPS = 2.0**-52
 REACH = 1e6
-"""How many times the force s / least ||G_kk|| a proof of infeasibility must reach."""
-NOWHERE = 1e-6
+"""A proof of infeasibility must reach so many times the force s / least ||G_kk||."""
+NOISE, LENT = 1e-14, 1e-5
+"""Share of their contacts' sizes up to which entries of G are rounding; share of speed lent through them."""
+NOWHERE = 1e-2
 """Step, as a share of ||λ||, of the one-sided derivative that stands for a normal cone where G_kk is zero."""
-
-Vector = tuple[Decimal, Decimal, Decimal]
-ZERO, ONE = Decimal(0), Decimal(1)
 
 
 @dataclass(frozen=True)
@@ -57,8 +58,9 @@ def read(arguments: dict[str, Any]) -> Data:
     g = np.array(arguments["g"], dtype=float)
     n = g.size // 3
     R = np.asarray(arguments.get("compliance", 0.0), dtype=float)
-    if R.shape == (n,) and n != 3 * n:
+    if R.shape == (n,):
         R = np.repeat(R, 3)
+    G = 0.5 * (G + G.T)
     G[np.diag_indices(3 * n)] += R
     held = arguments.get("bilateral")
     return Data(
@@ -74,84 +76,6 @@ def read(arguments: dict[str, Any]) -> Data:
     )
 
 
-# ---------------------------------------------------------------------------------------- the admissible set
-
-
-def rays(mu: Decimal, facets: int, inner: bool) -> list[tuple[Decimal, Decimal]]:
-    """The corners of a pyramid's section at height 1; the inner one has a corner on the first tangent."""
-    if mu == 0:
-        return [(ZERO, ZERO)]
-    start = 0.0 if inner else math.pi / facets
-    size = mu if inner else mu / Decimal(math.cos(math.pi / facets))
-    angles = [start + 2.0 * math.pi * i / facets for i in range(facets)]
-    return [(size * Decimal(math.cos(a)), size * Decimal(math.sin(a))) for a in angles]
-
-
-def norm(v: tuple[Decimal, ...]) -> Decimal:
-    return sum((x * x for x in v), ZERO).sqrt()
-
-
-def nearest(p: Vector, mu: Decimal, low: Decimal, high: Decimal | None, corners: list | None) -> Vector:
-    """The admissible force nearest to p: every piece of the boundary is tried."""
-    if corners is None or mu == 0:
-        return _nearest_round(p, mu, low, high)
-    return _nearest_pyramid(p, low, high, corners)
-
-
-def _clamp(t: Decimal, low: Decimal, high: Decimal | None) -> Decimal:
-    t = max(t, low)
-    return t if high is None else min(t, high)
-
-
-def _nearest_round(p: Vector, mu: Decimal, low: Decimal, high: Decimal | None) -> Vector:
-    r, z = norm(p[:2]), p[2]
-    if r <= mu * z and low <= z and (high is None or z <= high):
-        return p
-    t = _clamp((mu * r + z) / (1 + mu * mu), low, high)
-    found = [(mu * t, t)]
-    found += [(r, h) for h in (low, high) if h is not None and r <= mu * h]
-    a, h = min(found, key=lambda q: (q[0] - r) ** 2 + (q[1] - z) ** 2)
-    share = ZERO if r == 0 else a / r
-    return p[0] * share, p[1] * share, h
-
-
-def _nearest_pyramid(p: Vector, low: Decimal, high: Decimal | None, corners: list) -> Vector:
-    pairs = list(zip(corners, corners[1:] + corners[:1], strict=True))
-    planes = [(a[1] - b[1], b[0] - a[0], a[0] * b[1] - a[1] * b[0]) for a, b in pairs]  # a x b, inwards
-    loose = Decimal("1e-60") * (1 + max(abs(x) for x in p))
-
-    def inside(q: Vector) -> bool:
-        walls = all(m[0] * q[0] + m[1] * q[1] + m[2] * q[2] >= -loose * norm(m) for m in planes)
-        return walls and q[2] >= low - loose and (high is None or q[2] <= high + loose)
-
-    if inside(p):
-        return p
-    found: list[Vector] = []
-    for m in planes:
-        over = (m[0] * p[0] + m[1] * p[1] + m[2] * p[2]) / (m[0] ** 2 + m[1] ** 2 + m[2] ** 2)
-        foot = (p[0] - over * m[0], p[1] - over * m[1], p[2] - over * m[2])
-        if inside(foot):
-            found.append(foot)
-    for c in corners:
-        t = _clamp((c[0] * p[0] + c[1] * p[1] + p[2]) / (c[0] ** 2 + c[1] ** 2 + 1), low, high)
-        found.append((c[0] * t, c[1] * t, t))
-    for h in (low, high):
-        if h is None:
-            continue
-        if inside((p[0], p[1], h)):
-            found.append((p[0], p[1], h))
-        for a, b in pairs:
-            e = (h * (b[0] - a[0]), h * (b[1] - a[1]))
-            square = e[0] ** 2 + e[1] ** 2
-            if square > 0:
-                t = _clamp(((p[0] - h * a[0]) * e[0] + (p[1] - h * a[1]) * e[1]) / square, ZERO, ONE)
-                found.append((h * a[0] + t * e[0], h * a[1] + t * e[1], h))
-    return min(found, key=lambda q: sum((x - y) ** 2 for x, y in zip(p, q, strict=True)))
-
-
-# ------------------------------------------------------------------------------------------------ velocities
-
-
 def _sizes(G: np.ndarray) -> np.ndarray:
     """||G_kj||₂ of the 3x3 blocks, scaled so that nothing overflows or underflows."""
     n = G.shape[0] // 3
@@ -161,9 +85,12 @@ def _sizes(G: np.ndarray) -> np.ndarray:
     return np.linalg.norm(blocks / safe[:, :, None, None], 2, axis=(2, 3)) * peak
 
 
-def connected(G: np.ndarray) -> np.ndarray:
-    """The number of the connected block of each contact: union-find over entries that are not zero."""
-    n = G.shape[0] // 3
+def connected(data: Data, noise: float = 0.0) -> np.ndarray:
+    """The number of the connected block of each contact: union-find over contacts that are on.
+
+    Entries of G_kj up to `noise` times sqrt(trace G_kk trace G_jj) join nothing.
+    """
+    n = data.contacts
     parent = list(range(n))
 
     def root(k: int) -> int:
@@ -172,7 +99,11 @@ def connected(G: np.ndarray) -> np.ndarray:
             k = parent[k]
         return k
 
-    touching = (G.reshape(n, 3, n, 3) != 0.0).any(axis=(1, 3))
+    peak = np.abs(data.G).reshape(n, 3, n, 3).max(axis=(1, 3), initial=0.0)
+    size = np.sqrt(np.maximum(np.diagonal(data.G).reshape(n, 3).sum(axis=1), 0.0))
+    touching = peak > noise * size[:, None] * size
+    off = data.high <= 0.0
+    touching[off], touching[:, off] = False, False
     for k, j in np.argwhere(touching):
         parent[root(int(k))] = root(int(j))
     return np.array([root(k) for k in range(n)], dtype=int)
@@ -192,7 +123,17 @@ def velocities(data: Data, forces: np.ndarray) -> list[Vector]:
     return [(rows[i], rows[i + 1], rows[i + 2]) for i in range(0, len(rows), 3)]
 
 
-# -------------------------------------------------------------------------------------------------- verdicts
+def velocities_of(data: Data, forces: np.ndarray) -> list[list[float]]:
+    """The velocities (n, 3) of forces, rounded once."""
+    with localcontext(DIGITS):
+        return [[float(x) for x in v] for v in velocities(data, forces)]
+
+
+def velocity_rounding(data: Data, forces: np.ndarray) -> np.ndarray:
+    """(n,) bound on what summing in double precision may do to a velocity [m/s]."""
+    lengths = np.array([math.hypot(*f) for f in forces.tolist()])
+    with np.errstate(over="ignore"):
+        return EPS * (3 * data.contacts + 3) * (_sizes(data.G) @ lengths)
 
 
 @dataclass(frozen=True)
@@ -209,14 +150,18 @@ class Verdict:
         (n,) s of the contact's connected block [m/s].
     share
         Largest eps_k / (sqrt(1 + mu²) s); 0/0 is 0.
+    worst
+        Largest eps_k / s.
     rounding
-        Largest 4 eps Σ_j ||G_kj|| ||λ_j|| / s.
+        Largest 4 eps Σ_j ||G_kj|| ||λ_j|| / s of contacts that are on; the least forces of parts at rest are
+        known without it.
     """
 
     finite: bool
     error: np.ndarray
     scale: np.ndarray
     share: float
+    worst: float
     rounding: float
 
     def solved(self, tol: float) -> bool:
@@ -229,7 +174,7 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
     """Judge (n, 3) forces."""
     n = data.contacts
     if not np.isfinite(forces).all():
-        return Verdict(False, np.full(n, np.inf), np.zeros(n), math.inf, math.inf)
+        return Verdict(False, np.full(n, np.inf), np.zeros(n), math.inf, math.inf, math.inf)
     with localcontext(DIGITS):
         sizes = _sizes(data.G)
         scale = scales(data)
@@ -237,24 +182,34 @@ def judge(data: Data, forces: np.ndarray) -> Verdict:
         error = np.array([_error(data, k, forces[k], u[k], sizes[k, k]) for k in range(n)])
     lengths = np.array([math.hypot(*f) for f in forces.tolist()])
     lost = 4.0 * EPS * (sizes @ lengths)
-    share = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)]) / np.sqrt(1.0 + data.mu**2)
-    rounding = max((_ratio(x, s) for x, s in zip(lost, scale, strict=True)), default=0.0)
-    return Verdict(True, error, scale, float(share.max(initial=0.0)), rounding)
+    least = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
+    known = (forces[:, :2] == 0.0).all(axis=1) & (forces[:, 2] == least) & (scale == 0.0)
+    error[known] = 0.0
+    worst = np.array([_ratio(e, s) for e, s in zip(error, scale, strict=True)])
+    share = worst / np.hypot(1.0, data.mu)
+    pairs = zip(lost, scale, known | (data.high <= 0.0), strict=True)
+    rounding = max((0.0 if free else float(_ratio(x, s)) for x, s, free in pairs), default=0.0)
+    return Verdict(True, error, scale, float(share.max(initial=0.0)), float(worst.max(initial=0.0)), rounding)
 
 
 def _ratio(x: float, y: float) -> float:
     return 0.0 if x == 0.0 else (x / y if y > 0.0 else math.inf)
 
 
-def scales(data: Data) -> np.ndarray:
+def speeds_of_parts(data: Data, noise: float = 0.0) -> np.ndarray:
     """s of each contact's connected block: the fastest contact that is on, at the least admissible forces."""
     with localcontext(DIGITS):
         least = np.zeros((data.contacts, 3))
         least[:, 2] = np.where(data.held, 0.0, np.maximum(data.low, 0.0))
         speeds = np.array([float(norm(v)) for v in velocities(data, least)])
-    speeds[data.high <= 0.0] = 0.0
-    number = connected(data.G)
+    speeds[(data.high <= 0.0) | (speeds <= velocity_rounding(data, least))] = 0.0
+    number = connected(data, noise)
     return np.array([speeds[number == number[k]].max() for k in range(data.contacts)])
+
+
+def scales(data: Data) -> np.ndarray:
+    """s of each contact, as generous as it may be: parts that rounding alone joins lend little of theirs."""
+    return np.maximum(speeds_of_parts(data, NOISE), LENT * speeds_of_parts(data))
 
 
 def _error(data: Data, k: int, force: np.ndarray, u: Vector, size: float) -> float:
@@ -284,9 +239,6 @@ def _error(data: Data, k: int, force: np.ndarray, u: Vector, size: float) -> flo
 
 def _apart(a: Vector, b: Vector) -> Decimal:
     return norm((a[0] - b[0], a[1] - b[1], a[2] - b[2]))
-
-
-# ------------------------------------------------------------------------------------ proofs of infeasibility
 
 
 @dataclass(frozen=True)
@@ -332,10 +284,10 @@ def check_proof(data: Data, direction: np.ndarray, reach: float | None = None) -
     if power >= 0:
         return Proof(0.0, math.inf, f"g.d = {float(power):.1e} is not negative")
     true = math.inf if largest == 0 else _root(power * power / largest)
-    number = connected(data.G)
+    number = connected(data, 2.0 * NOISE)
     touched = np.isin(number, number[np.any(d != 0.0, axis=1)])
     sizes = np.diagonal(_sizes(data.G))[touched]
-    s = float(scales(data)[touched].max(initial=0.0))
+    s = float(speeds_of_parts(data, 2.0 * NOISE)[touched].max(initial=0.0))
     positive = sizes[sizes > 0.0]
     needed = REACH * s / float(positive.min()) if positive.size else 0.0
     fault = None
