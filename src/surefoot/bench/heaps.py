@@ -34,7 +34,8 @@ class _Clumps:
 
     def places(self) -> FloatArray:
         """Return the balls' centres in the world: (balls, 3)."""
-        return self.centre[self.body] + np.einsum("bij,bj->bi", self.rotation[self.body], self.ball)
+        turned = np.einsum("bij,bj->bi", self.rotation[self.body], self.ball)
+        return np.asarray(self.centre[self.body] + turned)
 
 
 def random_rotation(rng: np.random.Generator) -> FloatArray:
