@@ -16,8 +16,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.bench.heaps import capsules, cups, masonry, rocks
+from surefoot.bench.judge import judge
 from surefoot.bench.rigid_bodies import Scene
-from surefoot.contact import ContactProblem, residuals
+from surefoot.contact import ContactProblem
 from surefoot.errors import ProblemError, unknown_name
 
 TRIVIAL = 1e-6
@@ -289,7 +290,7 @@ def problem_set(scale: str = "robot", seed: int = 0, copies: float = 1.0) -> lis
         for k in range(max(1, round(count * copies))):
             stream = np.random.default_rng([seed, k, *family.encode()])
             problem = maker(stream)
-            while residuals(problem, np.zeros((problem.contacts, 3))).natural_map < TRIVIAL:
+            while judge(problem, np.zeros((problem.contacts, 3))) < TRIVIAL:
                 problem = maker(stream)
             found.append(NamedProblem(f"{family}-{k}", family, problem))
     return found
