@@ -1,35 +1,37 @@
-"""Every contact solver on every problem: time, residual, performance profile, and rivals in the same run."""
+"""Every contact solver on every problem: time, accuracy, performance profile, and rivals in the same run.
+
+Two times are measured for everybody. "Ready": the best case, one problem solved again and again, with all
+that can be prepared made beforehand. "New G": what a simulator pays, whose matrix and free velocities are
+new in every call; then setting up a problem from raw arrays is on the clock. All calls start cold.
+"""
 
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.bench.contact_rivals import Measured, pinocchio_calls, siconos_installed, siconos_runs
+from surefoot.bench import contact_rivals, siconos_rival
+from surefoot.bench.contact_ours import CONTACT_SOLVER, our_calls
+from surefoot.bench.judge import judge
 from surefoot.bench.problems import NamedProblem
-from surefoot.bench.timing import one_core
-from surefoot.contact import ContactProblem, read_problem, residuals
+from surefoot.bench.timing import Timing, interleaved, one_core
+from surefoot.contact import ContactProblem, read_problem
 from surefoot.contact.files import KINDS
 from surefoot.errors import ProblemError
-from surefoot.solvers import solve
 
-RIVALS = {
-    "pinocchio admm": ("admm", "OSQP"),
-    "pinocchio admm spectral": ("admm", "SPECTRAL"),
-    "pinocchio pgs": ("pgs", ""),
-}
 OURS = ("auto", "nsgs", "newton", "admm", "interior_point", "staggered")
 ROBOT_SCALE = 25
+COPIES, COPIED = 4, 45
+"""Problems of up to `COPIED` contacts are measured on so many slightly different matrices, others on one."""
 RIVAL_STACK = 512 * 2**20
-RIVAL_BUDGET = 8.0
-"""Seconds after which a rival that has not reached the residual gets no tighter tolerance."""
+NOTHING = Timing(float("inf"), float("inf"), float("inf"), 0)
+Kind = Literal["ready", "fresh"]
 
 
 @dataclass(frozen=True)
@@ -41,11 +43,15 @@ class Run:
     problem, family, contacts, solver
         Who on what.
     seconds
-        Median wall time per call [s].
+        Median wall time per call on one ready problem [s].
     residual
-        Natural map of its forces, computed by `surefoot.contact.residuals`.
+        Of its forces, by `surefoot.bench.judge`; the worst over all matrices it was given.
     solved
         Whether that is below the wanted tolerance.
+    p99
+        99th percentile of `seconds`' calls [s].
+    fresh, fresh_p99
+        The same for calls with a new matrix and new free velocities each [s].
     """
 
     problem: str
@@ -55,6 +61,21 @@ class Run:
     seconds: float
     residual: float
     solved: bool
+    p99: float = float("inf")
+    fresh: float = float("inf")
+    fresh_p99: float = float("inf")
+
+
+@dataclass(frozen=True)
+class FamilyRow:
+    """One solver on one family of problems: times of those solved [s], the p99 of its slowest problem."""
+
+    family: str
+    problems: int
+    solved: int
+    mean: float
+    median: float
+    p99: float
 
 
 @dataclass(frozen=True)
@@ -69,34 +90,65 @@ class Comparison:
         """Names of the solvers, in the order of their first run."""
         return tuple(dict.fromkeys(r.solver for r in self.runs))
 
-    def times(self) -> dict[str, FloatArray]:
+    @property
+    def ours_fresh(self) -> str:
+        """Who of ours is measured with a new matrix: the real-time path, or `auto` without it."""
+        return CONTACT_SOLVER if CONTACT_SOLVER in self.solvers else self.solvers[0]
+
+    def times(self, kind: Kind = "ready") -> dict[str, FloatArray]:
         """Return each solver's seconds per problem, infinite where it did not solve: (problems,)."""
-        names = list(dict.fromkeys(r.problem for r in self.runs))
+        names = {name: k for k, name in enumerate(dict.fromkeys(r.problem for r in self.runs))}
         table = {s: np.full(len(names), np.inf) for s in self.solvers}
         for r in self.runs:
             if r.solved:
-                table[r.solver][names.index(r.problem)] = r.seconds
+                table[r.solver][names[r.problem]] = r.seconds if kind == "ready" else r.fresh
         return table
 
-    def speed_up(self, rivals: Sequence[str], who: str = "auto") -> dict[str, float]:
+    def families(self, solver: str, kind: Kind = "ready") -> list[FamilyRow]:
+        """Return geometric mean, median and p99 of a solver on each family, and on "all"."""
+        rows = [r for r in self.runs if r.solver == solver]
+        groups: dict[str, list[Run]] = {}
+        for r in rows:
+            groups.setdefault(r.family, []).append(r)
+        groups["all"] = rows
+        out = []
+        for name, members in groups.items():
+            done = [r for r in members if r.solved]
+            median = np.array([r.seconds if kind == "ready" else r.fresh for r in done])
+            tail = [r.p99 if kind == "ready" else r.fresh_p99 for r in done]
+            numbers = (
+                (np.exp(np.mean(np.log(median))), np.median(median), max(tail)) if done else [np.nan] * 3
+            )
+            out.append(FamilyRow(name, len(members), len(done), *(float(x) for x in numbers)))
+        return out
+
+    def ratios(self, rivals: Sequence[str], who: str, kind: Kind = "ready") -> dict[str, list[float]]:
+        """Return, by family, the best rival's time over ours on each problem that some rival solved.
+
+        Problems that we did not solve count as a ratio of 0.01.
+        """
+        times = self.times(kind)
+        best = np.min([times[r] for r in rivals if r in times] or [np.full(len(times[who]), np.inf)], axis=0)
+        groups: dict[str, list[float]] = {}
+        family = [r.family for r in self.runs if r.solver == who]
+        for name, ours, theirs in zip(family, times[who], best, strict=True):
+            if np.isfinite(theirs):
+                groups.setdefault(name, []).append(float(theirs / ours) if np.isfinite(ours) else 0.01)
+        return groups
+
+    def speed_up(self, rivals: Sequence[str], who: str = "auto", kind: Kind = "ready") -> dict[str, float]:
         """Return the geometric mean, by family and over "all", of the best rival's time over ours.
 
-        Problems that no rival solved are left out of the mean (and counted as "no rival"); problems that we
-        did not solve count as a ratio of 0.01.
+        See `ratios`. "least" is the least ratio, "lost" the number of problems where a rival is faster,
+        "no rival" that of problems that no rival solved, which no mean holds.
         """
-        times = self.times()
-        best = np.min([times[r] for r in rivals if r in times] or [np.full(len(times[who]), np.inf)], axis=0)
-        family = [r.family for r in self.runs if r.solver == who]
-        groups: dict[str, list[float]] = {}
-        for k, name in enumerate(family):
-            if np.isfinite(best[k]):
-                ratio = float(best[k] / times[who][k]) if np.isfinite(times[who][k]) else 0.01
-                groups.setdefault(name, []).append(ratio)
-        everything = [x for g in groups.values() for x in g]
+        groups = self.ratios(rivals, who, kind)
+        everything = np.array([x for g in groups.values() for x in g])
         out = {name: float(np.exp(np.mean(np.log(g)))) for name, g in groups.items()}
-        out["all"] = float(np.exp(np.mean(np.log(everything)))) if everything else float("nan")
-        out["least"] = min(everything, default=float("nan"))
-        out["no rival"] = float(len(family) - len(everything))
+        out["all"] = float(np.exp(np.mean(np.log(everything)))) if everything.size else float("nan")
+        out["least"] = float(everything.min()) if everything.size else float("nan")
+        out["lost"] = float(np.count_nonzero(everything < 1.0))
+        out["no rival"] = float(sum(r.solver == who for r in self.runs) - everything.size)
         return out
 
 
@@ -147,16 +199,16 @@ def compare(
     max_time: float = 10.0,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Comparison:
-    """Run solvers and rivals on the problems, on one core, and certify every answer.
+    """Run solvers and rivals on the problems, on one core, and judge every answer.
 
     Parameters
     ----------
     problems
         What to solve.
     tol
-        Natural map that everybody has to reach.
+        Residual that everybody has to reach, see `surefoot.bench.judge`.
     solvers
-        Our solvers.
+        Our solvers; with "auto" also the real-time path `ContactSolver`, where it takes the problem.
     rivals
         Whether to run Pinocchio's solvers, and Siconos where it is installed.
     max_time
@@ -164,13 +216,20 @@ def compare(
     progress
         Is told the name of each problem.
     """
-    siconos = siconos_runs([p.problem for p in problems], tol) if rivals and siconos_installed() else {}
+    siconos: dict[str, list[tuple[siconos_rival.SiconosRun | None, float]]] = {}
+    if rivals and siconos_rival.siconos_installed():
+        progress("with Siconos")
+        siconos = siconos_rival.siconos_best([p.problem for p in problems], tol)
     runs: list[Run] = []
     faults: list[BaseException] = []
 
     def work() -> None:
         try:
-            runs.extend(_all_runs(problems, tol, solvers, rivals, max_time, progress, siconos))
+            with one_core():
+                for k, named in enumerate(problems):
+                    progress(named.name)
+                    runs.extend(_runs(named, tol, solvers, rivals, max_time))
+                    runs.extend(_siconos(named, name, *found[k]) for name, found in siconos.items())
         except BaseException as fault:
             faults.append(fault)
 
@@ -185,75 +244,68 @@ def compare(
     return Comparison(tol, tuple(runs))
 
 
-def _all_runs(
-    problems: Sequence[NamedProblem],
-    tol: float,
-    solvers: Sequence[str],
-    rivals: bool,
-    max_time: float,
-    progress: Callable[[str], None],
-    siconos: dict[str, list[list[Measured]]],
+def copies_of(problem: ContactProblem) -> list[ContactProblem]:
+    """Return problems with new matrices and free velocities, in arrays of their own, about as hard."""
+    if problem.contacts > COPIED:
+        return [problem.replace()]
+    return [
+        problem.replace(G=(1.0 + 1e-3 * k) * problem.G, g=(1.0 + 7e-4 * k) * problem.g)
+        for k in range(1, COPIES + 1)
+    ]
+
+
+def _runs(
+    named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, max_time: float
 ) -> list[Run]:
-    """Return every run, on one core."""
-    runs: list[Run] = []
-    with one_core():
-        for k, named in enumerate(problems):
-            progress(named.name)
-            for name in solvers:
-                runs.append(_ours(named, name, tol, max_time))
-            for name, (method, rule) in RIVALS.items() if rivals else ():
-                runs.append(_pinocchio(named, name, method, rule, tol))
-            for name, found in siconos.items():
-                runs.append(_siconos(named, name, found[k], tol))
-    return runs
+    """Return the runs of ours and of Pinocchio's solvers on one problem, timed in turns."""
+    problem, copies = named.problem, copies_of(named.problem)
+    calls: dict[tuple[str, Kind], Callable[[int], Any]] = {}
+    gaps: dict[str, float] = {}
+    for name, (ready, fresh) in our_calls(problem, copies, solvers, tol, max_time).items():
+        answers = [ready(0), *(fresh(k) for k in range(len(copies)))]
+        gaps[name] = max(judge(p, f) for p, f in zip([problem, *copies], answers, strict=True))
+        if gaps[name] <= tol:
+            calls[name, "ready"], calls[name, "fresh"] = ready, fresh
+    for name, setting in contact_rivals.settings(problem.contacts).items() if rivals else ():
+        found, gaps[name] = contact_rivals.best_call(problem, setting, tol, copies)
+        if found is not None:
+            calls |= _rival_calls(name, found, [(contact_rivals.matrix(p, setting), p.g) for p in copies])
+    timings = interleaved(calls)
+    return [
+        _run(
+            named,
+            name,
+            timings.get((name, "ready"), NOTHING),
+            timings.get((name, "fresh"), NOTHING),
+            gap,
+            tol,
+        )
+        for name, gap in gaps.items()
+    ]
 
 
-def _run(named: NamedProblem, solver: str, seconds: float, residual: float, tol: float) -> Run:
-    count = named.problem.contacts
-    return Run(named.name, named.family, count, solver, seconds, residual, bool(residual <= tol))
+def _rival_calls(
+    name: str, found: contact_rivals.PinocchioCall, items: list[tuple[Any, FloatArray]]
+) -> dict[tuple[str, Kind], Callable[[int], Any]]:
+    """Return the two calls of a rival; each takes its turn's number."""
+    return {
+        (name, "ready"): lambda _: found.ready(),
+        (name, "fresh"): lambda k: found.fresh(items[k % len(items)]),
+    }
 
 
-def _ours(named: NamedProblem, solver: str, tol: float, max_time: float) -> Run:
-    """Time `solve` as users call it; the residual is computed once more, from the forces alone."""
-    problem: ContactProblem = named.problem
-
-    def call() -> FloatArray:
-        return solve(problem, solver, tol, max_time=max_time).forces
-
-    forces = call()
-    return _run(named, solver, _median(call), residuals(problem, forces).natural_map, tol)
+def _run(named: NamedProblem, solver: str, ready: Timing, fresh: Timing, residual: float, tol: float) -> Run:
+    solved = bool(residual <= tol and ready.calls)
+    return Run(
+        named.name, named.family, named.problem.contacts, solver, ready.median, residual, solved, ready.p99,
+        fresh.median, fresh.p99,
+    )  # fmt: skip
 
 
-def _pinocchio(named: NamedProblem, name: str, method: str, rule: str, tol: float) -> Run:
-    """Time the loosest tolerance that reaches our residual."""
-    seconds, least = float("inf"), float("inf")
-    start = time.perf_counter()
-    for call in pinocchio_calls(named.problem, tol, method, rule):
-        least = min(least, residuals(named.problem, call()).natural_map)
-        if least <= tol:
-            seconds = _median(call)
-            break
-        if time.perf_counter() - start > RIVAL_BUDGET:
-            break
-    return _run(named, name, seconds, least, tol)
-
-
-def _siconos(named: NamedProblem, name: str, found: Sequence[tuple[float, FloatArray]], tol: float) -> Run:
-    for seconds, forces in found:
-        gap = residuals(named.problem, forces).natural_map
-        if gap <= tol:
-            return _run(named, name, seconds, gap, tol)
-    gaps = [residuals(named.problem, f).natural_map for _, f in found]
-    return _run(named, name, float("inf"), float(np.nanmin(gaps)) if gaps else float("inf"), tol)
-
-
-def _median(call: Callable[[], Any], budget: float = 0.1) -> float:
-    """Return the median wall time of a call, from 3 to 50 of them in about `budget` seconds."""
-    times: list[float] = []
-    clock = time.perf_counter
-    stop = clock() + budget
-    while len(times) < 3 or (len(times) < 50 and clock() < stop):
-        start = clock()
-        call()
-        times.append(clock() - start)
-    return float(np.median(times))
+def _siconos(named: NamedProblem, name: str, found: siconos_rival.SiconosRun | None, residual: float) -> Run:
+    """Return the run of Siconos, which was timed in its own process."""
+    solve, fresh = (found.solve, found.fresh) if found is not None else (float("inf"), float("inf"))
+    return Run(
+        named.name, named.family, named.problem.contacts, name, solve, residual, found is not None, solve,
+        fresh, fresh,
+    )  # fmt: skip

@@ -1,37 +1,88 @@
-"""Rivals of the contact solvers on the same matrices: Pinocchio's ADMM and PGS, and Siconos.
+"""Pinocchio's contact solvers on the same matrices: ADMM and PGS, each in all settings that help it.
 
-Each rival stops by a test of its own, so each is tried with tightening tolerances until our residual is
-reached, and timed with the loosest one that does.
+Each rival stops by a test of its own, so each is tried with tightening tolerances until our judge is
+content, and timed with the loosest one that satisfies it; see `judge.coarsest`.
 """
 
 from __future__ import annotations
 
-import os
-import subprocess
-import tempfile
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import Any
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
+import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
+from surefoot.bench.judge import coarsest, judge
 from surefoot.contact import ContactProblem
 from surefoot.errors import MissingExtra
 
-SYSTEM_PYTHON = "/usr/bin/python3"
-STEPS = tuple(10.0 ** -np.arange(-2, 5))
-"""Tolerances that a rival is tried with, times the wanted residual; loosest first."""
+BUDGET = 8.0
+"""Seconds after which a rival that has not reached the residual gets no tighter tolerance."""
+FEW, ITERATIONS, ITERATIONS_MANY = 40, 20_000, 3000
+"""Contacts up to which a rival has so many iterations, and how many it has above."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One way to run Pinocchio's solvers.
+
+    Attributes
+    ----------
+    method
+        "admm" or "pgs".
+    rule
+        Of ADMM's penalty: "OSQP" or "SPECTRAL".
+    anderson
+        Capacity of ADMM's Anderson acceleration, 0 for none.
+    relaxation
+        Over-relaxation of PGS.
+    sparse
+        Whether ADMM factorises a sparse Delassus matrix.
+    """
+
+    method: Literal["admm", "pgs"]
+    rule: Literal["OSQP", "SPECTRAL"] = "OSQP"
+    anderson: int = 0
+    relaxation: float = 1.0
+    sparse: bool = False
+
+
+DENSE: dict[str, Setting] = {
+    "pinocchio admm": Setting("admm"),
+    "pinocchio admm spectral": Setting("admm", "SPECTRAL"),
+    "pinocchio admm anderson": Setting("admm", anderson=5),
+    "pinocchio admm spectral anderson": Setting("admm", "SPECTRAL", 5),
+    "pinocchio pgs": Setting("pgs"),
+    "pinocchio pgs 1.3": Setting("pgs", relaxation=1.3),
+    "pinocchio pgs 1.6": Setting("pgs", relaxation=1.6),
+}
+SPARSE: dict[str, Setting] = {
+    "pinocchio admm sparse": Setting("admm", sparse=True),
+    "pinocchio admm spectral sparse": Setting("admm", "SPECTRAL", sparse=True),
+    "pinocchio admm anderson sparse": Setting("admm", anderson=5, sparse=True),
+    "pinocchio admm spectral anderson sparse": Setting("admm", "SPECTRAL", 5, sparse=True),
+}
+"""For problems of more than `FEW` contacts, besides the dense ones."""
+
+
+def settings(contacts: int) -> dict[str, Setting]:
+    """Return the settings that are run on a problem of so many contacts."""
+    return DENSE if contacts <= FEW else {**SPARSE, **DENSE}
 
 
 class PinocchioCall:
     """One problem set up for one of Pinocchio's solvers; a call solves it from a cold start.
 
-    The Delassus operator, the constraint models (which carry only the friction coefficient) and the solver
-    are made beforehand, as a simulator would; only a new result object and the solve are timed.
+    The constraint models (which carry only the friction coefficient), the solver and its settings are made
+    beforehand, as a simulator would. `ready` then times the solve on a Delassus operator made beforehand
+    too, and `fresh` making that operator from a new matrix and the solve. ADMM sets the operator's damping
+    itself at the start of every solve, so one operator serves any number of them.
     """
 
-    def __init__(self, problem: ContactProblem, method: str, tol: float, iterations: int, rule: str) -> None:
+    def __init__(self, problem: ContactProblem, setting: Setting, tol: float, iterations: int) -> None:
         try:
             import pinocchio
         except ImportError as error:
@@ -45,77 +96,74 @@ class PinocchioCall:
             self.models.append(pinocchio.ConstraintModel(contact))
         for item in self.models:
             self.datas.append(item.createData())
-        self.delassus, self.g = pinocchio.DelassusOperatorDense(problem.G), problem.g
-        size = self.g.size
-        if method == "admm":
-            self.solver, self.settings = pinocchio.ADMMConstraintSolver(size), pinocchio.ADMMSolverSettings()
-            self.settings.admm_update_rule = getattr(pinocchio.ADMMUpdateRule, rule)
+        self.operator = (
+            pinocchio.DelassusOperatorSparse if setting.sparse else pinocchio.DelassusOperatorDense
+        )
+        if setting.method == "admm":
+            self.solver, options = (
+                pinocchio.ADMMConstraintSolver(problem.g.size),
+                pinocchio.ADMMSolverSettings(),
+            )
+            options.admm_update_rule = getattr(pinocchio.ADMMUpdateRule, setting.rule)
+            options.anderson_capacity = setting.anderson
             self.make = pinocchio.ADMMSolverResult
         else:
-            self.solver, self.settings = pinocchio.PGSConstraintSolver(size), pinocchio.PGSSolverSettings()
+            self.solver, options = (
+                pinocchio.PGSConstraintSolver(problem.g.size),
+                pinocchio.PGSSolverSettings(),
+            )
+            options.over_relaxation = setting.relaxation
             self.make = pinocchio.PGSSolverResult
-        self.settings.max_iterations = iterations
-        self.settings.absolute_feasibility_tol = self.settings.absolute_complementarity_tol = tol
-        self.settings.relative_feasibility_tol = self.settings.relative_complementarity_tol = 0.0
-        self.iterations = 0
+        options.max_iterations = iterations
+        options.absolute_feasibility_tol = options.absolute_complementarity_tol = tol
+        options.relative_feasibility_tol = options.relative_complementarity_tol = 0.0
+        options.solve_ncp = problem.law == "coulomb"
+        self.settings, self.tol = options, tol
+        self.delassus: Any = self.operator(matrix(problem, setting))
+        self.g = problem.g
 
-    def __call__(self) -> FloatArray:
-        """Solve and return the (n, 3) impulses."""
+    def ready(self) -> FloatArray:
+        """Solve the problem with everything made beforehand, and return the (n, 3) impulses."""
+        return self._solve(self.delassus, self.g)
+
+    def fresh(self, item: tuple[Any, FloatArray]) -> FloatArray:
+        """Set up a new matrix (in the setting's format) and free velocity, solve, return the impulses."""
+        return self._solve(self.operator(item[0]), item[1])
+
+    def _solve(self, delassus: Any, g: FloatArray) -> FloatArray:
         result = self.make()
         self.solver.reset()
-        self.solver.solve(self.delassus, self.g, self.models, self.datas, self.settings, result)
-        self.iterations = result.iterations
+        self.solver.solve(delassus, g, self.models, self.datas, self.settings, result)
         return np.asarray(result.retrieveConstraintImpulses()).reshape(-1, 3)
 
 
-def pinocchio_calls(
-    problem: ContactProblem, tol: float, method: str, rule: str = "OSQP"
-) -> Iterable[PinocchioCall]:
-    """Return calls of Pinocchio's "admm" (rule "OSQP" or "SPECTRAL") or "pgs", loosest first."""
-    scale = float(np.abs(problem.g).max(initial=0.0)) or 1.0  # its tolerances are absolute velocities
-    most = 20_000 if problem.contacts <= 40 else 3000
-    return (PinocchioCall(problem, method, tol * step * scale, most, rule) for step in STEPS)
+def matrix(problem: ContactProblem, setting: Setting) -> Any:
+    """Return G in the format of a setting."""
+    return sp.csc_matrix(problem.G) if setting.sparse else problem.G
 
 
-def siconos_installed() -> bool:
-    """Tell whether the system's Python has Siconos."""
-    if not Path(SYSTEM_PYTHON).exists():
-        return False
-    command = [SYSTEM_PYTHON, "-c", "import siconos.numerics"]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+def best_call(
+    problem: ContactProblem,
+    setting: Setting,
+    tol: float,
+    copies: Sequence[ContactProblem] = (),
+    budget: float = BUDGET,
+) -> tuple[PinocchioCall | None, float]:
+    """Return the loosest call that satisfies our judge on the problem and its copies, and the least residual.
 
-
-Measured = tuple[float, FloatArray]
-
-
-def siconos_runs(
-    problems: Sequence[ContactProblem], tol: float, timeout: float = 900.0
-) -> dict[str, list[list[Measured]]]:
-    """Return, by method ("siconos nsgs", ...) and problem, wall times and forces, loosest tolerance first.
-
-    Runs in the system's Python, in a process of its own on one core.
+    None if none does within the budget [s] (a started solve is finished).
     """
-    arrays: dict[str, Any] = {"count": np.array(len(problems))}
-    for k, p in enumerate(problems):
-        arrays |= {f"G_{k}": p.G, f"g_{k}": p.g, f"mu_{k}": p.mu}
-    worker = Path(__file__).with_name("siconos_worker.py")
-    with tempfile.TemporaryDirectory() as folder:
-        source, target = Path(folder) / "problems.npz", Path(folder) / "found.npz"
-        np.savez(source, **arrays)
-        command = [SYSTEM_PYTHON, str(worker), str(source), str(target), *(str(tol * s) for s in STEPS)]
-        quiet = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        subprocess.run(command, check=True, capture_output=True, timeout=timeout, env=quiet)
-        with np.load(target) as data:
-            found = {name: data[name] for name in data.files}
-    names = sorted({name.split("_")[0] for name in found})
-    runs: dict[str, list[list[Measured]]] = {}
-    for name in names:
-        runs[f"siconos {name}"] = [
-            [
-                (float(found[key][-1]), found[key][:-1].reshape(-1, 3))
-                for j in range(len(STEPS))
-                if (key := f"{name}_{k}_{j}") in found
-            ]
-            for k in range(len(problems))
-        ]
-    return runs
+    scale = float(np.abs(problem.g).max(initial=0.0)) or 1.0  # its tolerances are absolute velocities
+    iterations = ITERATIONS if problem.contacts <= FEW else ITERATIONS_MANY
+    formats = [(p, (matrix(p, setting), p.g)) for p in copies]
+    least = [float("inf")]
+    stop = time.perf_counter() + budget
+
+    def attempt(step: float) -> PinocchioCall | None:
+        call = PinocchioCall(problem, setting, tol * step * scale, iterations)
+        gap = judge(problem, call.ready())
+        least[0] = min(least[0], gap)
+        good = gap <= tol and all(judge(p, call.fresh(item)) <= tol for p, item in formats)
+        return call if good else None
+
+    return coarsest(attempt, lambda: time.perf_counter() < stop), least[0]

@@ -1,8 +1,8 @@
 """Named contact problems that the package makes itself, the same for the same seed.
 
-`problem_set("robot")` holds robot-scale problems (up to 25 contacts), `problem_set("large")` stacks, walls
-and piles of up to 600 contacts, most of them rank-deficient, some with mass ratios of 1e6. Problems that need
-a robot model are left out where the `robot` extra is not installed.
+`problem_set("robot")` holds robot-scale problems (up to 25 contacts), `problem_set("large")` stacks, walls,
+piles and heaps of up to 600 contacts, most of them rank-deficient, some with mass ratios of 1e6. Problems
+that need a robot model are left out where the `robot` extra is not installed.
 """
 
 from __future__ import annotations
@@ -15,8 +15,10 @@ from importlib.util import find_spec
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.bench.heaps import capsules, cups, masonry, rocks
+from surefoot.bench.judge import judge
 from surefoot.bench.rigid_bodies import Scene
-from surefoot.contact import ContactProblem, residuals
+from surefoot.contact import ContactProblem
 from surefoot.errors import ProblemError, unknown_name
 
 TRIVIAL = 1e-6
@@ -241,6 +243,14 @@ _LARGE: dict[str, tuple[int, Maker]] = {
     "pile-600": (2, lambda r: pile(r, 180, 600, 0.4, 1.0)),
     "pile-mixed-300": (2, lambda r: pile(r, 90, 300, 0.5, 1e6)),
     "platform-225": (2, lambda r: platform(r, 15, 0.5, 0.1)),
+    "capsules-276": (2, lambda r: capsules(r, 100, 276, r.uniform(0.3, 0.7))),
+    "capsules-dense-276": (2, lambda r: capsules(r, 60, 276, r.uniform(0.3, 0.7), push=0.01)),
+    "rocks-463": (2, lambda r: rocks(r, 100, 463, r.uniform(0.4, 0.8))),
+    "rocks-dense-463": (2, lambda r: rocks(r, 60, 463, r.uniform(0.4, 0.8), push=0.01)),
+    "rocks-mixed-463": (2, lambda r: rocks(r, 100, 463, 0.6, 1e3)),
+    "cups-240": (2, lambda r: cups(r, 20, 12, r.uniform(0.3, 0.6), 0.02)),
+    "cups-dense-240": (2, lambda r: cups(r, 10, 24, r.uniform(0.3, 0.6), 0.01)),
+    "masonry-544": (2, lambda r: masonry(r, 4, 5, 4, 0.6)),
 }
 
 
@@ -280,7 +290,7 @@ def problem_set(scale: str = "robot", seed: int = 0, copies: float = 1.0) -> lis
         for k in range(max(1, round(count * copies))):
             stream = np.random.default_rng([seed, k, *family.encode()])
             problem = maker(stream)
-            while residuals(problem, np.zeros((problem.contacts, 3))).natural_map < TRIVIAL:
+            while judge(problem, np.zeros((problem.contacts, 3))) < TRIVIAL:
                 problem = maker(stream)
             found.append(NamedProblem(f"{family}-{k}", family, problem))
     return found

@@ -5,13 +5,15 @@ from __future__ import annotations
 import gc
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True)
@@ -59,3 +61,34 @@ def time_calls(function: Callable[[Any], Any], items: Iterable[Any], warm_up: in
         function(item)
         seconds[k] = clock() - start
     return Timing.of(seconds)
+
+
+def interleaved(
+    calls: Mapping[Key, Callable[[int], Any]], budget: float = 0.1, most: int = 200, least: int = 3
+) -> dict[Key, Timing]:
+    """Time functions of a turn's number in turns, so that other work on the machine strikes all alike.
+
+    Parameters
+    ----------
+    calls
+        What to time, by name.
+    budget
+        About how long each may take in all [s].
+    most, least
+        Bounds on the number of calls of each; one that takes ten budgets is made once.
+    """
+    clock = time.perf_counter
+    seconds: dict[Key, list[float]] = {key: [] for key in calls}
+    spent = dict.fromkeys(calls, 0.0)
+    block = 10  # calls in a row: the first of a block pays for cold caches
+    for turn in range(0, most, block):
+        for key, call in calls.items():
+            for k in range(turn, turn + block):
+                if spent[key] > budget and (k >= least or spent[key] > 10.0 * budget):
+                    break
+                start = clock()
+                call(k)
+                took = clock() - start
+                seconds[key].append(took)
+                spent[key] += took
+    return {key: Timing.of(s) for key, s in seconds.items()}

@@ -14,7 +14,7 @@ from rich.table import Table
 from surefoot.cli.output import new_run_folder, to_json
 
 if TYPE_CHECKING:
-    from surefoot.bench.contact import Comparison
+    from surefoot.bench.contact import Comparison, Kind
 
 SCALES = ("robot", "large")
 
@@ -22,9 +22,7 @@ SCALES = ("robot", "large")
 def contact(
     folder: Annotated[Path | None, typer.Argument(help="Add the problems of the files in a folder.")] = None,
     scale: Annotated[str, typer.Option(help="robot (up to 25 contacts) or large (up to 600).")] = "robot",
-    tol: Annotated[
-        float | None, typer.Option(help="Natural map to reach; 1e-9 (robot), 1e-6 (large).")
-    ] = None,
+    tol: Annotated[float | None, typer.Option(help="Residual to reach; 1e-9 (robot), 1e-6 (large).")] = None,
     solver: Annotated[
         list[str] | None, typer.Option(help="Ours to run; once for each. All by default.")
     ] = None,
@@ -36,9 +34,11 @@ def contact(
 ) -> int:
     """Time every solver on every problem, and certify every answer.
 
+    Two times each: one ready problem again and again, and a new G in every call, set-up included.
+
     Exit code 1 if the default solver left a problem of its scale unsolved.
     """
-    from surefoot.bench.contact import OURS, RIVALS, ROBOT_SCALE, compare, problems_in
+    from surefoot.bench.contact import OURS, ROBOT_SCALE, compare, problems_in
     from surefoot.bench.problems import problem_set
 
     problems = problem_set(scale, seed, copies)
@@ -52,61 +52,88 @@ def contact(
         found = compare(
             problems, wanted, chosen, rivals, progress=lambda name: status.update(f"solving {name}")
         )
-    names = [n for n in RIVALS if n in found.solvers]
-    ratios = found.speed_up(names, chosen[0]) if names else {}
     if json:
-        print(to_json(_record(found, ratios)))
+        print(to_json(_record(found)))
     else:
-        _print(console, found, ratios)
+        _print(console, found)
     target = new_run_folder(out, f"contact-{scale}")
-    (target / "contact.json").write_text(to_json(_record(found, ratios)) + "\n", encoding="utf-8")
-    _draw(found, ratios, scale, target, chosen)
+    (target / "contact.json").write_text(to_json(_record(found)) + "\n", encoding="utf-8")
+    _draw(found, scale, target, chosen)
     if not json:
         console.print(f"written to {target}")
     return 0 if np.isfinite(found.times()[chosen[0]]).all() else 1
 
 
-def _record(found: Comparison, ratios: dict[str, float]) -> dict[str, object]:
+def _rivals(found: Comparison) -> list[str]:
+    """Return the names of Pinocchio's solvers in a comparison."""
+    return [name for name in found.solvers if name.startswith("pinocchio")]
+
+
+def _record(found: Comparison) -> dict[str, object]:
+    names = _rivals(found)
+    ratios = {kind: found.speed_up(names, who, kind) for kind, who in _kinds(found)} if names else {}
     return {"tol": found.tol, "speed_up": ratios, "runs": [asdict(r) for r in found.runs]}
 
 
-def _print(console: Console, found: Comparison, ratios: dict[str, float]) -> None:
-    """Print one row per solver, and the speed-up by family."""
-    times = found.times()
-    table = Table(title=f"Contact problems solved to {found.tol:g}", title_justify="left")
-    for name in ("solver", "solved", "of", "median [µs]", "geometric mean [µs]", "worst [µs]"):
+def _kinds(found: Comparison) -> tuple[tuple[Kind, str], tuple[Kind, str]]:
+    """Return both kinds of time, with who of ours stands for us in it."""
+    return ("ready", found.solvers[0]), ("fresh", found.ours_fresh)
+
+
+def _print(console: Console, found: Comparison) -> None:
+    """Print both times of every solver, then ours by family against Pinocchio's best."""
+    table = Table(
+        title=f"Contact problems solved to {found.tol:g}: one ready problem, and a new G each call [µs]",
+        title_justify="left",
+    )
+    columns = ("geometric mean", "median", "p99")
+    for name in ("solver", "solved", "of", *(f"{k}: {c}" for k in ("ready", "new G") for c in columns)):
         table.add_column(name, justify="left" if name == "solver" else "right")
-    for name, seconds in times.items():
-        done = seconds[np.isfinite(seconds)] * 1e6
-        numbers = (np.median(done), np.exp(np.mean(np.log(done))), done.max()) if done.size else (np.nan,) * 3
-        table.add_row(name, str(done.size), str(seconds.size), *(f"{x:.1f}" for x in numbers))
+    for name in found.solvers:
+        ready, fresh = found.families(name, "ready")[-1], found.families(name, "fresh")[-1]
+        numbers = (ready.mean, ready.median, ready.p99, fresh.mean, fresh.median, fresh.p99)
+        table.add_row(name, str(ready.solved), str(ready.problems), *(f"{1e6 * x:.1f}" for x in numbers))
     console.print(table)
-    if ratios:
-        table = Table(title="Time of the best of Pinocchio's solvers over ours", title_justify="left")
-        table.add_column("family")
-        table.add_column("ratio", justify="right")
-        for name, ratio in ratios.items():
-            if name not in ("all", "least", "no rival"):
-                table.add_row(name, f"{ratio:.2f}")
-        table.add_row("all (geometric mean)", f"{ratios['all']:.2f}", style="bold")
-        table.add_row("least", f"{ratios['least']:.2f}")
-        console.print(table)
-        if ratios["no rival"]:
-            console.print(f"on {ratios['no rival']:.0f} problems no rival reached {found.tol:g}")
+    for kind, who in _kinds(found) if _rivals(found) else ():
+        _print_families(console, found, kind, who)
 
 
-def _draw(
-    found: Comparison, ratios: dict[str, float], scale: str, target: Path, ours: tuple[str, ...]
-) -> None:
+def _print_families(console: Console, found: Comparison, kind: Kind, who: str) -> None:
+    """Print our times by family, and how many times longer Pinocchio's best takes."""
+    what = "one ready problem" if kind == "ready" else "a new G each call, set-up included"
+    table = Table(
+        title=f"{what}: {who} [µs], and the time of Pinocchio's best on each problem over it",
+        title_justify="left",
+    )
+    for name in ("family", "solved", "of", "geometric mean", "median", "p99", "ratio", "least"):
+        table.add_column(name, justify="left" if name == "family" else "right")
+    ratios = found.ratios(_rivals(found), who, kind)
+    ratios["all"] = [x for group in ratios.values() for x in group]
+    for row in found.families(who, kind):
+        own = ratios.get(row.family, [])
+        numbers = (1e6 * row.mean, 1e6 * row.median, 1e6 * row.p99)
+        ratio = (f"{np.exp(np.mean(np.log(own))):.2f}", f"{min(own):.2f}") if own else ("no rival", "")
+        texts = (row.family, str(row.solved), str(row.problems), *(f"{x:.1f}" for x in numbers), *ratio)
+        table.add_row(*texts, style="bold" if row.family == "all" else None)
+    console.print(table)
+    total = found.speed_up(_rivals(found), who, kind)
+    missing = f"; on {total['no rival']:.0f} no rival reached {found.tol:g}" if total["no rival"] else ""
+    console.print(f"Pinocchio's best is faster on {total['lost']:.0f} problems{missing}")
+
+
+def _draw(found: Comparison, scale: str, target: Path, ours: tuple[str, ...]) -> None:
     from surefoot.bench.contact import performance_profile
     from surefoot.viz.contact_bench import draw_profile, draw_speed_up
 
     steps = np.logspace(0.0, 4.0, 200)
     count = len({r.problem for r in found.runs})
-    profile = performance_profile(found.times(), steps)
-    title = f"{count} {scale}-scale contact problems to {found.tol:g}"
-    draw_profile(steps, profile, title, target / "profile.png", ours)
-    if ratios:
-        draw_speed_up(
-            ratios, f"{ours[0]} against the best of Pinocchio's ADMM and PGS", target / "speed-up.png"
-        )
+    for kind, who in _kinds(found):
+        end = "" if kind == "ready" else "-new-g"
+        what = "" if kind == "ready" else ", a new G each call"
+        profile = performance_profile(found.times(kind), steps)
+        title = f"{count} {scale}-scale contact problems to {found.tol:g}{what}"
+        draw_profile(steps, profile, title, target / f"profile{end}.png", (*ours, found.ours_fresh))
+        if _rivals(found):
+            ratios = found.speed_up(_rivals(found), who, kind)
+            title = f"{who} against the best of Pinocchio's ADMM and PGS{what}"
+            draw_speed_up(ratios, title, target / f"speed-up{end}.png")

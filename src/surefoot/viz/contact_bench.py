@@ -45,7 +45,7 @@ def draw_profile(
 
 def draw_speed_up(ratios: dict[str, float], title: str, path: Path) -> Path:
     """Draw the speed-up over the best rival by family, as bars on a logarithmic axis."""
-    names = [n for n in ratios if n not in ("all", "least", "no rival")]
+    names = [n for n in ratios if n not in ("all", "least", "lost", "no rival")]
     figure, axes = new_figure(size=(8.0, 0.8 + 0.26 * len(names)))
     axis = axes[0, 0]
     values = [ratios[n] for n in names]
