@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.csgraph
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem

@@ -22,6 +22,8 @@ from surefoot.kernels import inline_kernel, kernel
 
 NOISE = 1.5e-14
 """Share of sqrt(trace G_kk trace G_jj) up to which the entries of G_kj are rounding."""
+ROUNDING = 2.3e-16
+"""Of one operation in double precision."""
 LENT = 1e-6
 """Share of its speed that a part lends to one it is joined to by rounding alone."""
 
@@ -120,15 +122,16 @@ def _labels_blocks(
 
 
 @inline_kernel
-def nearest_forces(low: FloatArray, forces: FloatArray) -> bool:
-    """Fill the flat admissible forces nearest to zero, and tell whether one of them is not zero."""
-    some = False
-    for k in range(low.size):
-        forces[3 * k] = forces[3 * k + 1] = forces[3 * k + 2] = 0.0
-        if low[k] > 0.0:
-            forces[3 * k + 2] = low[k]
-            some = True
-    return some
+def _drop_noise(velocities: FloatArray, sizes: FloatArray) -> None:
+    """Set velocities of contacts to zero where they are what rounding makes of sums of terms of such sizes.
+
+    Preloads that hold each other up to rounding leave no motion: their own sum is the solution.
+    """
+    for k in range(velocities.size // 3):
+        i = 3 * k
+        speed = abs(velocities[i]) + abs(velocities[i + 1]) + abs(velocities[i + 2])
+        if speed <= ROUNDING * velocities.size * (sizes[i] + sizes[i + 1] + sizes[i + 2]):
+            velocities[i] = velocities[i + 1] = velocities[i + 2] = 0.0
 
 
 @inline_kernel
@@ -164,14 +167,17 @@ def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray
         a, b, c = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
         w[k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
         s[k], trace[k], on[k] = 0.0, a + b + c, 1.0 if high[k] > 0.0 else 0.0
-    nearest = np.empty(3 * n) if low.max() > 0.0 else velocities
-    if nearest_forces(low, nearest):
+    if low.max() > 0.0:
+        noise = np.zeros(3 * n)
         for i in range(3 * n):
-            velocities[i] = g[i]
+            velocities[i], noise[i] = g[i], abs(g[i])
         for k in range(n):
             if low[k] > 0.0:
                 for i in range(3 * n):
-                    velocities[i] += G[3 * k + 2, i] * low[k]
+                    part = G[3 * k + 2, i] * low[k]
+                    velocities[i] += part
+                    noise[i] += abs(part)
+        _drop_noise(velocities, noise)
     else:
         velocities = g
     parts = _labels_dense(G, on, trace, NOISE, label)
@@ -187,7 +193,7 @@ def scales_blocks(
 ) -> None:  # fmt: skip
     """Fill the rows w, s and trace G_kk of `scales` (3, n) for a block matrix; see `scales_dense`."""
     n = low.size
-    label, on, nearest = np.empty(n, dtype=np.int64), np.empty(n), np.empty(3 * n)
+    label, on, nearest = np.empty(n, dtype=np.int64), np.empty(n), np.zeros(3 * n)
     w, s, trace = scales[0], scales[1], scales[2]
     for k in range(n):
         s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
@@ -197,8 +203,11 @@ def scales_blocks(
                 w[k] = symmetric_norm(B[0, 0], B[1, 1], B[2, 2], B[0, 1], B[0, 2], B[1, 2])
                 trace[k] = B[0, 0] + B[1, 1] + B[2, 2]
     velocities = g
-    if nearest_forces(low, nearest):
+    if low.max() > 0.0:
+        for k in range(n):
+            nearest[3 * k + 2] = max(low[k], 0.0)
         velocities = block_product(starts, columns, values, nearest) + g
+        _drop_noise(velocities, block_product(starts, columns, np.abs(values), nearest) + np.abs(g))
     parts = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
     if parts > 1 and _labels_blocks(starts, columns, values, on, trace, 0.0, label) < parts:

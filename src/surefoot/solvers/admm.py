@@ -11,7 +11,7 @@ efficient approach", RSS 2024; S. Boyd et al., "Distributed optimization and sta
 2011; A. Tasora et al., "Solving variational inequalities and cone complementarity problems in nonsmooth
 dynamics using ADMM", IJNME 122, 2021.
 
-Limits: linear convergence, a dense (3n, 3n) inverse; for Coulomb's law a heuristic, as all of its kind.
+Limits: linear convergence, a dense (3n, 3n) inverse or sparse factors; for Coulomb's law a heuristic, as all of its kind.
 """
 
 from __future__ import annotations
@@ -19,9 +19,12 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
@@ -39,10 +42,52 @@ ENTRY = 4e-10
 """Seconds per entry of G that an iteration takes."""
 FINISH_FROM, FINISH_GROWTH = 100, 1.5
 """Iterations after which something else may try to finish, and by how much more each time."""
+SPARSE_BELOW = 0.2
+"""Share of stored blocks under which many contacts are factorised as a sparse matrix."""
 PROXIMAL = 1e-9
 RELAXATION = 1.6
 BALANCE = 3.0
 """The penalty changes when one residual exceeds the other by this factor."""
+
+
+@inline_kernel
+def _right_side(
+    g: FloatArray, mu: FloatArray, low: FloatArray, coulomb: bool, facets: int, inner: bool, rho: float,
+    eta: float, x: FloatArray, z: FloatArray, y: FloatArray, b: FloatArray,
+) -> None:  # fmt: skip
+    """Fill b = rho z - y + eta x - g - s."""
+    for k in range(mu.size):
+        i = 3 * k
+        for a in range(3):
+            b[i + a] = rho * z[i + a] - y[i + a] + eta * x[i + a] - g[i + a]
+        if coulomb and low[k] > -np.inf:
+            b[i + 2] -= shift_any(-y[i], -y[i + 1], mu[k], facets, inner)
+
+
+@inline_kernel
+def _update(
+    mu: FloatArray, low: FloatArray, high: FloatArray, facets: int, inner: bool, rho: float, x: FloatArray,
+    z: FloatArray, y: FloatArray,
+) -> tuple[float, float]:  # fmt: skip
+    """Project z = P_K(x + y / rho) with x over-relaxed and move y; return the primal and dual residuals."""
+    primal = dual = 0.0
+    share = 1.0 / rho
+    for k in range(mu.size):
+        i = 3 * k
+        r0 = RELAXATION * x[i] + (1.0 - RELAXATION) * z[i]
+        r1 = RELAXATION * x[i + 1] + (1.0 - RELAXATION) * z[i + 1]
+        r2 = RELAXATION * x[i + 2] + (1.0 - RELAXATION) * z[i + 2]
+        p, q, r = project_any(
+            r0 + y[i] * share, r1 + y[i + 1] * share, r2 + y[i + 2] * share, mu[k], low[k], high[k], facets,
+            inner,
+        )  # fmt: skip
+        dual = max(dual, rho * abs(p - z[i]), rho * abs(q - z[i + 1]), rho * abs(r - z[i + 2]))
+        y[i] += rho * (r0 - p)
+        y[i + 1] += rho * (r1 - q)
+        y[i + 2] += rho * (r2 - r)
+        z[i], z[i + 1], z[i + 2] = p, q, r
+        primal = max(primal, abs(x[i] - p), abs(x[i + 1] - q), abs(x[i + 2] - r))
+    return primal, dual
 
 
 @kernel
@@ -51,44 +96,43 @@ def _iterate(
     facets: int, inner: bool, rho: float, eta: float, x: FloatArray, z: FloatArray, y: FloatArray, count: int,
 ) -> tuple[float, float]:  # fmt: skip
     """Run `count` iterations in place; return the primal and dual residuals of the last one."""
-    n = mu.size
-    b, share = np.empty(3 * n), 1.0 / rho
+    b = np.empty(g.size)
     primal = dual = 0.0
     for _ in range(count):
-        for k in range(n):
-            i = 3 * k
-            for a in range(3):
-                b[i + a] = rho * z[i + a] - y[i + a] + eta * x[i + a] - g[i + a]
-            if coulomb and low[k] > -np.inf:
-                b[i + 2] -= shift_any(-y[i], -y[i + 1], mu[k], facets, inner)
-        for i in range(3 * n):
+        _right_side(g, mu, low, coulomb, facets, inner, rho, eta, x, z, y, b)
+        for i in range(g.size):
             x[i] = 0.0
-        for j in range(3 * n):  # not BLAS: its threads cost more than they bring, and row by row is as fast
+        for j in range(g.size):  # not BLAS: its threads cost more than they bring, and row by row is as fast
             factor = b[j]
-            for i in range(3 * n):
+            for i in range(g.size):
                 x[i] += inverse[j, i] * factor
-        primal = dual = 0.0
-        for k in range(n):
-            i = 3 * k
-            r0 = RELAXATION * x[i] + (1.0 - RELAXATION) * z[i]
-            r1 = RELAXATION * x[i + 1] + (1.0 - RELAXATION) * z[i + 1]
-            r2 = RELAXATION * x[i + 2] + (1.0 - RELAXATION) * z[i + 2]
-            p, q, r = project_any(
-                r0 + y[i] * share,
-                r1 + y[i + 1] * share,
-                r2 + y[i + 2] * share,
-                mu[k],
-                low[k],
-                high[k],
-                facets,
-                inner,
-            )
-            dual = max(dual, rho * abs(p - z[i]), rho * abs(q - z[i + 1]), rho * abs(r - z[i + 2]))
-            y[i] += rho * (r0 - p)
-            y[i + 1] += rho * (r1 - q)
-            y[i + 2] += rho * (r2 - r)
-            z[i], z[i + 1], z[i + 2] = p, q, r
-            primal = max(primal, abs(x[i] - p), abs(x[i + 1] - q), abs(x[i + 2] - r))
+        primal, dual = _update(mu, low, high, facets, inner, rho, x, z, y)
+    return primal, dual
+
+
+@kernel
+def _half_step(
+    g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, coulomb: bool, facets: int, inner: bool,
+    rho: float, eta: float, x: FloatArray, z: FloatArray, y: FloatArray, b: FloatArray, projecting: bool,
+) -> tuple[float, float]:  # fmt: skip
+    """Do what lies on one side of the linear solve: fill b, or project and move y."""
+    if projecting:
+        return _update(mu, low, high, facets, inner, rho, x, z, y)
+    _right_side(g, mu, low, coulomb, facets, inner, rho, eta, x, z, y, b)
+    return 0.0, 0.0
+
+
+def _iterate_sparse(
+    factor: Any, g: FloatArray, laws: tuple[Any, ...], rho: float, eta: float, x: FloatArray, z: FloatArray,
+    y: FloatArray, count: int,
+) -> tuple[float, float]:  # fmt: skip
+    """Run `count` iterations with a sparse factorisation; see `_iterate`."""
+    b = np.empty(g.size)
+    primal = dual = 0.0
+    for _ in range(count):
+        _half_step(g, *laws, rho, eta, x, z, y, b, False)
+        x[:] = factor.solve(b)
+        primal, dual = _half_step(g, *laws, rho, eta, x, z, y, b, True)
     return primal, dual
 
 
@@ -208,6 +252,9 @@ class _Scaled:
         self.limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
         self.end = time.perf_counter() + settings.max_time
         self.measure = measure_of(problem)
+        self.sparse: Any = None
+        if problem.contacts > LARGE and problem.blocks.density < SPARSE_BELOW:
+            self.sparse = sp.csc_matrix(self.G)
 
 
 @register("admm", polyhedral=True, bilateral=True)
@@ -252,9 +299,9 @@ def run_admm(
     done, next_finish = 0, FINISH_FROM
     while done < s.limit:
         if rho != used:
-            inverse, used = _inverse(s.G, rho + s.eta), rho
+            solve, used = _factorised(s, rho + s.eta), rho
         now = min(CHECK_EVERY_LARGE, s.limit - done)
-        primal, dual = _iterate(inverse, s.g, *s.laws, rho, s.eta, s.x, s.z, s.y, now)
+        primal, dual = solve(rho, now)
         done += now
         forces = s.z * s.D
         relative = float(error_any(forces, problem.velocity(forces.reshape(-1, 3)).ravel(), *own))
@@ -270,6 +317,19 @@ def run_admm(
         if done < 0.5 * s.limit:
             rho = _next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
     return Answer(best.reshape(-1, 3), done)
+
+
+def _factorised(s: _Scaled, shift: float) -> Callable[[float, int], tuple[float, float]]:
+    """Return what runs iterations at one penalty: with the inverse of G + shift I, or sparse factors of it."""
+    if s.sparse is None:
+        inverse = _inverse(s.G, shift)
+        return lambda rho, count: _iterate(inverse, s.g, *s.laws, rho, s.eta, s.x, s.z, s.y, count)
+    matrix = (s.sparse + shift * sp.identity(s.g.size, format="csc")).tocsc()
+    # positive definite: the diagonal serves as pivot, and the ordering may look at G alone
+    factor = scipy.sparse.linalg.splu(
+        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    return lambda rho, count: _iterate_sparse(factor, s.g, s.laws, rho, s.eta, s.x, s.z, s.y, count)
 
 
 def _inverse(G: FloatArray, shift: float) -> FloatArray:

@@ -49,13 +49,15 @@ FIRST_TRY: Try = (0.3, 50, 20, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
 NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
 GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.0, 50, 25, None))
-"""What follows if that found no guess (mass ratios of 1e6 bear no large proximal term), and if it did."""
+"""What follows, after ADMM, if that found no guess (mass ratios of 1e6 bear no large proximal term), and if it
+did."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
 ON_BLOCKS, ADMM_AND_NEWTON, PROOF = "sweeps and newton on blocks", "admm and newton", "infeasibility proof"
+MORE_NEWTON = "more newton on blocks"
 """What is asked besides solvers; see `_PARTS`."""
 Plan = tuple[tuple[str, int | None, bool], ...]
 CONES: dict[str, Plan] = {
@@ -79,10 +81,10 @@ CONES: dict[str, Plan] = {
 }
 CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
+        (ADMM_AND_NEWTON, 2000, True),
         (PROOF, None, False),
-        (ADMM_AND_NEWTON, 600, True),
-        (ADMM_AND_NEWTON, None, False),
-        ("staggered", 100, True),
+        (MORE_NEWTON, 100_000, True),
+        (ADMM_AND_NEWTON, None, True),
     ),
     "convex": (
         (PROOF, None, False),
@@ -148,10 +150,8 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     done, error, far = alternate(problem, settings, forces)
     if error <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
-    names = CONES_LARGE[problem.law]
-    if problem.law == "coulomb" and far > NO_GUESS:
-        names = tuple(entry for entry in names if entry[1] != 600)
-    return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
+    guess = None if far > NO_GUESS else forces.reshape(-1, 3)
+    return _hand_on(problem, settings, guess, done, CONES_LARGE[problem.law], start)
 
 
 def _hand_on(
@@ -174,7 +174,7 @@ def _hand_on(
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
             break
         if name == PROOF:
-            if (proof := find_proof(problem)) is not None:
+            if (proof := find_proof(problem, left)) is not None:
                 return Answer(best, done, Status.INFEASIBLE, proof=proof)
             continue
         function = _PARTS.get(name)
@@ -207,7 +207,16 @@ def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
 def _on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve few contacts as many are solved."""
     forces = start_forces(problem, warm_start)
-    done, *_ = alternate(problem, settings, forces)
+    done, error, far = alternate(problem, settings, forces)
+    if error > settings.tol:
+        done += more_newton(problem, settings, forces, done, far)[0]
+    return Answer(forces.reshape(-1, 3), done, Status.STALLED)
+
+
+def _more_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Take Newton steps under other proximal terms than the first try's."""
+    forces = start_forces(problem, warm_start)
+    done, _ = more_newton(problem, settings, forces, 0, 0.0)
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
@@ -226,7 +235,7 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
     return run_admm(problem, settings, warm_start, finish)
 
 
-_PARTS: dict[str, SolverFunction] = {ON_BLOCKS: _on_blocks, ADMM_AND_NEWTON: _admm_and_newton}
+_PARTS: dict[str, SolverFunction] = {ON_BLOCKS: _on_blocks, ADMM_AND_NEWTON: _admm_and_newton, MORE_NEWTON: _more_newton}
 
 
 def call_compiled(
@@ -286,11 +295,26 @@ def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -
         before, (_, error, far) = error, newton.measure(forces)
         if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
-    tries = [FIRST_TRY]
-    while tries and error > tol and done < most and time.perf_counter() < newton.end:
-        now = tries.pop(0)
-        used, error = newton.run(forces, most - done, *now)
+    if error > tol and done < most and time.perf_counter() < newton.end:
+        used, error = newton.run(forces, most - done, *FIRST_TRY)
         done, far = done + used, newton.measure(forces)[2]
-        if now is FIRST_TRY:
-            tries = list(NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES)
     return done, error, far
+
+
+def more_newton(
+    problem: ContactProblem, settings: Settings, forces: FloatArray, done: int, far: float
+) -> tuple[int, float]:
+    """Try Newton steps from flat forces, in place, under one proximal term after the other.
+
+    `done` iterations count against the limit; `far` is the force error so far. Return the sweeps and steps,
+    and the velocity error.
+    """
+    most = UNBOUNDED if settings.max_iterations is None else settings.max_iterations - done
+    newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
+    used, error = 0, newton.measure(forces)[1]
+    for now in NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES:
+        if not (error > settings.tol and used < most and time.perf_counter() < newton.end):
+            break
+        steps, error = newton.run(forces, most - used, *now)
+        used += steps
+    return used, error

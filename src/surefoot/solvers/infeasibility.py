@@ -17,6 +17,9 @@ Limits: dense matrices; a null space that is only nearly there gives a reach too
 
 from __future__ import annotations
 
+import math
+import time
+
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
@@ -29,25 +32,30 @@ NULL = 1e-10
 """Eigenvalues of the scaled G below this share of the largest count as zero."""
 VANISHED = 1e-9
 """A direction this much shorter than g is none: the problem has solutions, or only just not."""
+DECOMPOSITION = 2e-8
+"""Seconds that the decomposition takes, over the cube of the number of contacts."""
 LARGEST = 700
 """Contacts up to which the dense decomposition is worth its time."""
 
 
-def find_proof(problem: ContactProblem) -> InfeasibilityProof | None:
+def find_proof(problem: ContactProblem, max_time: float = math.inf) -> InfeasibilityProof | None:
     """Return a conclusive proof that a problem has no solution, or None if none was found.
 
-    Part by part: what is joined by nothing has nothing to do with each other, and may differ in size.
+    The time [s] is looked at between parts and steps. Part by part: what is joined by nothing has nothing to do with each other, and may differ in size.
     """
     if not 0 < problem.contacts <= LARGEST:
         return None
     label = connected_parts(problem)
     speeds = problem.scales[1]
+    end = time.perf_counter() + max_time
     for part in range(int(label.max()) + 1):
         members = np.flatnonzero(label == part)
         if float(speeds[members].max()) == 0.0:
             continue
+        if time.perf_counter() + DECOMPOSITION * members.size**3 > end:
+            return None
         direction = np.zeros((problem.contacts, 3))
-        found = _part_direction(problem, members)
+        found = _part_direction(problem, members, end)
         if found is None:
             continue
         direction[members] = found
@@ -57,7 +65,7 @@ def find_proof(problem: ContactProblem) -> InfeasibilityProof | None:
     return None
 
 
-def _part_direction(problem: ContactProblem, members: IntArray) -> FloatArray | None:
+def _part_direction(problem: ContactProblem, members: IntArray, end: float) -> FloatArray | None:
     """Return the best direction (m, 3) of one connected part, None if there is none."""
     rows = (3 * members[:, None] + np.arange(3)).ravel()
     G, g = problem.G[np.ix_(rows, rows)], problem.g[rows]
@@ -72,7 +80,7 @@ def _part_direction(problem: ContactProblem, members: IntArray) -> FloatArray | 
     with np.errstate(all="ignore"):
         values, vectors = np.linalg.eigh(G)
         V = vectors[:, values > NULL * max(float(values[-1]), 1e-300)]
-        d = _project(directions, V, g / size)
+        d = _project(directions, V, g / size, end)
         if d is None:
             return None
         d = _onto_null_space(directions, G, d)
@@ -135,7 +143,7 @@ class _Directions:
         return out.ravel(), J
 
 
-def _project(directions: _Directions, V: FloatArray, g: FloatArray) -> FloatArray | None:
+def _project(directions: _Directions, V: FloatArray, g: FloatArray, end: float) -> FloatArray | None:
     """Return the projection of -g onto C, for g of length one; None if it vanishes."""
     rank, n = V.shape[1], g.size // 3
     z = np.zeros(rank)
@@ -143,7 +151,7 @@ def _project(directions: _Directions, V: FloatArray, g: FloatArray) -> FloatArra
     value = float(d @ d)
     blocks = V.reshape(n, 3, rank)
     for _ in range(STEPS):
-        if value <= VANISHED**2:
+        if value <= VANISHED**2 or time.perf_counter() > end:
             return None
         gradient = V.T @ d
         if float(np.linalg.norm(gradient)) <= 1e-15 * np.sqrt(value):

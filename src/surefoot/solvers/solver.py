@@ -230,8 +230,9 @@ def solve(
         answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
-    if found.status in GAVE_UP and answer.proof is None and _clock() - start < max_time:
-        if (proof := find_proof(problem)) is not None:
+    left = max_time - (_clock() - start)
+    if found.status in GAVE_UP and answer.proof is None and left > 0.0:
+        if (proof := find_proof(problem, left)) is not None:
             answer = answer._replace(proof=proof)
             return certify(problem, answer, entry.name, tol, _clock() - start)
     return found
