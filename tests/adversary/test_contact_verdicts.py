@@ -24,14 +24,14 @@ COUNT = {
     "jamming": 20,
     "gripped": 30,
 }
-"""Problems of the costly families; the others have 54."""
+"""Problems of the costly families; the others have 46."""
 SAMPLE = ("small", "redundant", "unequal_loads", "scales", "decoupled", "squeezed", "squeezed_beside_lawful",
           "no_normal_row", "held_apart", "jamming", "weak", "rank_one", "enormous")  # fmt: skip
 
 
 @pytest.mark.parametrize("name", sorted(FAMILIES))
 def test_no_verdict_of_auto_is_false(name: str) -> None:
-    found = [examine(name, seed, max_time=0.1) for seed in range(COUNT.get(name, 54))]
+    found = [examine(name, seed, max_time=0.1) for seed in range(COUNT.get(name, 46))]
     lies = [f"{f.lies}: {f.command}" for f in found if f.lies]
     assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
     leaks = [f.command for f in found if f.leaks]
@@ -50,7 +50,7 @@ def test_no_verdict_of_any_solver_is_false(name: str) -> None:
 @pytest.mark.parametrize("name", SAMPLE)
 def test_a_warm_start_cannot_make_it_lie(name: str, start: str) -> None:
     solvers = ("auto", "nsgs", "admm", "newton", "staggered")
-    found = list(sweep([name], range(300, 303), solvers, 1e-8, [start], 0.05, 1000))
+    found = list(sweep([name], range(300, 302), solvers, 1e-8, [start], 0.05, 1000))
     lies = [f"{f.lies}: {f.command}" for f in found if f.lies]
     assert not lies, "\n".join([f"{len(lies)} of {len(found)}", *lies[:10]])
 
