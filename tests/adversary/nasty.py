@@ -269,3 +269,30 @@ def indefinite(rng: Generator) -> Case:
     if kind == 1:
         G[:3, :3] = 0.0
     return Case({"G": G, "g": rng.normal(size=3 * n)} | laws(rng, n), UNKNOWN)
+
+
+@family
+def squeezed_bounded(rng: Generator) -> Case:
+    """Walls that close with all the force they have: the bound is reached, or the answer is not known."""
+    n = int(rng.integers(2, 7))
+    law = str(rng.choice(["coulomb", "convex"]))
+    bad = squeezed_twins(rng, {"mu": rng.uniform(0.4, 1.0, n), "law": law}, n, 0.3)[1]
+    high = np.where(rng.random(n) < 0.7, 10.0 ** rng.uniform(-2, 16, n), np.inf)
+    return replace(bad, arguments=bad.arguments | {"normal_max": high}, truth=UNKNOWN, direction=None)
+
+
+@family
+def all_bounded(rng: Generator) -> Case:
+    """Any problem whose normal forces are all bounded: forces are a compact set, so a solution exists.
+
+    (P. Hartman, G. Stampacchia, "On some non-linear elliptic differential-functional equations", 1966.)
+    """
+    n = int(rng.integers(2, 9))
+    law = str(rng.choice(["coulomb", "convex"]))
+    arguments = {"mu": rng.uniform(0.0, 1.0, n), "law": law}
+    if rng.random() < 0.5:
+        found = squeezed_twins(rng, arguments | {"mu": rng.uniform(0.4, 1.0, n)}, n, 0.3)[1].arguments
+    else:
+        found = {"G": any_matrix(rng, n), "g": rng.normal(size=3 * n)} | arguments
+    unit = float(np.abs(found["g"]).max()) / float(np.abs(found["G"]).max())
+    return Case(found | {"normal_max": unit * 10.0 ** rng.uniform(-2, 3, n)}, FEASIBLE)
