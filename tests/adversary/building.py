@@ -256,7 +256,8 @@ def feasible_case(rng: Generator, G: np.ndarray, arguments: dict[str, Any]) -> C
 
 
 def rescaled(found: Case, a: float, b: float) -> Case:
-    """The same problem with G times a and g times b: forces and bounds times b / a."""
+    """The same problem with G times a and g times b, as powers of two: forces and bounds times b / a."""
+    a, b = 2.0 ** round(np.log2(a)), 2.0 ** round(np.log2(b))
     arguments = dict(found.arguments)
     arguments["G"] = arguments["G"] * a
     arguments["g"] = np.asarray(arguments["g"]) * b

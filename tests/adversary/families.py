@@ -167,4 +167,4 @@ def extreme(rng: Generator) -> Case:
     n = int(rng.integers(1, 5))
     found = feasible_case(rng, any_matrix(rng, n), laws(rng, n, plain=True))
     a, b = 10.0 ** rng.integers(-280, 281), 10.0 ** rng.integers(-140, 141)
-    return replace(rescaled(found, a, b), truth=UNKNOWN, forces=None)
+    return rescaled(replace(found, truth=UNKNOWN, forces=None), a, b)

@@ -184,6 +184,6 @@ def weak(rng: Generator) -> Case:
     along = np.array([np.cos(angle), np.sin(angle), 0.0])
     across = np.array([-np.sin(angle), np.cos(angle), 0.0])
     G = symmetric(np.outer(across, across)) * 10.0 ** rng.uniform(-2, 2)
-    g = -along + mu * np.array([0.0, 0.0, 1.0]) + rng.uniform(0.1, 3.0) * across
+    g = -along + mu * np.array([0.0, 0.0, 1.0]) + rng.uniform(0.3, 3.0) * across
     found = Case({"G": G, "g": g, "mu": mu, "law": "convex"}, NO_SOLUTION)
     return beside(rng, plain_block(rng, "convex"), found) if rng.random() < 0.3 else found

@@ -24,7 +24,7 @@ from building import (
     symmetric,
     with_free_velocity,
 )
-from insoluble import squeezed_twins, squeezing
+from insoluble import squeezed_twins, squeezing, weak
 from numpy.random import Generator
 from oracle import read, velocities_of
 
@@ -50,7 +50,7 @@ def nearly_squeezed(rng: Generator) -> Case:
     G, d = squeezing(rng, n, "coulomb")
     G = G / np.abs(G).max()
     G[np.diag_indices(3 * n)] += 10.0 ** rng.uniform(-12, -2)
-    arguments = {"mu": rng.uniform(0.1, 1.0, n)}
+    arguments = {"mu": rng.uniform(0.1, 1.0, n), "law": str(rng.choice(["coulomb", "convex"]))}
     forces, u = lawful_state(rng, arguments, n)
     forces += 10.0 ** rng.uniform(0, 10) * d
     u[d.any(axis=1)] = 0.0
@@ -224,3 +224,75 @@ def squeezed_inside(rng: Generator) -> Case:
     total = symmetric(G + J @ J.T * 10.0 ** rng.uniform(-3, 3))
     g = with_free_velocity(total, forces / np.abs(total).max(), u) - 0.1 * d.ravel() / np.sum(d * d)
     return Case({"G": total, "g": g} | arguments, INFEASIBLE, None, d)
+
+
+@family
+def weak_beside_heavy(rng: Generator) -> Case:
+    """`weak` beside a lawful block whose energy s² / w is up to 1e24 times as large."""
+    good = rescaled(plain_block(rng, "convex"), 10.0 ** -rng.integers(0, 13), 10.0 ** rng.integers(0, 7))
+    return beside(rng, good, weak(rng))
+
+
+@family
+def squeezed_extreme(rng: Generator) -> Case:
+    """Squeezed bodies where squares overflow or vanish: G by 1e±290, g by 1e±140."""
+    n = int(rng.integers(2, 5))
+    bad = squeezed_twins(rng, {"mu": rng.uniform(0.4, 1.0, n)}, n, 0.3)[1]
+    return rescaled(
+        bad, 10.0 ** (rng.choice([-1, 1]) * rng.integers(120, 291)), 10.0 ** rng.integers(-140, 141)
+    )
+
+
+@family
+def nearly_squeezed_extreme(rng: Generator) -> Case:
+    """`nearly_squeezed` where squares overflow or vanish."""
+    found = nearly_squeezed(rng)
+    a = 10.0 ** (rng.choice([-1, 1]) * rng.integers(120, 200))
+    return rescaled(found, a, 10.0 ** rng.integers(-60, 61))
+
+
+@family
+def denormal(rng: Generator) -> Case:
+    """A lawful block beside one whose speeds are denormal numbers: 1 / s is no number."""
+    small = replace(rescaled(plain_block(rng), 1.0, 10.0 ** -float(rng.integers(306, 320))), truth=UNKNOWN)
+    return beside(rng, plain_block(rng), small)
+
+
+@family
+def indefinite(rng: Generator) -> Case:
+    """Symmetric matrices that no mass makes: negative, or with zero blocks that are coupled."""
+    n = int(rng.integers(1, 6))
+    G = symmetric(rng.normal(size=(3 * n, 3 * n)))
+    kind = rng.integers(3)
+    if kind == 0:
+        G = -bodies_matrix(rng, n, 1)[2]
+    if kind == 1:
+        G[:3, :3] = 0.0
+    return Case({"G": G, "g": rng.normal(size=3 * n)} | laws(rng, n), UNKNOWN)
+
+
+@family
+def squeezed_bounded(rng: Generator) -> Case:
+    """Walls that close with all the force they have: the bound is reached, or the answer is not known."""
+    n = int(rng.integers(2, 7))
+    law = str(rng.choice(["coulomb", "convex"]))
+    bad = squeezed_twins(rng, {"mu": rng.uniform(0.4, 1.0, n), "law": law}, n, 0.3)[1]
+    high = np.where(rng.random(n) < 0.7, 10.0 ** rng.uniform(-2, 16, n), np.inf)
+    return replace(bad, arguments=bad.arguments | {"normal_max": high}, truth=UNKNOWN, direction=None)
+
+
+@family
+def all_bounded(rng: Generator) -> Case:
+    """Any problem whose normal forces are all bounded: forces are a compact set, so a solution exists.
+
+    (P. Hartman, G. Stampacchia, "On some non-linear elliptic differential-functional equations", 1966.)
+    """
+    n = int(rng.integers(2, 9))
+    law = str(rng.choice(["coulomb", "convex"]))
+    arguments = {"mu": rng.uniform(0.0, 1.0, n), "law": law}
+    if rng.random() < 0.5:
+        found = squeezed_twins(rng, arguments | {"mu": rng.uniform(0.4, 1.0, n)}, n, 0.3)[1].arguments
+    else:
+        found = {"G": any_matrix(rng, n), "g": rng.normal(size=3 * n)} | arguments
+    unit = float(np.abs(found["g"]).max()) / float(np.abs(found["G"]).max())
+    return Case(found | {"normal_max": unit * 10.0 ** rng.uniform(-2, 3, n)}, FEASIBLE)

@@ -28,6 +28,8 @@ REACH = 1e6
 """A proof of infeasibility must reach so many times the force s / least ||G_kk||."""
 NOISE, LENT = 1e-14, 1e-5
 """Share of their contacts' sizes up to which entries of G are rounding; share of speed lent through them."""
+VANISHING = 1e-290
+"""Speeds below this [m/s] are rounding: numbers next to them have no 16 digits any more."""
 NOWHERE = 1e-2
 """Step, as a share of ||λ||, of the one-sided derivative that stands for a normal cone where G_kk is zero."""
 
@@ -209,7 +211,8 @@ def speeds_of_parts(data: Data, noise: float = 0.0) -> np.ndarray:
 
 def scales(data: Data) -> np.ndarray:
     """s of each contact, as generous as it may be: parts that rounding alone joins lend little of theirs."""
-    return np.maximum(speeds_of_parts(data, NOISE), LENT * speeds_of_parts(data))
+    s = np.maximum(speeds_of_parts(data, NOISE), LENT * speeds_of_parts(data))
+    return np.where(s > 0.0, np.maximum(s, VANISHING), s)
 
 
 def _error(data: Data, k: int, force: np.ndarray, u: Vector, size: float) -> float:

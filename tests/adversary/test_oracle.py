@@ -12,7 +12,7 @@ from families import FAMILIES
 from oracle import DIGITS, check_proof, judge, read
 from scipy.optimize import minimize
 
-DELICATE = ("gripped", "narrow", "nearly_squeezed", "steep_or_smooth", "spread")
+DELICATE = ("gripped", "nearly_squeezed_extreme", "narrow", "nearly_squeezed", "steep_or_smooth", "spread")
 """Families with solutions that double precision may not be able to show."""
 BOUNDS = [(0.0, None), (0.3, None), (0.0, 0.8), (0.3, 0.8), (0.5, 0.5)]
 
