@@ -61,7 +61,7 @@ def test_projection_and_errors() -> None:
     assert natural_map.project(1.0, 2.0, -3.0, 0.1, -np.inf, np.inf) == (1.0, 2.0, -3.0)
     p = problem(1)
     force, u = rng.normal(size=12), rng.normal(size=12)
-    w, s, _ = p.scales
+    w, s = p.scales[:2]
     gaps = []
     for k in range(4):
         i = slice(3 * k, 3 * k + 3)

@@ -262,11 +262,11 @@ class ContactProblem:
 
     @property
     def scales(self) -> FloatArray:
-        """The scales of `contact.scales`, (3, n): w_k = ||G_kk||₂, s_k [m/s] and trace G_kk.
+        """The scales of `contact.scales`, (4, n): w_k = ||G_kk||₂, s_k [m/s], trace G_kk, the part's Σ s_j² / w_j.
 
         Not kept: g may be changed in place, and a verdict must not rest on what it was.
         """
-        scales = np.zeros((3, self.contacts))
+        scales = np.zeros((4, self.contacts))
         if self.contacts == 0:
             return scales
         if self._sparse is None or "G" in self.__dict__:

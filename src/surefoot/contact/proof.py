@@ -94,7 +94,8 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     np.add.at(drift, rows, np.einsum("kab,kb->ka", values, ends))
     np.add.at(noise, rows, np.einsum("kab,kb->ka", np.abs(values), np.abs(ends)))
     most = np.diff(b.starts).max(initial=0) * 3 + 3
-    slack = np.linalg.norm(drift, axis=1) + most * ROUNDING * np.linalg.norm(noise, axis=1)
+    # sums of sizes: at least the norms, and no square that overflows or vanishes
+    slack = np.abs(drift).sum(axis=1) + most * ROUNDING * noise.sum(axis=1)
     worst = float(slack.max(initial=0.0))
     reach = -work / worst if worst > 0.0 else np.inf
     return InfeasibilityProof(d, work, reach, _needed(problem, np.abs(d).max(axis=1) > 0.0))
@@ -113,6 +114,6 @@ def _needed(problem: ContactProblem, pushed: BoolArray) -> float:
     """Return `InfeasibilityProof.needed`, of the connected parts that the direction lies in."""
     label = connected_parts(problem)
     part = np.isin(label, label[pushed])
-    w, s, _ = problem.scales
+    w, s = problem.scales[:2]
     weights = w[part & (w > 0.0)]
     return MEANT * float(s[part].max(initial=0.0)) / float(weights.min()) if weights.size else 0.0

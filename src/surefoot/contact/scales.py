@@ -24,13 +24,15 @@ NOISE = 1.5e-14
 """Share of sqrt(trace G_kk trace G_jj) up to which the entries of G_kj are rounding."""
 ROUNDING = 2.3e-16
 """Of one operation in double precision."""
+REST = 1e-290
+"""Speeds up to this are none: their quotients would not be numbers."""
 LENT = 1e-6
 """Share of its speed that a part lends to one it is joined to by rounding alone."""
 
 
 @inline_kernel
 def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -> float:
-    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]], positive semidefinite.
+    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]].
 
     The trigonometric root of the characteristic polynomial (O. K. Smith, CACM 4(4), 1961), in units of the
     largest entry.
@@ -48,7 +50,10 @@ def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -
     radius = math.sqrt(half)
     cosine = (p * (q * r - z * z) - x * (x * r - z * y) + y * (x * z - q * y)) / (2.0 * half * radius)
     angle = math.acos(min(max(cosine, -1.0), 1.0)) / 3.0
-    return (mean + 2.0 * radius * math.cos(angle)) * top
+    largest = mean + 2.0 * radius * math.cos(angle)
+    if mean < 0.5 * radius:  # not semidefinite, perhaps: the other end may be farther out
+        largest = max(largest, -mean - 2.0 * radius * math.cos(angle + 2.0 * math.pi / 3.0))
+    return largest * top
 
 
 @inline_kernel
@@ -89,7 +94,7 @@ def _labels_dense(G: FloatArray, on: FloatArray, trace: FloatArray, noise: float
         for j in range(k):
             if label[k] == label[j] or on[k] == 0.0 or on[j] == 0.0:
                 continue
-            if _block_exceeds(G, k, j, noise * math.sqrt(trace[k] * trace[j])):
+            if _block_exceeds(G, k, j, noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j]))):
                 _join(label, k, j)
     return _parts(label)
 
@@ -115,7 +120,7 @@ def _labels_blocks(
                 j = columns[at]
                 if label[j] >= 0 or on[k] == 0.0 or on[j] == 0.0:
                     continue
-                if np.abs(values[at]).max() > noise * math.sqrt(trace[k] * trace[j]):
+                if np.abs(values[at]).max() > noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j])):
                     label[j], queue[tail] = first, j
                     tail += 1
     return _parts(label)
@@ -147,21 +152,33 @@ def _largest_speeds(
             speed = math.sqrt(velocities[i] ** 2 + velocities[i + 1] ** 2 + velocities[i + 2] ** 2)
             if not speed < 1e150 or 0.0 <= speed < 1e-150:  # the squares overflow, or vanish
                 speed = math.hypot(math.hypot(velocities[i], velocities[i + 1]), velocities[i + 2])
+                speed = speed if speed > REST else 0.0
             most[label[k]] = max(most[label[k]], speed)
     for k in range(n):
         s[k] = max(s[k], share * most[label[k]])
 
 
+@inline_kernel
+def _energies(w: FloatArray, s: FloatArray, label: IntArray, energy: FloatArray) -> None:
+    """Fill the energy of every contact's part, Σ s_j² / w_j."""
+    most = np.zeros(label.size)
+    for k in range(label.size):
+        if w[k] > 0.0:
+            most[label[k]] += s[k] / w[k] * s[k]
+    for k in range(label.size):
+        energy[k] = most[label[k]]
+
+
 @kernel
 def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray) -> None:
-    """Fill the rows w, s and trace G_kk of `scales` (3, n) for a dense G.
+    """Fill the rows of `scales` (4, n) for a dense G: w, s, trace G_kk, and Σ s_j² / w_j of the part.
 
     A contact that is off (high = 0) joins nothing and has no speed of its own.
     """
     n = low.size
     label, work = np.empty(n, dtype=np.int64), np.empty((2, 3 * n))
     velocities, on = work[0], work[1]
-    w, s, trace = scales[0], scales[1], scales[2]
+    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
     for k in range(n):
         i = 3 * k
         a, b, c = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
@@ -182,6 +199,7 @@ def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray
         velocities = g
     parts = _labels_dense(G, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
+    _energies(w, s, label, energy)
     if parts > 1 and _labels_dense(G, on, trace, 0.0, label) < parts:
         _largest_speeds(velocities, on, label, LENT, s)
 
@@ -191,10 +209,10 @@ def scales_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray,
     scales: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the rows w, s and trace G_kk of `scales` (3, n) for a block matrix; see `scales_dense`."""
+    """Fill the rows of `scales` (4, n) for a block matrix; see `scales_dense`."""
     n = low.size
     label, on, nearest = np.empty(n, dtype=np.int64), np.empty(n), np.zeros(3 * n)
-    w, s, trace = scales[0], scales[1], scales[2]
+    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
     for k in range(n):
         s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
         for at in range(starts[k], starts[k + 1]):
@@ -210,5 +228,6 @@ def scales_blocks(
         _drop_noise(velocities, block_product(starts, columns, np.abs(values), nearest) + np.abs(g))
     parts = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
+    _energies(w, s, label, energy)
     if parts > 1 and _labels_blocks(starts, columns, values, on, trace, 0.0, label) < parts:
         _largest_speeds(velocities, on, label, LENT, s)

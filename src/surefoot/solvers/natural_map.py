@@ -54,7 +54,7 @@ def velocity_error(
 
     `measure` is what `fill_measure` filled. A sum that is not a number is returned as infinite.
     """
-    worst = 0.0
+    worst = total = 0.0
     at = measure.shape[1] - 2
     for k in range(mu.size):
         i = 3 * k
@@ -65,8 +65,9 @@ def velocity_error(
         step = measure[k, at]
         a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
         gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, at + 1]
-        worst = gap if not gap <= worst else worst
-    return math.sqrt(worst) if worst >= 0.0 else np.inf
+        worst = max(worst, gap)
+        total += gap
+    return math.sqrt(worst) if total >= 0.0 else np.inf
 
 
 @kernel

@@ -227,7 +227,8 @@ def solve(
     else:
         remaining = None if max_iterations is None else max_iterations - before
         left = max(max_time - (_clock() - start), 0.0)
-        answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
+        with np.errstate(all="ignore"):  # the certificate says what became of it
+            answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
     left = max_time - (_clock() - start)
