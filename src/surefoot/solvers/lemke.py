@@ -32,6 +32,8 @@ PIVOTS = (1e-8, 1e-12)
 """Entries below this, relative to the largest of the entering column, are no pivots; tried in turn."""
 TIE = 1e-9
 """Ratios closer than this, relatively, are ties: redundant contacts make many, and tableaus have rounding."""
+ZERO = 1e-13
+"""What a difference leaves below this, relatively, is zero: noise would break ties in the wrong order."""
 DONE, RAY, MORE = 0, 1, 2
 
 
@@ -79,7 +81,9 @@ def _pivot(T: FloatArray, row: int, column: int) -> None:
         factor = T[i, column]
         if i != row and factor != 0.0:
             for j in range(T.shape[1]):
-                T[i, j] -= factor * T[row, j]
+                step = factor * T[row, j]
+                rest = T[i, j] - step
+                T[i, j] = rest if abs(rest) > ZERO * abs(step) else 0.0
             T[i, column] = 0.0
 
 
