@@ -25,6 +25,8 @@ COARSE = 1.5
 class LCP:
     """Find z >= 0 with w = M z + q >= 0 and z . w = 0.
 
+    `M` and `q` are copies that cannot be written to: another q is another problem.
+
     Parameters
     ----------
     M
@@ -48,6 +50,8 @@ class LCP:
         self.q = finite_array("q", q, (None,))
         self.size = self.q.shape[0]
         self.M = finite_array("M", M, (self.size, self.size))
+        for own in (self.M, self.q):  # copies; what is measured on them is kept, and must stay true
+            own.setflags(write=False)
 
     def __repr__(self) -> str:
         return f"LCP(size={self.size})"

@@ -186,13 +186,9 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
 @register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
 def solve_friction(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve Coulomb's law on pyramids as the LCP of Stewart and Trinkle, by Lemke's method; no warm start."""
-    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1)
-    top = float(trace.max(initial=0.0)) or 1.0
-    D = np.repeat(1.0 / np.sqrt(np.where(trace > 1e-12 * top, trace, top)), 3)  # leaves cones as they are
-    scaled = problem.replace(G=D[:, None] * problem.G * D[None, :], g=D * problem.g)
-    friction = stewart_trinkle(scaled)
+    friction = stewart_trinkle(problem)
     if friction.lcp.size == 0:
         return Answer(np.zeros((problem.contacts, 3)), 0)
     found = solve_lemke(friction.lcp, settings)
     stop = Status.STALLED if found.stop is Status.INFEASIBLE else found.stop
-    return Answer(D.reshape(-1, 3) * friction.forces(found.z), found.iterations, stop)
+    return Answer(friction.forces(found.z), found.iterations, stop)
