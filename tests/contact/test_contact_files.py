@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -120,19 +121,19 @@ def as_text(matrix: np.ndarray, storage: str) -> str:
     if storage == "triplets":
         at = np.argwhere(matrix)
         head = TRIPLETS.format(rows=rows, columns=columns, room=len(at) + 2, count=len(at))
-        return head + "".join(f"    {i} {j} : {matrix[i, j]:.17g}\n" for i, j in at)
+        return head + "".join(f"    {i} {j} : {float(matrix[i, j])!r}\n" for i, j in at)
     text, first = "", 0
     for j in range(columns):
         rest = np.flatnonzero(matrix[:, j])
         text += f"    col {j} : locations {first} to {first + rest.size - 1}\n"
-        text += "".join(f"      {i} : {matrix[i, j]:.17g}\n" for i in rest)
+        text += "".join(f"      {i} : {float(matrix[i, j])!r}\n" for i in rest)
         first += rest.size
     norm = np.abs(matrix).sum(axis=0).max()
     head = f"2\n{rows}\n{columns}\n2\nCSparse Version 3.2.0, Sept 12, 2017.\n"
     return f"{head}{rows}-by-{columns}, nzmax: {first} nnz: {first}, 1-norm: {norm:g}\n{text}"
 
 
-def numbers(*vectors: np.ndarray) -> str:
+def numbers(*vectors: Iterable[float]) -> str:
     return "".join(" ".join(f"{x:.17g}" for x in v) + "\n" for v in vectors)
 
 
@@ -148,6 +149,20 @@ def test_local_text_in_every_storage(tmp_path: Path, storage: str, closing: str)
     assert np.allclose(again.G, problem.G, rtol=1e-15, atol=0.0)
     assert np.array_equal(again.g, problem.g)
     assert np.array_equal(again.mu, problem.mu)
+
+
+def test_six_digits_are_taken_for_what_they_are(tmp_path: Path) -> None:
+    """Two contacts with one normal on one body: W is singular, and six digits of it are indefinite."""
+    for seed in range(30):
+        J = np.random.default_rng(seed).normal(size=(6, 3))
+        J[3:] *= np.random.default_rng(seed).uniform(0.5, 2.0)
+        W = J @ J.T
+        rough = np.array([[float(f"{x:g}") for x in row] for row in W])
+        path = tmp_path / f"{seed}.dat"
+        path.write_text(f"3\n2\n{as_text(rough, 'triplets')}{numbers(J @ [0.1, 0.2, -1.0], [0.5, 0.5])}")
+        problem = read_problem(path)
+        assert "6 digits" in problem.notes[0]
+        assert np.allclose(problem.G, W[np.ix_([1, 2, 0, 4, 5, 3], [1, 2, 0, 4, 5, 3])], rtol=1e-5)
 
 
 @pytest.mark.parametrize("kinds", [("dense", "dense"), ("triplets", "columns"), ("triplets", "dense")])

@@ -122,7 +122,13 @@ def turned(count: int, dimension: int = 3) -> IntArray:
 
 
 def from_foreign(
-    matrix: Any, q: FloatArray, mu: FloatArray, dimension: int, name: str, reference: FloatArray | None = None
+    matrix: Any,
+    q: FloatArray,
+    mu: FloatArray,
+    dimension: int,
+    name: str,
+    reference: FloatArray | None = None,
+    notes: tuple[str, ...] = (),
 ) -> ContactProblem:
     """Return the contact problem of a matrix and vectors in (normal, tangent, tangent) order."""
     if dimension not in (2, 3):
@@ -132,13 +138,13 @@ def from_foreign(
         raise ProblemError(
             f"{name}: sizes disagree: matrix {matrix.shape}, q {q.size}, mu {mu.size}, dimension {dimension}"
         )
-    notes = []
+    told = list(notes)
     order = turned(count, dimension)
     matrix = sp.csr_matrix(matrix)[order][:, order]
     q = q[order]
     if dimension == 2:
         matrix, q = _in_space(matrix, q)
-        notes.append("planar: given a second tangent that is coupled to nothing")
+        told.append("planar: given a second tangent that is coupled to nothing")
         reference = (
             None
             if reference is None
@@ -151,13 +157,13 @@ def from_foreign(
     if off > LARGEST_ASYMMETRY:
         raise ProblemError(f"{name}: the matrix is not symmetric (by {off:.0%} of its largest entry)")
     if off > NOTED_ASYMMETRY:
-        notes.append(
+        told.append(
             f"not symmetric as published ({off:.1e} of the largest entry): its symmetric part is used"
         )
     matrix = 0.5 * (matrix + matrix.T)
     sparse = matrix.nnz < 0.3 * q.size**2 and count > 40
     problem = ContactProblem(matrix.tocsr() if sparse else matrix.toarray(), q, mu)
-    problem.notes, problem.reference = tuple(notes), reference
+    problem.notes, problem.reference = tuple(told), reference
     return problem
 
 

@@ -35,6 +35,7 @@ DENSE, BLOCKS, SPARSE = 0, 1, 2
 TRIPLETS, COLUMNS = 1, 2
 LARGEST = 2**31
 """Whole numbers in a file are below this."""
+DIGITS = 6
 BANNER = 40
 """Words among which the shape of a sparse matrix is looked for."""
 SHAPE = re.compile(r"(\d+)-by-(\d+),?")
@@ -49,6 +50,7 @@ class _Numbers:
         except OSError as error:
             raise ProblemError(f"cannot read {path}: {error.strerror}") from error
         self.name, self.at = path.name, 0
+        self.rough = False  # whether a sparse matrix was printed with `DIGITS` digits only
 
     def take(self, count: int) -> list[str]:
         """Return the next `count` words."""
@@ -125,6 +127,7 @@ def read(path: Path) -> ContactProblem:
     if dimension not in (2, 3):
         raise ProblemError(f"{path.name}: the dimension must be 2 or 3, got {dimension}")
     size = dimension * count
+    notes: tuple[str, ...] = ()
     matrix = _read_matrix(numbers)
     if _holds_global(numbers, matrix.shape, size, count):
         H = _read_matrix(numbers)
@@ -132,9 +135,12 @@ def read(path: Path) -> ContactProblem:
         matrix, q = condensed(matrix, H, f, w)
     else:
         q = numbers.floats(size)
+        if numbers.rough and sp.issparse(matrix):
+            matrix = matrix.astype(np.float32)  # as fine as its digits, and then judged as such
+            notes = (f"sparse, written with {DIGITS} digits: known to single precision only",)
     mu = numbers.floats(count)
     numbers.end(count)
-    return from_foreign(matrix, q, mu, dimension, path.name)
+    return from_foreign(matrix, q, mu, dimension, path.name, notes=notes)
 
 
 def _holds_global(numbers: _Numbers, shape: tuple[int, ...], size: int, contacts: int) -> bool:
@@ -233,22 +239,28 @@ def _read_sparse(numbers: _Numbers, rows: int, columns: int) -> sp.csr_matrix:
     if labels[0] != "nzmax:" or labels[2] != "nnz:":
         raise ProblemError(f"{numbers.name}: expected the number of entries of a sparse matrix")
     count = int(numbers.whole([labels[3].rstrip(",")])[0])
-    entries = _triplets(numbers, count) if origin == TRIPLETS else _columns(numbers, columns, count)
-    i, j, x = entries
+    i, j, words = _triplets(numbers, count) if origin == TRIPLETS else _columns(numbers, columns, count)
+    x = numbers.numeric(words)
+    numbers.rough = numbers.rough or (bool(words) and max(map(_digits, words)) <= DIGITS)
     if (i >= rows).any() or (j >= columns).any():
         raise ProblemError(f"{numbers.name}: a sparse matrix has an entry outside of {rows}-by-{columns}")
     return sp.csr_matrix((x, (i, j)), shape=(rows, columns))
 
 
-def _triplets(numbers: _Numbers, count: int) -> tuple[IntArray, IntArray, FloatArray]:
+def _digits(word: str) -> int:
+    """Return how many digits a number was written with, leading zeros aside."""
+    return len(word.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0"))
+
+
+def _triplets(numbers: _Numbers, count: int) -> tuple[IntArray, IntArray, list[str]]:
     """Return the rows, columns and values of lines "row column : value"."""
     words = numbers.take(4 * count)
     if set(words[2::4]) - {":"}:
         raise ProblemError(f"{numbers.name}: expected lines 'row column : value'")
-    return numbers.whole(words[0::4]), numbers.whole(words[1::4]), numbers.numeric(words[3::4])
+    return numbers.whole(words[0::4]), numbers.whole(words[1::4]), words[3::4]
 
 
-def _columns(numbers: _Numbers, columns: int, count: int) -> tuple[IntArray, IntArray, FloatArray]:
+def _columns(numbers: _Numbers, columns: int, count: int) -> tuple[IntArray, IntArray, list[str]]:
     """Return the rows, columns and values of blocks "col j : locations a to b" with lines "row : value"."""
     rows, values, sizes = [], [], []
     for column in range(columns):
@@ -264,7 +276,7 @@ def _columns(numbers: _Numbers, columns: int, count: int) -> tuple[IntArray, Int
         values += lines[2::3]
     if sum(sizes) != count:
         raise ProblemError(f"{numbers.name}: a sparse matrix has {sum(sizes)} entries and says {count}")
-    return numbers.whole(rows), np.repeat(np.arange(columns), sizes), numbers.numeric(values)
+    return numbers.whole(rows), np.repeat(np.arange(columns), sizes), values
 
 
 def write(problem: ContactProblem, path: Path) -> None:
