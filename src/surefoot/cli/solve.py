@@ -100,6 +100,7 @@ def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time
         "seconds": found.solve_time,
         "message": found.message,
         "ray": found.ray,
+        "proof": found.proof,
         "z": found.z,
         "w": found.w,
     }
@@ -134,8 +135,10 @@ def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
     for r in records:
         if r["message"]:
             console.print(f"{r['file']}: {r['message']}")
-        if r["ray"] is not None:
-            console.print(f"{r['file']}: ray {' '.join(f'{x:.6g}' for x in r['ray'])}")
+        for name, words in (("proof", "proof v"), ("ray", "ray, which proves nothing,")):
+            if r[name] is not None:
+                console.print(f"{r['file']}: {words} {' '.join(f'{x:.6g}' for x in r[name])}")
+                break
 
 
 def _print(records: list[dict[str, Any]], tol: float) -> None:
