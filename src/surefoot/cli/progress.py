@@ -13,10 +13,11 @@ def progress_bar(shown: bool, label: str, total: float) -> Iterator[Callable[[fl
     if not shown:
         yield None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    from surefoot.cli.console import plain_console
+
     columns = (TextColumn(label), BarColumn(), TextColumn("{task.percentage:.0f} %"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with Progress(*columns, console=plain_console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=total if math.isfinite(total) else None)
         yield lambda done: bar.update(task, completed=done)
