@@ -1,7 +1,7 @@
 """Check the docs: every relative link leads somewhere, every shown `surefoot` command is one.
 
 Run: python docs/check.py (exit code 1 and a line per fault if something is wrong). A command is shown if it
-stands in a code block, in a code span (where a command's name alone is only a name), or in the rows of a table
+stands in a code block, in a code span (a command's name alone is only a name), or in the rows of a table
 whose first heading is a command and "...".
 It is promised to end with exit code 0, unless a comment beside it says "exit code N". The tests run them all
 (tests/cli/test_shown_commands.py).

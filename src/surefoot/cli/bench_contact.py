@@ -11,7 +11,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from surefoot.cli import extras
+from surefoot.arrays import real_number
+from surefoot.cli import extras, parsing
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 
@@ -50,6 +51,10 @@ def contact(
     from surefoot.bench.problems import problem_set
 
     extras.require(["pin"] if rivals else [])
+    parsing.seed(seed)
+    real_number("--copies", copies, low=0.01, high=1e3)
+    if tol is not None:
+        real_number("--tol", tol, low=1e-15, high=1.0)
     problems = problem_set(scale, seed, QUICK_COPIES if quick else copies)
     if folder is not None:
         given = problems_in(folder)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from surefoot.arrays import real_number
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
@@ -24,7 +25,8 @@ def rigid(
     from surefoot.bench.rigid_world import drop
 
     extras.require((*extras.robot_packages(robot), "mujoco"))
-    seconds = 1.0 if quick else seconds
+    seconds = 1.0 if quick else real_number("--seconds", seconds, low=1.0, high=3600.0)
+    real_number("--height", height, low=0.0, high=100.0)
     results = [drop(world, robot, height, seconds) for world in ("rigid", "mujoco")]
     if json:
         print(to_json([asdict(r) for r in results]))

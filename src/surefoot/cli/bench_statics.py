@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from surefoot.cli import extras
+from surefoot.cli import extras, parsing
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
 
@@ -27,6 +27,7 @@ def statics(
     from surefoot.bench.statics import BAND, agreement, races, random_cases
 
     extras.require(["clarabel"])
+    parsing.seed(seed)
     if quick:
         cases, calls = min(cases, 60), min(calls, 20)
     questions = random_cases(cases, seed)

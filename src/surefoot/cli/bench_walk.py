@@ -38,9 +38,11 @@ def walk(
 ) -> None:
     """Time the MPC step (ours, four QP solvers with pyramids, Clarabel) and a walk's whole-body step."""
     from surefoot.bench.walk import measure
+    from surefoot.robot import load_robot
 
     for name in robot or ["go2"]:
         extras.require((*extras.robot_packages(name), "mujoco", "clarabel", "qpsolvers"))
+        load_robot(name)  # unknown ones before long work
     names = scene or (list(QUICK_SCENES) if quick else None)
     with progress_bar(not json, "bench walk", 1.0) as show:
         bench = measure(names, QUICK_CALLS if quick else calls, horizon, robot or ["go2"], show)

@@ -14,8 +14,6 @@ from surefoot.cli.literal_help import LiteralHelpCommand
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
-EXIT_CLOSED_PIPE = 141
-"""What a shell reports of a program that the closed pipe of `| head` ended."""
 PIPE_WIDTH = "120"
 """Columns of a table that goes to a file or a pipe, where there is no terminal to fit."""
 UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
@@ -70,9 +68,6 @@ def main(arguments: list[str] | None = None) -> int:
     except typer.Abort:
         print("interrupted", file=sys.stderr)
         return 130
-    except BrokenPipeError:  # whoever read the output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return EXIT_CLOSED_PIPE
     except OSError as error:
         return _bad_input(f"{error.strerror or error}" + (f": {error.filename}" if error.filename else ""))
     return result if isinstance(result, int) else 0

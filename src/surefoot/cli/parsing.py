@@ -117,6 +117,12 @@ def duration(seconds: float, least: float) -> float:
     return seconds
 
 
+def seed(number: int | None) -> None:
+    """Refuse a seed that is not a whole number from 0 to 2⁶⁴ - 1; None stands for no seed."""
+    if number is not None and not 0 <= number < 2**64:
+        raise ProblemError(f"--seed must be a whole number from 0 to 2^64 - 1, got {number!s:.40}")
+
+
 def within_run(option: str, texts: list[str] | None, starts: Sequence[float], duration: float) -> None:
     """Refuse what would start when the run is over.
 

@@ -11,6 +11,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli.console import plain_console
+from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.robots import load
@@ -86,8 +87,11 @@ def stand(
         return 1
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
     controller = setup.controller(mu, allocation)
-    with progress_bar(console.is_terminal and not as_json, "standing", duration) as tell:
-        log = run_standing(setup.world(world, mu, payload), controller, setup.q, scenario, tell)
+    physics = setup.world(world, mu, payload)
+    with progress_bar(not as_json, "standing", duration) as tell, engine_warnings() as warned:
+        log = run_standing(physics, controller, setup.q, scenario, tell)
+    for line in warned:
+        console.print(line, soft_wrap=True, highlight=False)
     summary = _write(setup, log, statics, folder, video, report, console)
     if as_json:
         print(to_json(summary))
@@ -104,8 +108,7 @@ def _check(mu: float, world: str, duration: float, payload: float, seed: int | N
         raise ProblemError(unknown_name("world", world, WORLDS))
     parsing.duration(duration, SHORTEST)
     real_number("--payload", payload, low=0.0, high=1e4)
-    if seed is not None:
-        real_number("--seed", seed, low=0)
+    parsing.seed(seed)
 
 
 def _require(robot: str | None, world: str, video: bool, report: bool) -> None:
@@ -214,7 +217,7 @@ def _write(
     run_files.write_summary(summary, folder)
     pictures = run_files.Pictures(log, folder)
     if video and summary["outcome"] != "interrupted":
-        with progress_bar(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
+        with progress_bar(not console.quiet, "filming", 1.0) as tell:
             pictures.film(setup.robot, setup.terrain, tell)
     stand_output.print_summary(console, summary)
     headline = stand_output.headline(summary)

@@ -11,6 +11,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli.console import plain_console
+from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.robots import load
@@ -70,6 +71,7 @@ def walk(
     console = plain_console(quiet=as_json)
     _check_numbers(mu, believed_mu, duration, payload, noise, delay, seed)
     ground = parsing.terrain(terrain)
+    command = _command(velocity, velocity_file)
     scenario = WalkScenario(
         duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice),
         seed, Faults(noise=noise, delay=delay),
@@ -79,14 +81,15 @@ def walk(
     _require(robot if urdf is None else str(urdf.absolute()), video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     schedule = _schedule(model, gait, gait_file, period)
-    command = _command(velocity, velocity_file)
     _check_steps(model, schedule, command)
     controller, world, q = _set_up(model, ground, schedule, command, mu, believed_mu, payload)
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
-    with progress_bar(console.is_terminal and not as_json, "walking", duration) as tell:
+    with progress_bar(not as_json, "walking", duration) as tell, engine_warnings() as warned:
         log = run_walking(world, controller, q, scenario, tell)
+    for line in warned:
+        console.print(line, soft_wrap=True, highlight=False)
     summary = _write(model, ground, log, folder, video, report, console)
     if as_json:
         print(to_json(summary))
@@ -113,8 +116,7 @@ def _check_numbers(
     real_number("--payload", payload, low=0.0, high=1e4)
     real_number("--noise", noise, low=0.0, high=100.0)
     real_number("--delay", delay, low=0.0, high=1.0)
-    if seed is not None:
-        real_number("--seed", seed, low=0)
+    parsing.seed(seed)
 
 
 def _require(robot: str | None, video: bool, report: bool) -> None:
@@ -142,13 +144,11 @@ def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) ->
 
 def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
     """Refuse a velocity for a gait that takes no steps: it would pull a standing robot over."""
-    from surefoot.control.gait_library import named_gait
-
-    gait = named_gait(schedule, len(robot.feet)) if isinstance(schedule, str) else schedule
-    if (gait.modes == (1 << len(robot.feet)) - 1).all() and command.values.any():
-        raise ProblemError(
-            f"gait {getattr(gait, 'name', 'given')!r} takes no steps: it goes with --velocity 0"
-        )
+    everyone = (1 << len(robot.feet)) - 1
+    still = schedule == "stand" if isinstance(schedule, str) else bool((schedule.modes == everyone).all())
+    if still and command.values.any():
+        name = schedule if isinstance(schedule, str) else getattr(schedule, "name", "of the file")
+        raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
 
 
 def _command(velocity: str, file: Path | None) -> Any:
@@ -189,7 +189,7 @@ def _write(
     run_files.write_summary(summary, folder)
     pictures = run_files.Pictures(log, folder)
     if video and summary["outcome"] != "interrupted":
-        with progress_bar(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
+        with progress_bar(not console.quiet, "filming", 1.0) as tell:
             pictures.film(robot, ground, tell)
     walk_output.print_summary(console, summary)
     line = walk_output.headline(summary)
