@@ -14,7 +14,7 @@ from rich.table import Table
 from surefoot.arrays import real_number
 from surefoot.cli import extras, parsing
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.output import check_out, new_run_folder, to_json
 
 if TYPE_CHECKING:
     from surefoot.bench.contact import Comparison
@@ -50,6 +50,7 @@ def contact(
     from surefoot.bench.contact import OURS, RIVALS, ROBOT_SCALE, compare, problems_in
     from surefoot.bench.problems import problem_set
 
+    check_out(out)
     extras.require(["pin"] if rivals else [])
     parsing.seed(seed)
     real_number("--copies", copies, low=0.01, high=1e3)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 
 QUICK_FAULTS = ("payload", "delay")
@@ -35,6 +35,7 @@ def faults(
     from surefoot.bench.faults import measure
     from surefoot.cli import extras
 
+    check_out(out)
     extras.require((*extras.robot_packages(robot), "mujoco"))
     if quick:
         fault, seeds, duration = fault or list(QUICK_FAULTS), 1, 2.5

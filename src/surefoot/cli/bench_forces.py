@@ -13,7 +13,7 @@ from rich.table import Table
 
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import MissingExtra
 
 WIDTH = 118
@@ -44,6 +44,7 @@ def forces(
     from surefoot.bench.forces_torques import time_torque_limits
     from surefoot.bench.forces_warm import measure_all
 
+    check_out(out)
     extras.require(["pin", "clarabel", "qpsolvers"], ["matplotlib"] if out is not None else [])
     if quick:
         count, instances = min(count, QUICK_COUNT), min(instances, QUICK_INSTANCES)

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.output import check_out, new_run_folder, to_json
 
 
 def momentum(
@@ -22,6 +22,7 @@ def momentum(
     """Time the momentum matrix of chains of 10 to 1000 links: Pinocchio, our CCRBA, brute force."""
     from surefoot.bench.momentum import LINKS, PINOCCHIO_LINKS, WAYS, time_momentum
 
+    check_out(out)
     extras.require(["pin"], ["matplotlib"] if out is not None else [])
     longest = 20 if quick else longest
     timing = time_momentum([n for n in LINKS if n < longest] + [longest], *([0.02] if quick else []))

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def walk(
     from surefoot.bench.walk import measure
     from surefoot.robot import load_robot
 
+    check_out(out)
     for name in robot or ["go2"]:
         extras.require((*extras.robot_packages(name), "mujoco", "clarabel", "qpsolvers"))
         load_robot(name)  # unknown ones before long work
