@@ -81,9 +81,8 @@ def contact(
     if error is None:
         _draw(found, ratios, scale, target, chosen)
     if not json:
-        console.print(
-            f"written to {target}" if error is None else f"written to {target}; no pictures: {error}"
-        )
+        note = "" if error is None else f"; no pictures: {error}"
+        console.print(f"written to {target}{note}", soft_wrap=True)
     return 0 if np.isfinite(found.times()[chosen[0]]).all() else 1
 
 
