@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -142,10 +143,13 @@ def _cone_racers(cases: list[StanceCase]) -> _Racers:
         return solve()
 
     rays = [wrench_cone(c.stance, c.com, facets=8).rays for c in cases]
+    cddlib: _Racers = []
+    if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
+        cddlib = [("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays])]
     return [
         ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
         ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),
-        ("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays]),
+        *cddlib,
         ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
     ]
 

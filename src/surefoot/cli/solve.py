@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from surefoot.arrays import real_number
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
 from surefoot.contact.lcp import LCP
 from surefoot.contact.problem import ContactProblem
@@ -33,11 +34,17 @@ def solve(
     """
     from surefoot.contact import read_problem
     from surefoot.contact.files import holds_lcp, read_lcp
-    from surefoot.errors import SolverNotFound, unknown_name
+    from surefoot.errors import ProblemError, SolverNotFound, unknown_name
     from surefoot.solvers.lcp import lcp_solver_names
     from surefoot.solvers.solver import find_solver
 
-    problems = [(path, read_lcp(path) if holds_lcp(path) else read_problem(path)) for path in files]
+    real_number("--tol", tol, low=0.0, high=1.0)
+    problems = []
+    for path in files:
+        try:
+            problems.append((path, read_lcp(path) if holds_lcp(path) else read_problem(path)))
+        except EOFError as error:
+            raise ProblemError(f"{path} ends before there is a problem in it") from error
     pivoting = "lemke" if solver == "auto" else solver
     for _, problem in problems:  # bad names before long work
         if not isinstance(problem, LCP):
@@ -119,7 +126,7 @@ def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
     """Print one row per LCP, and what there is to say of those without a solution."""
     if not records:
         return
-    console = Console()
+    console = plain_console()
     table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual", "steps", "ms"))
     for r in records:
         table.add_row(
@@ -144,7 +151,7 @@ def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
 def _print(records: list[dict[str, Any]], tol: float) -> None:
     if not records:
         return
-    console = Console()
+    console = plain_console()
     table = _table("Contact", tol, ("n", "rank", "status", "natural map", "steps", "ms"))
     for r in records:
         table.add_row(
