@@ -289,7 +289,7 @@ class Osqp(Rival):
 
     def __init__(self) -> None:
         self._solver: Any = None
-        self._shape: tuple[int, ...] = ()
+        self._rows: Any = None
 
     def _data(self, p: Program) -> tuple[Any, ...]:
         assert p.C is not None
@@ -308,8 +308,18 @@ class Osqp(Rival):
         import osqp
 
         solver = osqp.OSQP()
+        P, h, rows, low, high = data  # on copies: its updates write into the matrices that it was set up with
         solver.setup(
-            *data, verbose=False, eps_abs=TOLERANCE, eps_rel=TOLERANCE, max_iter=20_000, polishing=False
+            P.copy(),
+            h,
+            rows.copy(),
+            low,
+            high,
+            verbose=False,
+            eps_abs=TOLERANCE,
+            eps_rel=TOLERANCE,
+            max_iter=20_000,
+            polishing=False,
         )
         return solver
 
@@ -323,11 +333,17 @@ class Osqp(Rival):
 
     def _warm(self, p: Program) -> Call:
         data = self._data(p)
-        if self._solver is None or self._shape != data[2].shape:
-            self._solver, self._shape = self._setup(data), data[2].shape
+        rows, last = data[2], self._rows
+        if last is None or last.shape != rows.shape or not np.array_equal(last.indices, rows.indices):
+            self._solver = self._setup(data)
+            last = rows
+        change = {"Px": data[0].data, "q": data[1], "l": data[3], "u": data[4]}
+        if not np.array_equal(last.data, rows.data):  # the friction is new
+            change["Ax"] = rows.data
+        self._rows = rows
 
         def solve() -> FloatArray | None:
-            self._solver.update(Px=data[0].data, q=data[1], l=data[3], u=data[4])
+            self._solver.update(**change)
             return self._answer(self._solver.solve(raise_error=False))
 
         return solve
@@ -340,7 +356,7 @@ class ProxQp(Rival):
 
     def __init__(self) -> None:
         self._qp: Any = None
-        self._shape: tuple[int, ...] = ()
+        self._rows: FloatArray = np.zeros((0, 0))
 
     def _data(self, p: Program) -> tuple[Any, ...]:
         assert p.C is not None
@@ -371,13 +387,17 @@ class ProxQp(Rival):
         import proxsuite
 
         data = self._data(p)
-        if self._qp is None or self._shape != data[4].shape:
-            self._qp, self._shape = self._setup(data), data[4].shape
+        if self._qp is None or self._rows.shape != data[4].shape:
+            self._qp, self._rows = self._setup(data), data[4]
             guess = proxsuite.proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
             self._qp.settings.initial_guess = guess
+        change = {"H": data[0], "g": data[1], "l": data[5], "u": data[6]}
+        if not np.array_equal(self._rows, data[4]):  # the friction is new
+            change["C"] = data[4]
+        self._rows = data[4]
 
         def solve() -> FloatArray | None:
-            self._qp.update(H=data[0], g=data[1], l=data[5], u=data[6])
+            self._qp.update(**change)
             return self._answer(self._qp)
 
         return solve
