@@ -168,4 +168,4 @@ def best_call(
         return (call, gap) if gap <= tol else None
 
     found = coarsest(attempt, lambda: time.perf_counter() < stop)
-    return found if found is not None else (None, least[0])
+    return (None, least[0]) if found is None else found

@@ -16,6 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
+from surefoot.bench import mpc_hpipm
 from surefoot.cones import FrictionPyramid
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
 from surefoot.errors import MissingExtra
@@ -73,11 +74,12 @@ class Rival:
 
     def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Any:
         """Return the program in this rival's format (not timed)."""
-        return self.ready(matrices(mpc, program, self.facets, sparse=form == "sparse", dense=form == "dense"))
+        sparse, dense = form.startswith("sparse"), form == "dense"
+        return self.ready(matrices(mpc, program, self.facets, sparse=sparse, dense=dense))
 
 
 def rivals() -> list[Rival]:
-    """Return all rivals, fresh.
+    """Return all rivals, fresh; HPIPM only where CasADi's wheel brings it.
 
     Raises
     ------
@@ -92,6 +94,9 @@ def rivals() -> list[Rival]:
             Rival("PIQP", facets, ("dense", "sparse"), (False,), _as_is, _piqp),
             Rival("DAQP", facets, ("dense",), (True, False), _daqp_ready, _daqp),
         ]
+        if mpc_hpipm.hpipm_installed():
+            forms = ("sparse", "sparse, balanced")
+            out.append(Rival("HPIPM", facets, forms, (True, False), mpc_hpipm.stages, mpc_hpipm.solver))
     out.append(Rival("Clarabel", None, ("condensed", "sparse"), (False,), clarabel_ready, _clarabel))
     return out
 

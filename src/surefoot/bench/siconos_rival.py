@@ -57,8 +57,10 @@ def siconos_best(
         for k, problem in enumerate(problems):
             runs = fine.get((method, k), []) + rough.get((method, k), [])
             gaps = [judge(problem, r.forces) for r in runs]
-            good = [(r, gap) for r, gap in zip(runs, gaps, strict=True) if gap <= tol]
-            rows.append(good[0] if good else (None, min(gaps, default=float("inf"))))
+            first = next((j for j, gap in enumerate(gaps) if gap <= tol), None)
+            rows.append(
+                (None, min(gaps, default=float("inf"))) if first is None else (runs[first], gaps[first])
+            )
         table[f"siconos {method}"] = rows
     return table
 
