@@ -24,7 +24,7 @@ from surefoot.contact import ContactProblem
 Call = Callable[[], FloatArray | None]
 Fit = Literal["inner", "outer"]
 TOLERANCE = 1e-6
-"""Asked of the first-order solvers; interior-point and active-set solvers keep their own, tighter one."""
+"""Asked of solvers that stop by a tolerance, unless the benchmark finds that a looser one will do."""
 
 
 @dataclass(frozen=True)
@@ -101,11 +101,13 @@ def cone_rows(p: Program) -> tuple[FloatArray, FloatArray]:
 
 
 class Rival(ABC):
-    """A solver on one kind of program."""
+    """A solver on one kind of program; `tol` is its stopping tolerance, where it has one."""
 
     name = ""
     exact = False
     can_warm = False
+    has_tol = False
+    tol = TOLERANCE
 
     def cold(self, p: Program) -> Call:
         """Return the call that sets up and solves."""
@@ -127,7 +129,7 @@ class Rival(ABC):
 class Clarabel(Rival):
     """Interior point on exact cones."""
 
-    name, exact = "Clarabel", True
+    name, exact, has_tol = "Clarabel", True, True
 
     def _cold(self, p: Program) -> Call:
         import clarabel
@@ -138,6 +140,7 @@ class Clarabel(Rival):
         cones = [clarabel.NonnegativeConeT(2 * a)] + [clarabel.SecondOrderConeT(3)] * a
         options = clarabel.DefaultSettings()
         options.verbose = options.presolve_enable = False
+        options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = self.tol
 
         def solve() -> FloatArray | None:
             found = clarabel.DefaultSolver(P, p.h, rows, b, cones, options).solve()
@@ -149,7 +152,7 @@ class Clarabel(Rival):
 class Ecos(Rival):
     """Interior point on exact cones; the quadratic objective becomes one more cone."""
 
-    name, exact = "ECOS", True
+    name, exact, has_tol = "ECOS", True, True
 
     def _cold(self, p: Program) -> Call:
         import ecos
@@ -169,7 +172,9 @@ class Ecos(Rival):
         dims = {"l": 2 * a, "q": [3] * a + [m + 1]}
 
         def solve() -> FloatArray | None:
-            found = ecos.solve(objective, G, right, dims, verbose=False)
+            found = ecos.solve(
+                objective, G, right, dims, verbose=False, abstol=self.tol, reltol=self.tol, feastol=self.tol
+            )
             return np.asarray(found["x"][:m]) if found["info"]["exitFlag"] in (0, 10) else None
 
         return solve
@@ -178,7 +183,7 @@ class Ecos(Rival):
 class Scs(Rival):
     """ADMM on exact cones."""
 
-    name, exact, can_warm = "SCS", True, True
+    name, exact, can_warm, has_tol = "SCS", True, True, True
 
     def __init__(self) -> None:
         self._last: Any = None
@@ -190,7 +195,7 @@ class Scs(Rival):
         a = p.mu.size
         data = {"P": sp.csc_matrix(np.triu(p.H)), "A": sp.csc_matrix(M), "b": b, "c": p.h}
         cone = {"l": 2 * a, "q": [3] * a}
-        options = {"verbose": False, "eps_abs": TOLERANCE, "eps_rel": TOLERANCE, "max_iters": 20_000}
+        options = {"verbose": False, "eps_abs": self.tol, "eps_rel": self.tol, "max_iters": 20_000}
         return lambda: scs.SCS(data, cone, **options)
 
     def _cold(self, p: Program) -> Call:
@@ -285,7 +290,7 @@ class Quadprog(Rival):
 class Osqp(Rival):
     """ADMM on facets."""
 
-    name, can_warm = "OSQP", True
+    name, can_warm, has_tol = "OSQP", True, True
 
     def __init__(self) -> None:
         self._solver: Any = None
@@ -316,8 +321,8 @@ class Osqp(Rival):
             low,
             high,
             verbose=False,
-            eps_abs=TOLERANCE,
-            eps_rel=TOLERANCE,
+            eps_abs=self.tol,
+            eps_rel=self.tol,
             max_iter=20_000,
             polishing=False,
         )
@@ -352,7 +357,7 @@ class Osqp(Rival):
 class ProxQp(Rival):
     """Proximal augmented Lagrangian on facets."""
 
-    name, can_warm = "ProxQP", True
+    name, can_warm, has_tol = "ProxQP", True, True
 
     def __init__(self) -> None:
         self._qp: Any = None
@@ -370,7 +375,7 @@ class ProxQp(Rival):
         import proxsuite
 
         qp = proxsuite.proxqp.dense.QP(data[1].size, 0, len(data[4]))
-        qp.settings.eps_abs, qp.settings.eps_rel = TOLERANCE, 0.0
+        qp.settings.eps_abs, qp.settings.eps_rel = self.tol, 0.0
         qp.init(*data)
         return qp
 
@@ -406,7 +411,7 @@ class ProxQp(Rival):
 class Piqp(Rival):
     """Proximal interior point on facets."""
 
-    name = "PIQP"
+    name, has_tol = "PIQP", True
 
     def _cold(self, p: Program) -> Call:
         import piqp
@@ -418,6 +423,8 @@ class Piqp(Rival):
 
         def solve() -> FloatArray | None:
             solver = piqp.DenseSolver()
+            solver.settings.eps_abs = solver.settings.eps_rel = self.tol
+            solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = self.tol
             solver.setup(H, p.h, None, None, C, below, zero, p.low, p.high)
             status = solver.solve()
             return np.array(solver.result.x) if status == piqp.PIQP_SOLVED else None
