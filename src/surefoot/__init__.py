@@ -18,10 +18,12 @@ if TYPE_CHECKING:
     from surefoot.contact import LCP as LCP
     from surefoot.contact import ContactProblem as ContactProblem
     from surefoot.contact import ContactSolution as ContactSolution
+    from surefoot.contact import InfeasibilityProof as InfeasibilityProof
     from surefoot.contact import Redundancy as Redundancy
     from surefoot.contact import Residuals as Residuals
     from surefoot.contact import Status as Status
     from surefoot.contact import carry_over as carry_over
+    from surefoot.contact import check_proof as check_proof
     from surefoot.contact import persisting as persisting
     from surefoot.contact import read_lcp as read_lcp
     from surefoot.contact import read_problem as read_problem
@@ -60,6 +62,8 @@ if TYPE_CHECKING:
     from surefoot.robot import robot_names as robot_names
     from surefoot.simulation.mujoco import MujocoWorld as MujocoWorld
     from surefoot.simulation.rigid import RigidWorld as RigidWorld
+    from surefoot.solvers import ContactForces as ContactForces
+    from surefoot.solvers import ContactSolver as ContactSolver
     from surefoot.solvers import minimum_norm as minimum_norm
     from surefoot.solvers import solve as solve
     from surefoot.solvers import solve_lcp as solve_lcp
@@ -83,10 +87,12 @@ _HOMES = {
         "LCP",
         "ContactProblem",
         "ContactSolution",
+        "InfeasibilityProof",
         "Redundancy",
         "Residuals",
         "Status",
         "carry_over",
+        "check_proof",
         "persisting",
         "read_lcp",
         "read_problem",
@@ -118,7 +124,7 @@ _HOMES = {
     "robot": ("Robot", "load_robot", "place", "robot_names"),
     "simulation.mujoco": ("MujocoWorld",),
     "simulation.rigid": ("RigidWorld",),
-    "solvers": ("minimum_norm", "solve", "solve_lcp", "solver_names"),
+    "solvers": ("ContactForces", "ContactSolver", "minimum_norm", "solve", "solve_lcp", "solver_names"),
     "stance": (
         "FlatTerrain",
         "HeightfieldTerrain",

@@ -22,6 +22,11 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy")(function))
 
 
+def releasing_kernel(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a kernel that releases the interpreter's lock while it runs: other threads go on."""
+    return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+
+
 def entry_point(function: Callable[P, R], *types: Any) -> Callable[P, R]:
     """Return the compiled function of a kernel for one choice of Numba types, past the look at the arguments.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -30,7 +32,7 @@ def nearest(x: np.ndarray, mu: float, low: float, high: float, rows: np.ndarray 
 @pytest.mark.parametrize(
     ("facets", "fit"), [(None, "inner"), (4, "inner"), (4, "outer"), (5, "inner"), (5, "outer")]
 )
-def test_natural_map_is_its_definition(law: str, facets: int | None, fit: str) -> None:
+def test_velocity_error_is_its_definition(law: str, facets: int | None, fit: str) -> None:
     rng = np.random.default_rng(7)
     for _ in range(6):
         J = rng.normal(size=(6, 6))
@@ -39,8 +41,9 @@ def test_natural_map_is_its_definition(law: str, facets: int | None, fit: str) -
         problem = sf.ContactProblem(G, g, mu, low, high, law, facets, fit)  # type: ignore[arg-type]
         force = rng.normal(size=(2, 3))
         u = (G @ force.ravel() + g).reshape(-1, 3)
-        rho = 1.0 / np.linalg.norm(G, 2)
-        gap = []
+        start = (g + G[:, 5] * 0.4).reshape(-1, 3)  # at the admissible forces nearest to zero
+        speed = np.linalg.norm(start, axis=1).max()
+        errors = []
         for k in range(2):
             pyramid = None if facets is None else sf.FrictionPyramid(float(mu[k]), facets, fit)  # type: ignore[arg-type]
             shifted = u[k].copy()
@@ -50,28 +53,34 @@ def test_natural_map_is_its_definition(law: str, facets: int | None, fit: str) -
                 )
                 shifted[2] += limit
             rows = None if pyramid is None else pyramid.halfspaces
-            gap.append(force[k] - nearest(force[k] - rho * shifted, float(mu[k]), low[k], high[k], rows))
-        reach = rho * np.linalg.norm(g)  # forces that do nothing against g are measured by g alone
-        scale = reach if np.linalg.norm(gap) > 0.1 * reach else max(np.linalg.norm(force), reach)
-        expected = np.linalg.norm(gap) / scale
-        assert sf.residuals(problem, force).natural_map == pytest.approx(expected, rel=1e-5, abs=1e-7)
+            w = np.linalg.norm(G[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], 2)
+            gap = force[k] - nearest(force[k] - shifted / w, float(mu[k]), low[k], high[k], rows)
+            errors.append(w * np.linalg.norm(gap) / speed)
+        assert sf.residuals(problem, force).velocity_error == pytest.approx(max(errors), rel=1e-5, abs=1e-7)
+        assert sf.residuals(problem, force).natural_map == sf.residuals(problem, force).velocity_error
 
 
 def test_bilateral_contacts_want_no_velocity_and_take_any_force() -> None:
     G, g = np.diag([1.0, 2.0, 4.0]), np.array([1.0, -2.0, 4.0])
     problem = sf.ContactProblem(G, g, 0.3, bilateral=np.array([True]))
     exact = sf.residuals(problem, -(g / np.diag(G)).reshape(1, 3))
-    assert exact.natural_map < 1e-15
+    assert exact.velocity_error < 1e-15
     assert exact.penetration_velocity < 1e-15
     nothing = sf.residuals(problem, np.zeros((1, 3)))
-    assert nothing.natural_map == pytest.approx(1.0)
+    assert nothing.velocity_error == pytest.approx(1.0)
     assert nothing.penetration_velocity == pytest.approx(np.linalg.norm(g))
 
 
-def test_nan_is_never_a_pass() -> None:
-    problem = sf.ContactProblem(np.eye(3), -np.ones(3), 0.5)
-    found = sf.residuals(problem, [[np.nan, 0.0, 1.0]])
-    assert not found.natural_map <= 1e300
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200])
+@pytest.mark.parametrize("copies", [1, 50])
+def test_what_is_not_a_number_makes_every_number_nan(bad: float, copies: int) -> None:
+    """One force that is not finite, or whose velocity is not, spoils all: no number may look like a pass."""
+    G = 1e200 * np.eye(3) if bad == 1e200 else np.eye(3)
+    problem = sf.ContactProblem(np.kron(np.eye(copies), G), -np.ones(3 * copies), 0.5)
+    forces = np.zeros((copies, 3))
+    forces[0, 2] = bad
+    found = dataclasses.astuple(sf.residuals(problem, forces))
+    assert np.isnan(found).all()
 
 
 def test_many_contacts_and_few_are_judged_alike() -> None:
@@ -83,18 +92,52 @@ def test_many_contacts_and_few_are_judged_alike() -> None:
     many = sf.ContactProblem(np.kron(np.eye(12), block), np.tile(g, 12), 0.5)
     force = rng.normal(size=(3, 3))
     a, b = sf.residuals(few, force), sf.residuals(many, np.tile(force, (12, 1)))
-    assert a.natural_map == pytest.approx(b.natural_map, rel=1e-9)
+    assert a.velocity_error == pytest.approx(b.velocity_error, rel=1e-9)
     assert a.dissipation == pytest.approx(b.dissipation, rel=1e-12)
 
 
 def test_runaway_forces_do_not_look_like_a_solution() -> None:
-    """No force moves a zero G; the plain quotient would fall without bound as the forces grow."""
-    problem = sf.ContactProblem(np.diag([1.0, 1.0, 0.0]), [0.0, 0.0, -1.0], 0.5)
-    for size in (1.0, 1e6, 1e12, 1e18):
-        assert sf.residuals(problem, [[0.0, 0.0, size]]).natural_map >= 1.0
+    """No force moves a zero row of G; a scale with the forces in it would fall without bound as they grow."""
+    problem = sf.ContactProblem(np.diag([1.0, 1.0, 0.0]), [1.0, 0.0, -0.05], 0.5)
+    for size in (10.0, 1e6, 1e12, 1e18):
+        found = sf.residuals(problem, [[-1.0, 0.0, size]])
+        assert found.velocity_error == pytest.approx(0.05 / np.hypot(1.0, 0.05), rel=1e-6)
+        assert found.penetration_velocity == 0.05
 
 
-def test_close_forces_are_measured_by_their_size() -> None:
-    problem = sf.ContactProblem(np.diag([1.0, 1.0, 1e-3]), [0.0, 0.0, -1.0], 0.5)
-    force = np.array([[0.0, 0.0, 990.0]])  # 1 % of the free velocity is left
-    assert sf.residuals(problem, force).natural_map == pytest.approx(0.01 / 990.0, rel=1e-9)
+def test_forces_too_large_to_tell_prove_nothing() -> None:
+    """Two walls squeeze a mass: huge forces whose velocities are rounding, whatever they happen to come to."""
+    J = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, -1]])
+    problem = sf.ContactProblem(J @ J.T, [0, 0, -1.0, 0, 0, -1.0], 0.5)
+    found = sf.residuals(problem, [[0.0, 0.0, 1e16], [0.0, 0.0, 1e16]])
+    assert found.rounding > 1.0
+    assert found.worst > 1.0
+
+
+def test_parts_are_judged_by_their_own_speed() -> None:
+    """A part at rest in all but a millimetre a second is not excused by a fast one beside it."""
+    problem = sf.ContactProblem(np.eye(6), [0, 0, -1e3, 0, 0, -1e-3], 0.5)
+    found = sf.residuals(problem, [[0, 0, 1e3], [0, 0, 0.0]])
+    assert found.velocity_error == pytest.approx(1.0)
+
+
+def test_energy_gap_is_that_of_the_convex_program() -> None:
+    """λ·u less its least over the admissible forces, by sampling them; zero at a solution and for Coulomb."""
+    rng = np.random.default_rng(8)
+    J = rng.normal(size=(6, 6))
+    G, g, mu = J @ J.T, rng.normal(size=6), np.array([0.4, 0.7])
+    low, high = np.array([0.1, 0.0]), np.array([2.0, 1.5])
+    problem = sf.ContactProblem(G, g, mu, low, high, "convex")
+    angle = np.linspace(0.0, 2.0 * np.pi, 2001)
+    force = np.array([[0.1, 0.2, 0.9], [-0.3, 0.1, 0.8]])
+    u = (G @ force.ravel() + g).reshape(2, 3)
+    gaps, energy = [], 0.0
+    speed = np.linalg.norm((g + 0.1 * G[:, 2]).reshape(2, 3), axis=1).max()
+    for k in range(2):
+        rim = np.column_stack([mu[k] * np.cos(angle), mu[k] * np.sin(angle), np.ones_like(angle)])
+        least = min(float((z * rim @ u[k]).min()) for z in (low[k], high[k]))
+        gaps.append(float(force[k] @ u[k]) - least)
+        energy += speed**2 / np.linalg.norm(G[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], 2)
+    assert sf.residuals(problem, force).energy_gap == pytest.approx(max(gaps) / energy, rel=1e-5)
+    assert sf.residuals(problem.replace(law="coulomb"), force).energy_gap == 0.0
+    assert sf.solve(problem, tol=1e-10).residuals.energy_gap < 1e-10

@@ -51,7 +51,7 @@ def twin_project(x: np.ndarray, mu: float, low: float, high: float) -> np.ndarra
     return y
 
 
-def test_projection_and_natural_gap() -> None:
+def test_projection_and_errors() -> None:
     rng = np.random.default_rng(0)
     for _ in range(10):
         x, mu, (low, high) = rng.normal(size=3), rng.uniform(0.1, 1.0), np.sort(rng.uniform(0, 1.5, 2))
@@ -61,17 +61,23 @@ def test_projection_and_natural_gap() -> None:
     assert natural_map.project(1.0, 2.0, -3.0, 0.1, -np.inf, np.inf) == (1.0, 2.0, -3.0)
     p = problem(1)
     force, u = rng.normal(size=12), rng.normal(size=12)
-    gap = []
+    w, s, _ = p.scales
+    gaps = []
     for k in range(4):
         i = slice(3 * k, 3 * k + 3)
         shifted = u[i] + [0, 0, p.mu[k] * np.hypot(*u[i][:2])]
-        gap.append(
-            force[i] - twin_project(force[i] - 0.3 * shifted, p.mu[k], p.normal_min[k], p.normal_max[k])
+        gaps.append(
+            force[i] - twin_project(force[i] - shifted / w[k], p.mu[k], p.normal_min[k], p.normal_max[k])
         )
-    found, size = natural_map.natural_gap(force, u, *laws(p), 0.3, False)
-    assert found == pytest.approx(np.linalg.norm(gap), abs=1e-5)
-    assert size == pytest.approx(np.linalg.norm(force))
-    assert admm.gap_any(force, u, *laws(p), 0.3, True, 0, True)[0] == pytest.approx(found, rel=1e-12)
+    measure, gap = natural_map.measure_of(p), np.linalg.norm(gaps, axis=1)
+    found = natural_map.velocity_error(force, u, *laws(p), measure, False)
+    assert found == pytest.approx((w * gap / s).max(), rel=1e-4)
+    assert admm.error_any(force, u, *laws(p), measure, True, 0, True) == pytest.approx(found, rel=1e-12)
+    far = natural_map.force_error(force, u, p.g, *laws(p), measure, False)
+    size = w @ np.sum(force.reshape(4, 3) ** 2, axis=1)
+    reach = np.sum(p.g.reshape(4, 3) ** 2, axis=1) @ (1.0 / w)
+    assert far == pytest.approx(np.sqrt(w @ gap**2 / max(size, reach)), rel=1e-4)
+    assert natural_map.velocity_error(np.full(12, np.nan), u, *laws(p), measure, False) == np.inf
 
 
 @pytest.mark.parametrize("facets", [3, 4, 8])
@@ -116,8 +122,8 @@ def test_sweeps_dense_and_blocks(law: str) -> None:
     """One sweep in NumPy: each contact solved with the others held, velocities recomputed from scratch."""
     p = problem(3, 6, law)
     convex, b = law == "convex", p.blocks
-    local = nsgs.prepare_dense(p.G)
-    assert np.array_equal(local, nsgs.prepare_blocks(b.starts, b.columns, b.values))
+    local = nsgs.prepare_dense(p.G, p.scales)
+    assert np.array_equal(local, nsgs.prepare_blocks(b.starts, b.columns, b.values, p.scales))
     twin = np.zeros(18)
     for _ in range(2):
         for k in range(6):
@@ -143,16 +149,15 @@ def test_newton_step_solves_the_linearised_equations(law: str) -> None:
     for seed in range(6):
         p = problem(seed, 4, law)
         exact = sf.solve(p, tol=1e-13)
-        if not exact.residuals.natural_map < 1e-12:
+        if not exact.residuals.velocity_error < 1e-12:
             continue
         rng = np.random.default_rng(seed)
         errors = []
         for size in (1e-3, 1e-4):
             start = exact.forces.ravel() + size * rng.normal(size=12) * np.abs(exact.forces).max()
-            local = nsgs.prepare_dense(p.G)
-            step = 1.0 / p.norm
+            local = nsgs.prepare_dense(p.G, p.scales)
             force, u = start.copy(), p.G @ start + p.g
-            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", step, 0.0, 1, 0.1, local, force, u)
+            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", 0.0, 1, 0.1, local, force, u)
             errors.append(np.abs(force - exact.forces.ravel()).max())
         assert errors[0] < 1e-3
         assert errors[1] < max(0.1 * errors[0], 1e-9), (seed, errors)
@@ -199,7 +204,7 @@ def test_fields_read_late_are_those_read_at_once() -> None:
     assert found.residuals == again
     assert found.timings == {}
     assert pickle.loads(pickle.dumps(sf.solve(p))).forces.tolist() == found.forces.tolist()
-    assert "natural_map" in repr(sf.solve(p))
+    assert "velocity_error" in repr(sf.solve(p))
     with pytest.raises(AttributeError, match="nothing"):
         found.nothing  # noqa: B018
     for name in ("problem", "forces", "velocities", "status", "residuals", "solver", "iterations"):
@@ -209,10 +214,10 @@ def test_fields_read_late_are_those_read_at_once() -> None:
 
 def test_sparse_newton_steps_are_the_dense_ones() -> None:
     p = problem(5, 8)
-    local = nsgs.prepare_dense(p.G)
+    local = nsgs.prepare_dense(p.G, p.scales)
     start = sf.solve(p, "nsgs", max_iterations=3).forces.ravel()
     dense, u = start.copy(), p.G @ start + p.g
-    newton.newton_dense(p.G, p.g, *laws(p), False, 1.0 / p.norm, 1e-10, 4, 0.1, local, dense, u)
+    newton.newton_dense(p.G, p.g, *laws(p), False, 1e-10, 4, 0.1, local, dense, u)
     sparse = start.copy()
     newton_sparse.BlockNewton(p, 1e-10, np.inf).run(sparse, 4, 0.1)
     assert np.allclose(dense, sparse, atol=1e-9)

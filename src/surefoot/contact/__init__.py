@@ -4,6 +4,7 @@ from surefoot.contact.diagnosis import Redundancy, redundancy
 from surefoot.contact.files import read_lcp, read_problem, write_problem
 from surefoot.contact.lcp import LCP, FrictionLCP, stewart_trinkle
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.proof import InfeasibilityProof, check_proof
 from surefoot.contact.residuals import Residuals, residuals
 from surefoot.contact.solution import ContactSolution, Status
 from surefoot.contact.warm_start import carry_over, persisting
@@ -13,10 +14,12 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "FrictionLCP",
+    "InfeasibilityProof",
     "Redundancy",
     "Residuals",
     "Status",
     "carry_over",
+    "check_proof",
     "persisting",
     "read_lcp",
     "read_problem",

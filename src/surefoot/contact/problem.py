@@ -17,6 +17,7 @@ from surefoot.contact.blocks import (
     dense_blocks,
     vectors_fit,
 )
+from surefoot.contact.scales import scales_blocks, scales_dense
 from surefoot.contact.spectral import spectral_norm, spectral_norm_blocks
 from surefoot.errors import ProblemError, unknown_name
 
@@ -240,13 +241,13 @@ class ContactProblem:
     def compiled(self) -> FloatArray | None:
         """What one compiled call takes, as one array (3n + 3, 3n); None for pyramids, or too many contacts.
 
-        Its rows are G, g, the laws (mu, normal_min, normal_max), and last `step` and whether the law is
-        convex. Every argument of a compiled call costs time, arrays most.
+        Its rows are G, g, the laws (mu, normal_min, normal_max), and last whether the law is convex. Every
+        argument of a compiled call costs time, arrays most.
         """
         if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
             return None
         last = self.G.shape[0] + 2  # a sparse G is read into its room by this
-        self._packed[last, :2] = self.step, self.law == "convex"
+        self._packed[last, 0] = self.law == "convex"
         return self._packed
 
     @cached_property
@@ -259,10 +260,21 @@ class ContactProblem:
             return float(spectral_norm_blocks(b.starts, b.columns, b.values))
         return float(spectral_norm(self.G))
 
-    @cached_property
-    def step(self) -> float:
-        """The step of the natural map, 1 / ||G||₂; 1 where G is zero."""
-        return 1.0 / self.norm if self.norm > 0.0 else 1.0
+    @property
+    def scales(self) -> FloatArray:
+        """The scales of `contact.scales`, (3, n): w_k = ||G_kk||₂, s_k [m/s] and trace G_kk.
+
+        Not kept: g may be changed in place, and a verdict must not rest on what it was.
+        """
+        scales = np.zeros((3, self.contacts))
+        if self.contacts == 0:
+            return scales
+        if self._sparse is None or "G" in self.__dict__:
+            scales_dense(self.G, self.g, self.normal_min, self.normal_max, scales)
+        else:
+            b = self.blocks
+            scales_blocks(b.starts, b.columns, b.values, self.g, self.normal_min, self.normal_max, scales)
+        return scales
 
 
 def _compliance(value: Any, contacts: int) -> FloatArray | None:

@@ -1,7 +1,9 @@
 """Every contact law as a number, computed from the problem alone.
 
 Written apart from any solver's stopping test: solvers do not import their projections from here and
-this file imports none of theirs, so that a certificate is an independent opinion.
+this file imports none of theirs, so that a certificate is an independent opinion. Errors are velocities, judged
+contact by contact against `contact.scales`, which no answer can inflate: with relative forces as the scale,
+forces that run away on a problem without solution would certify themselves.
 """
 
 from __future__ import annotations
@@ -12,15 +14,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
 
-NOTHING_DONE = 0.1
-"""Share of ρ ||g|| above which a gap is measured by that alone."""
-SMALL = 30
+SMALL = 45
 """Number of contacts up to which velocities and residuals are computed in one compiled call."""
+ROUNDING = 4.0 * 2.220446049250313e-16
+"""Times Σ_j ||G_kj|| ||λ_j||: what double precision leaves open of the velocity of contact k."""
+SURE = 1e-13
+"""A bound on the rounding below this need not be made sharp."""
+WEIGHTLESS = 16.0
+"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: the larger, the closer to the normal cone's distance."""
+Numbers = tuple[float, float, float, float, float, float, float]
+"""The fields of `Residuals`."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +40,19 @@ class Residuals:
 
     Attributes
     ----------
-    natural_map
-        ||λ - P_K(λ - ρ(u + Γ(u)))|| / max(||λ||, ρ ||g||) with ρ = 1 / ||G||₂; Γ = 0 for the convex
-        law. Dimensionless; `Status.SOLVED` is judged by it. Where the numerator exceeds a tenth of
-        ρ ||g||, forces have done nothing against the free velocity, and the scale is ρ ||g|| alone:
-        forces that run away on a problem without solution must not look like one.
+    velocity_error
+        max_k ε_k / s_k with ε_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| [m/s], w_k = ||G_kk||₂ and s_k
+        the largest velocity in the contact's connected part of the problem at the admissible forces
+        nearest to zero (`contact.scales`); Γ = 0 for the convex law. Dimensionless. Where s_k = 0 those
+        forces are the solution and others count as infinitely wrong.
+    rounding
+        max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, or a bound on it below 1e-13: how much of the velocities
+        double precision cannot tell. `Status.SOLVED` needs it within the tolerance, too.
+    energy_gap
+        For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of the
+        problem: how far each contact is from its share of the least energy; 0 for Coulomb's law. A program
+        whose least energy is approached only by ever larger forces shows here, and nowhere else.
+        `Status.SOLVED` needs it within the tolerance.
     cone_violation
         Largest distance of a contact's force to its cone, normal bounds included [N].
     penetration_velocity
@@ -50,11 +66,23 @@ class Residuals:
         mu λ_n ||u_t|| + λ_t . u_t [W].
     """
 
-    natural_map: float
+    velocity_error: float
+    rounding: float
+    energy_gap: float
     cone_violation: float
     penetration_velocity: float
     complementarity: float
     dissipation: float
+
+    @property
+    def natural_map(self) -> float:
+        """The old name of `velocity_error`, kept for one release."""
+        return self.velocity_error
+
+    @property
+    def worst(self) -> float:
+        """The largest of the first three numbers: what `Status.SOLVED` compares with the tolerance."""
+        return max(self.velocity_error, self.rounding, self.energy_gap)
 
 
 def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
@@ -63,7 +91,7 @@ def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
     Raises
     ------
     ProblemError
-        If the forces do not have the shape (n, 3). NaN gives NaN residuals, never a pass.
+        If the forces do not have the shape (n, 3). One force that is not finite makes every number NaN.
     """
     f = np.ascontiguousarray(forces, dtype=np.float64)
     if f.shape != (problem.contacts, 3):
@@ -71,33 +99,21 @@ def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
     return Residuals(*certificate(problem, f)[1])
 
 
-def measure(
-    problem: ContactProblem, forces: FloatArray, velocities: FloatArray
-) -> tuple[float, float, float, float, float]:
-    """Return the fields of `Residuals` for forces and their velocities, both (n, 3)."""
-    if problem.contacts == 0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    f, u = (np.ascontiguousarray(x, dtype=np.float64).reshape(-1) for x in (forces, velocities))
-    return _measure(
-        f, u, problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.step,
-        problem.facets or 0, problem.fit == "inner", problem.law == "coulomb",
-    )  # fmt: skip
-
-
-def certificate(
-    problem: ContactProblem, forces: FloatArray
-) -> tuple[FloatArray, tuple[float, float, float, float, float]]:
+def certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray, Numbers]:
     """Return the velocities of (n, 3) forces, and the fields of `Residuals`."""
-    if problem.contacts == 0 or problem.contacts > SMALL:
-        velocities = problem.velocity(forces)
-        return velocities, measure(problem, forces, velocities)
-    velocities = np.empty(problem.g.size)
-    numbers = certify_dense(
-        problem.G, problem.g, problem.mu, problem.normal_min, problem.normal_max, problem.step,
-        problem.facets or 0, problem.fit == "inner",
-        problem.law == "coulomb", np.ascontiguousarray(forces).reshape(-1), velocities,
-    )  # fmt: skip
-    return velocities.reshape(-1, 3), numbers
+    if problem.contacts == 0:
+        return problem.velocity(forces), (0.0,) * 7
+    f = np.ascontiguousarray(forces, dtype=np.float64).reshape(-1)
+    laws = problem.mu, problem.normal_min, problem.normal_max, problem.scales
+    kind = problem.facets or 0, problem.fit == "inner", problem.law == "coulomb"
+    if problem.contacts <= SMALL:
+        velocities = np.empty(problem.g.size)
+        return velocities.reshape(-1, 3), certify_dense(problem.G, problem.g, *laws, *kind, f, velocities)
+    with np.errstate(invalid="ignore", over="ignore"):  # said by the numbers
+        velocities = np.ascontiguousarray(problem.velocity(forces)).reshape(-1)
+    b = problem.blocks
+    rounding = _rounding_blocks(b.starts, b.columns, b.values, problem.scales, f)
+    return velocities.reshape(-1, 3), _measure(f, velocities, *laws, *kind, rounding)
 
 
 @inline_kernel
@@ -188,67 +204,144 @@ def _dissipation_limit(ut_x: float, ut_y: float, mu: float, facets: int, inner: 
 
 
 @inline_kernel
+def _contact_error(
+    x: float, y: float, z: float, ux: float, uy: float, shifted: float, w: float, s: float,
+    mu: float, low: float, high: float, facets: int, inner: bool,
+) -> float:  # fmt: skip
+    """Return ε_k / s_k of one contact, its velocity with the De Saxcé shift given.
+
+    With p = w λ - v the error is w λ - P(p) = v - (P(p) - p): velocities are added to velocities, and where p
+    is admissible the answer is ||v|| whatever the size of λ.
+    """
+    if s == 0.0:
+        return 0.0 if x == 0.0 and y == 0.0 and z == max(low, 0.0) else np.inf
+    if w == 0.0:
+        size = math.sqrt(x * x + y * y + z * z)
+        w = WEIGHTLESS * s / size if size > 0.0 else 1.0
+    unit = 1.0 / s
+    p, q, r = (w * x - ux) * unit, (w * y - uy) * unit, (w * z - shifted) * unit
+    size = w * unit
+    a, b, c = _nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
+    a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
+    return math.sqrt(a * a + b * b + c * c)
+
+
+@inline_kernel
+def _least_power(ux: float, uy: float, uz: float, limit: float, low: float, high: float) -> float:
+    """Return the least λ·u over the admissible forces, low (u_n - limit) where it would be without bound."""
+    lift = uz - limit
+    return lift * (high if lift < 0.0 and high < np.inf else low)
+
+
+@inline_kernel
 def _measure(
-    forces: FloatArray,
-    velocities: FloatArray,
-    free: FloatArray,
-    mu: FloatArray,
-    low: FloatArray,
-    high: FloatArray,
-    step: float,
-    facets: int,
-    inner: bool,
-    coulomb: bool,
-) -> tuple[float, float, float, float, float]:
+    forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
+    scales: FloatArray, facets: int, inner: bool, coulomb: bool, rounding: float,
+) -> Numbers:  # fmt: skip
     """Return the fields of `Residuals` for flat (3n,) forces and velocities."""
-    gap = force_scale = violation = approach = normal_power = slip_power = reach = 0.0
+    error = violation = approach = normal_power = slip_power = total = 0.0
+    gap = energy = 0.0
     for k in range(mu.size):
         i = 3 * k
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         ux, uy, uz = velocities[i], velocities[i + 1], velocities[i + 2]
-        force_scale += x * x + y * y + z * z
-        reach += free[i] * free[i] + free[i + 1] * free[i + 1] + free[i + 2] * free[i + 2]
+        total += x + y + z + ux + uy + uz
+        w, s = scales[0, k], scales[1, k]
+        if w > 0.0:
+            energy += s / w * s
         if low[k] == -np.inf:  # bilateral: any force, no velocity
-            gap += step * step * (ux * ux + uy * uy + uz * uz)
             speed = math.sqrt(ux * ux + uy * uy + uz * uz)
-            approach = speed if not speed <= approach else approach
+            approach = max(approach, speed)
+            own = (
+                _contact_error(x, y, z, 0.0, 0.0, 0.0, w, s, 0.0, 0.0, 0.0, 0, True)
+                if s == 0.0
+                else speed / s
+            )
+            error = own if not own <= error else error
             continue
         limit = _dissipation_limit(ux, uy, mu[k], facets, inner)
         shifted = uz + limit if coulomb else uz
-        a, b, c = _nearest(
-            x - step * ux, y - step * uy, z - step * shifted, mu[k], low[k], high[k], facets, inner
-        )
-        gap += (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
-        away = 0.0
+        own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
+        error = own if not own <= error else error  # NaN stays
+        if not coulomb:
+            own = abs(x * ux + y * uy + z * uz - _least_power(ux, uy, uz, limit, low[k], high[k]))
+            gap = own if not own <= gap else gap
         if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
             a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
-            away = math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
-        violation = away if not away <= violation else violation
+            violation = max(violation, math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2))
         v = uz if coulomb else uz - limit
         if v < 0.0 and z < high[k]:
             approach = max(approach, -v)
         power = abs(z - low[k]) * v if v > 0.0 else 0.0
         if v < 0.0 and high[k] < np.inf:
             power = abs(high[k] - z) * -v
-        normal_power = power if not power <= normal_power else normal_power
-        lost = abs(z * limit + x * ux + y * uy)
-        slip_power = lost if not lost <= slip_power else slip_power
-    reach = step * math.sqrt(reach)
-    scale = max(math.sqrt(force_scale), reach)
-    if reach > 0.0:
-        if 4e-16 * math.sqrt(force_scale) > NOTHING_DONE * reach:  # rounding has swallowed the velocities
-            gap = max(gap, reach * reach)
-        if gap > (NOTHING_DONE * reach) ** 2:
-            scale = reach
-    natural = math.sqrt(gap) / scale if scale > 0.0 else math.sqrt(gap)
-    return natural, violation, approach, normal_power, slip_power
+        normal_power = max(normal_power, power)
+        slip_power = max(slip_power, abs(z * limit + x * ux + y * uy))
+    if not abs(total) < np.inf:
+        return np.nan, np.nan, np.nan, np.nan, np.nan, np.nan, np.nan
+    if gap > 0.0:
+        gap = gap / energy if energy > 0.0 else np.inf
+    return error, rounding, gap, violation, approach, normal_power, slip_power
+
+
+@inline_kernel
+def _force_sizes(forces: FloatArray, scales: FloatArray) -> float:
+    """Return Σ_j sqrt(trace G_jj) ||λ_j||; ||G_kj|| is at most sqrt(trace G_kk trace G_jj)."""
+    total = 0.0
+    for k in range(scales.shape[1]):
+        x, y, z = forces[3 * k], forces[3 * k + 1], forces[3 * k + 2]
+        total += math.sqrt(scales[2, k] * (x * x + y * y + z * z))
+    return total
+
+
+@inline_kernel
+def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> float:
+    """Return the field `rounding`: by the bound of `_force_sizes` if that is small, else by the blocks' norms."""
+    n = scales.shape[1]
+    size = _force_sizes(forces, scales)
+    bound = 0.0
+    for k in range(n):
+        if scales[1, k] > 0.0:
+            bound = max(bound, math.sqrt(scales[2, k]) * size / scales[1, k])
+    if ROUNDING * bound <= SURE:
+        return ROUNDING * bound
+    worst = 0.0
+    for k in range(n):
+        total = 0.0
+        for j in range(n):
+            i, h = 3 * k, 3 * j
+            square = 0.0
+            for a in range(3):
+                for b in range(3):
+                    square += G[i + a, h + b] ** 2
+            total += math.sqrt(square * (forces[h] ** 2 + forces[h + 1] ** 2 + forces[h + 2] ** 2))
+        if scales[1, k] > 0.0:
+            worst = max(worst, total / scales[1, k])
+    return ROUNDING * worst
+
+
+@kernel
+def _rounding_blocks(
+    starts: IntArray, columns: IntArray, values: FloatArray, scales: FloatArray, forces: FloatArray
+) -> float:
+    """Return the field `rounding` for a block matrix."""
+    worst = 0.0
+    for k in range(starts.size - 1):
+        total = 0.0
+        for at in range(starts[k], starts[k + 1]):
+            h = 3 * columns[at]
+            size = math.sqrt(forces[h] ** 2 + forces[h + 1] ** 2 + forces[h + 2] ** 2)
+            total += math.sqrt((values[at] ** 2).sum()) * size
+        if scales[1, k] > 0.0:
+            worst = max(worst, total / scales[1, k])
+    return ROUNDING * worst
 
 
 @kernel
 def certify_dense(
-    G: FloatArray, free: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, step: float,
+    G: FloatArray, free: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray,
     facets: int, inner: bool, coulomb: bool, forces: FloatArray, velocities: FloatArray,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
+) -> Numbers:  # fmt: skip
     """Fill the flat (3n,) velocities of flat forces, and return the fields of `Residuals`."""
     for j in range(free.size):
         velocities[j] = free[j]
@@ -257,4 +350,5 @@ def certify_dense(
         if x != 0.0 or y != 0.0 or z != 0.0:
             for j in range(free.size):
                 velocities[j] += G[i, j] * x + G[i + 1, j] * y + G[i + 2, j] * z
-    return _measure(forces, velocities, free, mu, low, high, step, facets, inner, coulomb)
+    rounding = _rounding_dense(G, scales, forces)
+    return _measure(forces, velocities, mu, low, high, scales, facets, inner, coulomb, rounding)

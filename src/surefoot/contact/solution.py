@@ -6,6 +6,7 @@ from enum import Enum
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.errors import NoSolution
 
@@ -16,8 +17,10 @@ Details = tuple[FloatArray, Residuals, dict[str, float]]
 class Status(Enum):
     """How a solve ended.
 
-    SOLVED means that the residual, computed from the problem alone, is below the tolerance; ALMOST
-    that it is within a thousand times of it. The others say why the solver stopped above that.
+    SOLVED means that `Residuals.velocity_error`, `rounding` and `energy_gap`, computed from the problem
+    alone, are within the tolerance; ALMOST that the error is within a thousand times of it. INFEASIBLE means that
+    there is no solution, and comes with a proof. INVALID: the forces' velocities overflow. The others say
+    why the solver stopped.
     """
 
     SOLVED = "solved"
@@ -39,8 +42,10 @@ class ContactSolution:
     problem, forces, status, solver, iterations, solve_time
         See the attributes.
     rest
-        Velocities, residuals and timings; or the (2n + 2, 3) buffer of a compiled solver, from which they are
-        cut when first read: forces, velocities, and the five numbers of `Residuals`.
+        Velocities, residuals and timings; or the (2n + 3, 3) buffer of a compiled solver, from which they are
+        cut when first read: forces, velocities, and the seven numbers of `Residuals`.
+    proof
+        See the attributes.
 
     Attributes
     ----------
@@ -60,9 +65,11 @@ class ContactSolution:
         Wall time inside the solver [s].
     timings
         Parts of the solve, name to seconds, where the solver tells.
+    proof
+        The proof that there is no solution where the status is INFEASIBLE, else None.
     """
 
-    __slots__ = ("_forces", "_iterations", "_problem", "_rest", "_solve_time", "_solver", "_status")
+    __slots__ = ("_forces", "_iterations", "_problem", "_proof", "_rest", "_solve_time", "_solver", "_status")
 
     def __init__(
         self,
@@ -73,6 +80,7 @@ class ContactSolution:
         iterations: int,
         solve_time: float,
         rest: Details | FloatArray,
+        proof: InfeasibilityProof | None = None,
     ) -> None:
         self._problem = problem
         self._forces = forces
@@ -81,6 +89,7 @@ class ContactSolution:
         self._iterations = iterations
         self._solve_time = solve_time
         self._rest = rest
+        self._proof = proof
 
     @property
     def problem(self) -> ContactProblem:
@@ -127,12 +136,17 @@ class ContactSolution:
         """Parts of the solve, name to seconds."""
         return self._details()[2]
 
+    @property
+    def proof(self) -> InfeasibilityProof | None:
+        """The proof of INFEASIBLE, else None."""
+        return self._proof
+
     def _details(self) -> Details:
         """Return velocities, residuals and timings; cut them out of the buffer the first time."""
         found = self._rest
         if not isinstance(found, tuple):
             n = self._problem.contacts
-            numbers = found[2 * n :].ravel()[:5].tolist()
+            numbers = found[2 * n :].ravel()[:7].tolist()
             found = self._rest = (found[n : 2 * n], Residuals(*numbers), {})
         return found
 
@@ -158,7 +172,7 @@ class ContactSolution:
         if not self.solved:
             raise NoSolution(
                 f"{self.solver} ended with status {self.status.value!r} "
-                f"(natural map {self.residuals.natural_map:.1e} after {self.iterations} iterations)",
+                f"(velocity error {self.residuals.velocity_error:.1e} after {self.iterations} iterations)",
                 self.problem,
                 self,
             )

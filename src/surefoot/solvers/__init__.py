@@ -1,10 +1,13 @@
 """Solvers for contact problems: one algorithm per file, joined by `solve`."""
 
+from surefoot.solvers.contact_solver import ContactForces, ContactSolver
 from surefoot.solvers.lcp import LcpSolution, lcp_solver_names, solve_lcp
 from surefoot.solvers.minimum_norm import minimum_norm
 from surefoot.solvers.solver import Settings, solve, solver_names
 
 __all__ = [
+    "ContactForces",
+    "ContactSolver",
     "LcpSolution",
     "Settings",
     "lcp_solver_names",

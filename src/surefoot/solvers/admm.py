@@ -28,7 +28,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.elimination import invert_shifted
-from surefoot.solvers.natural_map import relative_gap
+from surefoot.solvers.natural_map import measure_of
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
@@ -93,22 +93,23 @@ def _iterate(
 
 
 @kernel
-def gap_any(
+def error_any(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
-    step: float, coulomb: bool, facets: int, inner: bool,
-) -> tuple[float, float]:  # fmt: skip
-    """Return ||λ - P_K(λ - step (u + Γ(u)))|| and ||λ||, on cones or pyramids."""
-    gap = size = 0.0
+    measure: FloatArray, coulomb: bool, facets: int, inner: bool,
+) -> float:  # fmt: skip
+    """Return the velocity error of flat forces on cones or pyramids; see `natural_map.velocity_error`."""
+    worst = 0.0
     for k in range(mu.size):
         i = 3 * k
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
         if coulomb and low[k] > -np.inf:
             r += shift_any(p, q, mu[k], facets, inner)
+        step = measure[k, 0]
         a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k], facets, inner)
-        gap += (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
-        size += x * x + y * y + z * z
-    return math.sqrt(gap), math.sqrt(size)
+        gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, 1]
+        worst = gap if not gap <= worst else worst
+    return math.sqrt(worst) if worst >= 0.0 else np.inf
 
 
 @inline_kernel
@@ -129,10 +130,10 @@ def _next_penalty(
 @kernel
 def _run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, coulomb: bool,
-    facets: int, inner: bool, D: FloatArray, step: float, free: float, tol: float, limit: int,
+    facets: int, inner: bool, D: FloatArray, measure: FloatArray, tol: float, limit: int,
     x: FloatArray, z: FloatArray, y: FloatArray, inverse: FloatArray, state: FloatArray, best: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Iterate to the tolerance or the limit; return the iterations and the least relative gap, of `best`.
+    """Iterate to the tolerance or the limit; return the iterations and the least velocity error, of `best`.
 
     G, g, the bounds and x, z, y are scaled by D; `state` holds the penalty, the one that is inverted (zero
     for none), the proximal term and the iterations after which the penalty stays.
@@ -162,10 +163,7 @@ def _run_dense(
         for i in range(m):
             forces[i] = z[i] * D[i]
             velocities[i] /= D[i]
-        gap, size = gap_any(
-            forces, velocities, mu, own_low, own_high, step, coulomb, facets, inner
-        )  # fmt: skip
-        relative = relative_gap(gap, size, free)
+        relative = error_any(forces, velocities, mu, own_low, own_high, measure, coulomb, facets, inner)
         if relative < least:
             least = relative
             for i in range(m):
@@ -209,8 +207,7 @@ class _Scaled:
             self.y = -u.ravel()
         self.limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
         self.end = time.perf_counter() + settings.max_time
-        self.step = problem.step
-        self.free = self.step * float(np.linalg.norm(problem.g))
+        self.measure = measure_of(problem)
 
 
 @register("admm", polyhedral=True, bilateral=True)
@@ -229,8 +226,8 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
         if done > 0 and time.perf_counter() > s.end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
         used, gap = _run_dense(
-            s.G, s.g, *s.laws, s.D, s.step, s.free, tol, min(chunk, s.limit - done), s.x, s.z, s.y,
-            inverse, state, found,
+            s.G, s.g, *s.laws, s.D, s.measure, tol, min(chunk, s.limit - done), s.x, s.z, s.y, inverse,
+            state, found,
         )  # fmt: skip
         done += used
         if gap < least:
@@ -246,11 +243,11 @@ def run_admm(
 ) -> Answer:
     """Run ADMM on many contacts; after `FINISH_FROM` iterations, and then ever less often, `finish` may try.
 
-    `finish` takes flat forces and returns others with their relative gap; it does not disturb the iteration.
+    `finish` takes flat forces and returns others with their velocity error; it does not disturb the iteration.
     """
     s = _Scaled(problem, settings, warm_start)
     *_, coulomb, facets, inner = s.laws
-    own = problem.mu, problem.normal_min, problem.normal_max, s.step, coulomb, facets, inner
+    own = problem.mu, problem.normal_min, problem.normal_max, s.measure, coulomb, facets, inner
     best, best_gap, rho, used = s.z * s.D, math.inf, s.rho, 0.0
     done, next_finish = 0, FINISH_FROM
     while done < s.limit:
@@ -260,8 +257,7 @@ def run_admm(
         primal, dual = _iterate(inverse, s.g, *s.laws, rho, s.eta, s.x, s.z, s.y, now)
         done += now
         forces = s.z * s.D
-        gap, norm = gap_any(forces, problem.velocity(forces.reshape(-1, 3)).ravel(), *own)
-        relative = float(relative_gap(gap, norm, s.free))
+        relative = float(error_any(forces, problem.velocity(forces.reshape(-1, 3)).ravel(), *own))
         if finish is not None and done >= next_finish and relative > settings.tol:
             next_finish = int(FINISH_GROWTH * next_finish)
             forces, relative = finish(forces)

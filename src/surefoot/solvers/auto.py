@@ -20,10 +20,13 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import COMPILED_CONTACTS, ContactProblem
 from surefoot.contact.residuals import certificate, certify_dense
+from surefoot.contact.scales import scales_dense
 from surefoot.contact.solution import Status
-from surefoot.errors import SurefootError
+from surefoot.errors import MissingExtra, SolverNotFound
 from surefoot.kernels import kernel
 from surefoot.solvers.admm import run_admm
+from surefoot.solvers.infeasibility import find_proof
+from surefoot.solvers.natural_map import settle
 from surefoot.solvers.newton import FEW, SHARES_MANY, run_dense
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
 from surefoot.solvers.solver import (
@@ -32,6 +35,7 @@ from surefoot.solvers.solver import (
     SolverFunction,
     fitting,
     mismatch,
+    nearest_to_zero,
     register,
     registry,
     start_forces,
@@ -41,30 +45,32 @@ NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
 Try = tuple[float, int, int, int | None]
-FIRST_TRY: Try = (3.0, 50, 20, 6)
+FIRST_TRY: Try = (0.3, 50, 20, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
 NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
-GUESS_TRIES: tuple[Try, ...] = ((100.0, 50, 25, None), (0.3, 50, 25, None))
+GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.0, 50, 25, None))
 """What follows if that found no guess (mass ratios of 1e6 bear no large proximal term), and if it did."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
-ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
+ON_BLOCKS, ADMM_AND_NEWTON, PROOF = "sweeps and newton on blocks", "admm and newton", "infeasibility proof"
 """What is asked besides solvers; see `_PARTS`."""
 Plan = tuple[tuple[str, int | None, bool], ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
+        (PROOF, None, False),
         ("newton", None, False),
         ("admm", 1500, False),
-        (ON_BLOCKS, None, False),
-        ("staggered", 100, True),
+        (ON_BLOCKS, 20_000, False),
         ("interior_point", None, False),
-        ("admm", None, True),
-        ("nsgs", None, True),
+        ("admm", 10_000, True),
+        ("staggered", 20, True),
+        ("nsgs", 20_000, True),
     ),
     "convex": (
+        (PROOF, None, False),
         ("distribution", None, False),
         ("interior_point", None, False),
         ("admm", 4000, True),
@@ -72,12 +78,22 @@ CONES: dict[str, Plan] = {
     ),
 }
 CONES_LARGE: dict[str, Plan] = {
-    "coulomb": ((ADMM_AND_NEWTON, 600, True), (ADMM_AND_NEWTON, None, False), ("staggered", 100, True)),
-    "convex": (("interior_point", None, False), (ADMM_AND_NEWTON, 4000, True), ("clarabel", None, False)),
+    "coulomb": (
+        (PROOF, None, False),
+        (ADMM_AND_NEWTON, 600, True),
+        (ADMM_AND_NEWTON, None, False),
+        ("staggered", 100, True),
+    ),
+    "convex": (
+        (PROOF, None, False),
+        ("interior_point", None, False),
+        (ADMM_AND_NEWTON, 4000, True),
+        ("clarabel", None, False),
+    ),
 }
 PYRAMIDS: dict[str, Plan] = {
-    "coulomb": (("admm", 2000, True), ("lemke", None, False), ("admm", None, True)),
-    "convex": (("admm", 2000, True), ("daqp", None, False), ("admm", None, True)),
+    "coulomb": (("admm", 2000, True), (PROOF, None, False), ("lemke", None, False), ("admm", None, True)),
+    "convex": (("admm", 2000, True), (PROOF, None, False), ("daqp", None, False), ("admm", None, True)),
 }
 """Who is asked next, for at most how many iterations (None: its own limit), and whether from the best forces
 so far: a bad guess can hold a method back, so some start afresh."""
@@ -93,9 +109,10 @@ def solve_compiled(
     """
     m = packed.shape[1]
     n = m // 3
-    G, g, laws, step, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0], packed[m + 2, 1] != 0.0
+    G, g, laws, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0] != 0.0
     mu, low, high = laws[:n], laws[n : 2 * n], laws[2 * n :]
-    forces, velocities = np.zeros(m), np.empty(m)
+    forces, velocities, scales = np.zeros(m), np.empty(m), np.empty((3, n))
+    scales_dense(G, g, low, high, scales)
     if warm:
         for k in range(n):
             for a in range(3):
@@ -103,14 +120,17 @@ def solve_compiled(
     most = UNBOUNDED if most < 0 else most
     if burst == 0:
         burst = BURST if n <= FEW else BURST_MANY
-    done, _ = run_dense(G, g, mu, low, high, convex, step, tol, ROUNDS, burst, most, forces, velocities)
-    numbers = certify_dense(G, g, mu, low, high, step, 0, True, not convex, forces, velocities)
+    settle(low, scales, forces)
+    done, _ = run_dense(G, g, mu, low, high, convex, scales, tol, ROUNDS, burst, most, forces, velocities)
+    settle(low, scales, forces)
+    numbers = certify_dense(G, g, mu, low, high, scales, 0, True, not convex, forces, velocities)
     for k in range(n):
         for a in range(3):
             buffer[k, a], buffer[n + k, a] = forces[3 * k + a], velocities[3 * k + a]
     buffer[2 * n, 0], buffer[2 * n, 1], buffer[2 * n, 2] = numbers[0], numbers[1], numbers[2]
-    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], 0.0
-    return done if numbers[0] <= tol else ~done
+    buffer[2 * n + 1, 0], buffer[2 * n + 1, 1], buffer[2 * n + 1, 2] = numbers[3], numbers[4], numbers[5]
+    buffer[2 * n + 2, 0], buffer[2 * n + 2, 1], buffer[2 * n + 2, 2] = numbers[6], 0.0, 0.0
+    return done if max(numbers[0], numbers[1], numbers[2]) <= tol else ~done
 
 
 @register("auto", bilateral=True, polyhedral=True, shortcut=solve_compiled)
@@ -122,15 +142,15 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     if problem.contacts <= COMPILED_CONTACTS:
         names = CONES[problem.law]
         if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
-            names = tuple(sorted(names, key=lambda entry: entry[0] != ON_BLOCKS))
+            names = tuple(sorted(names, key=lambda entry: entry[0] not in (PROOF, ON_BLOCKS)))
         return _hand_on(problem, settings, warm_start, 0, names, start)
     forces = start_forces(problem, warm_start)
-    done, relative = alternate(problem, settings, forces)
-    if relative <= settings.tol:
+    done, error, far = alternate(problem, settings, forces)
+    if error <= settings.tol:
         return Answer(forces.reshape(-1, 3), done)
     names = CONES_LARGE[problem.law]
-    if problem.law == "coulomb" and relative > NO_GUESS:
-        names = names[1:]
+    if problem.law == "coulomb" and far > NO_GUESS:
+        names = tuple(entry for entry in names if entry[1] != 600)
     return _hand_on(problem, settings, forces.reshape(-1, 3), done, names, start)
 
 
@@ -143,14 +163,20 @@ def _hand_on(
     start: float,
 ) -> Answer:
     """Try solvers in turn, each with its own bound on iterations, from the best forces so far."""
-    best = np.zeros((problem.contacts, 3)) if forces is None else forces
-    best_gap = certificate(problem, best)[1][0]
+    best = nearest_to_zero(problem)
+    best_error = worst_of(problem, best)
+    if forces is not None and worst_of(problem, forces) <= best_error:
+        best, best_error = forces, worst_of(problem, forces)
     stop, entries = Status.STALLED, registry()
     for name, bound, warm in names:
         left = settings.max_time - (time.perf_counter() - start)
         if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
             break
+        if name == PROOF:
+            if (proof := find_proof(problem)) is not None:
+                return Answer(best, done, Status.INFEASIBLE, proof=proof)
+            continue
         function = _PARTS.get(name)
         if function is None:
             if name not in entries or mismatch(entries[name], problem) is not None:
@@ -160,22 +186,28 @@ def _hand_on(
             bound = min(bound or settings.max_iterations, settings.max_iterations - done)
         try:
             answer = function(problem, Settings(settings.tol, bound, left), best if warm else None)
-        except SurefootError:  # an optional package that is not installed
+        except (MissingExtra, SolverNotFound):  # an optional package that is not installed
             continue
-        done, stop = done + answer.iterations, answer.stop
+        done += answer.iterations
         found = np.ascontiguousarray(answer.forces, dtype=np.float64)
-        gap = certificate(problem, found)[1][0]
-        if gap < best_gap:
-            best, best_gap = found, gap
-        if best_gap <= settings.tol or stop is Status.INFEASIBLE:
+        error = worst_of(problem, found)
+        if error < best_error:
+            best, best_error = found, error
+        if best_error <= settings.tol:
             break
     return Answer(best, done, stop)
+
+
+def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
+    """Return what the certificate compares with the tolerance; infinite for forces that are not finite."""
+    numbers = certificate(problem, forces)[1][:3]
+    return math.inf if math.isnan(numbers[0]) else max(numbers)
 
 
 def _on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve few contacts as many are solved."""
     forces = start_forces(problem, warm_start)
-    done, _ = alternate(problem, settings, forces)
+    done, *_ = alternate(problem, settings, forces)
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
@@ -202,7 +234,7 @@ def call_compiled(
 ) -> tuple[FloatArray, int, int]:
     """Call `solve_compiled`; return (n, 3) forces, what it returned, and the iterations it was given."""
     n = packed.shape[1] // 3
-    buffer = np.empty((2 * n + 2, 3))
+    buffer = np.empty((2 * n + 3, 3))
     if warm_start is not None:
         buffer[:n] = warm_start
     most = -1 if settings.max_iterations is None else settings.max_iterations
@@ -240,25 +272,25 @@ def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatA
     return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME if time.perf_counter() > end else stop)
 
 
-def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float]:
+def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat forces are updated in place; return the sweeps and steps, and the relative gap.
+    Flat forces are updated in place; return the sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, time.perf_counter() + settings.max_time)
     done, before = 0, math.inf
-    relative = newton.measure(forces)[1]
-    while relative > tol and done < most and time.perf_counter() < newton.end:
+    _, error, far = newton.measure(forces)
+    while error > tol and done < most and time.perf_counter() < newton.end:
         done += newton.sweep(forces, min(CHUNK, most - done))
-        before, relative = relative, newton.measure(forces)[1]
-        if done > CHUNK and not tol > relative * (relative / before) ** (STEP_WORTH / CHUNK):
+        before, (_, error, far) = error, newton.measure(forces)
+        if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
             break
     tries = [FIRST_TRY]
-    while tries and relative > tol and done < most and time.perf_counter() < newton.end:
+    while tries and error > tol and done < most and time.perf_counter() < newton.end:
         now = tries.pop(0)
-        used, relative = newton.run(forces, most - done, *now)
-        done += used
+        used, error = newton.run(forces, most - done, *now)
+        done, far = done + used, newton.measure(forces)[2]
         if now is FIRST_TRY:
-            tries = list(NO_GUESS_TRIES if relative > NO_GUESS else GUESS_TRIES)
-    return done, relative
+            tries = list(NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES)
+    return done, error, far

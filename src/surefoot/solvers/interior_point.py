@@ -24,13 +24,13 @@ import scipy.linalg
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.natural_map import natural_gap, relative_gap
+from surefoot.solvers.natural_map import measure_of, velocity_error
 from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.solver import Answer, Settings, register
 
 MAX_ITERATIONS = 100
 POLISH = 1e-3
-"""Natural map below which Newton steps on the contact laws take out what the barrier leaves.
+"""Velocity error below which Newton steps on the contact laws take out what the barrier leaves.
 
 The barrier leaves about the root of its gap in contacts that are only just active."""
 
@@ -177,9 +177,7 @@ def solve_interior_point(
     """Solve either law on exact cones by a primal-dual interior-point method."""
     p = _program(problem)
     coulomb, m = problem.law == "coulomb", p.cones
-    step = problem.step
-    free = step * float(np.linalg.norm(problem.g))
-    laws = problem.mu, problem.normal_min, problem.normal_max, step, not coulomb
+    laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb
     unit = np.ones(p.b.size)
     unit[: 3 * m].reshape(-1, 3)[:, 1:] = 0.0
     y = np.zeros(p.c.size)
@@ -200,8 +198,7 @@ def solve_interior_point(
         forces = np.zeros(3 * problem.contacts)
         forces[p.columns] = p.scale * y
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
-        gap, norm = natural_gap(forces, velocities, *laws)
-        relative = float(relative_gap(gap, norm, free))
+        relative = float(velocity_error(forces, velocities, *laws))
         since += 1
         if relative < best_gap:
             since = 0 if relative < 0.9 * best_gap else since

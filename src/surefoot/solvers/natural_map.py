@@ -1,4 +1,4 @@
-"""The natural map as solvers use it to stop; the certificate is another: `contact.residuals`."""
+"""The velocity error as solvers use it to stop; the certificate is another: `contact.residuals`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.cones.projection import project_truncated
-from surefoot.kernels import inline_kernel
+from surefoot.contact.problem import ContactProblem
+from surefoot.kernels import inline_kernel, kernel
 
 
 @inline_kernel
@@ -19,43 +20,86 @@ def project(x: float, y: float, z: float, mu: float, low: float, high: float) ->
     return project_truncated(x, y, z, mu, low, high)
 
 
-NOTHING_DONE = 0.1
-"""Share of step ||g|| above which a gap is measured by that alone: the forces have done nothing yet."""
+@inline_kernel
+def fill_measure(scales: FloatArray, measure: FloatArray) -> None:
+    """Fill the last two columns of `measure` (n, ...): the step 1 / w_k, and (w_k / s_k)².
+
+    They turn the natural map of contact k, a force, into a velocity over s_k (`contact.scales`). Contacts
+    without speed (s_k = 0) count nothing: their forces are known, see `settle`.
+    """
+    at = measure.shape[1] - 2
+    for k in range(measure.shape[0]):
+        w, s = scales[0, k], scales[1, k]
+        if not w > 0.0:
+            w = s if s > 0.0 else 1.0
+        measure[k, at] = 1.0 / w
+        measure[k, at + 1] = (w / s) ** 2 if s > 0.0 else 0.0
 
 
 @inline_kernel
-def reach(g: FloatArray, step: float) -> float:
-    """Return step ||g||, what the free velocity amounts to in forces: the least scale of a gap."""
-    total = 0.0
-    for i in range(g.size):
-        total += g[i] * g[i]
-    return step * math.sqrt(total)
+def settle(low: FloatArray, scales: FloatArray, forces: FloatArray) -> None:
+    """Set the flat forces of contacts without speed to the admissible ones nearest to zero, their solution."""
+    for k in range(low.size):
+        if scales[1, k] == 0.0:
+            forces[3 * k] = forces[3 * k + 1] = 0.0
+            forces[3 * k + 2] = max(low[k], 0.0)
 
 
 @inline_kernel
-def relative_gap(gap: float, size: float, free: float) -> float:
-    """Return a gap over max(||λ||, free), free = step ||g||; over free if it exceeds a tenth of that."""
-    if free > 0.0:
-        if gap > NOTHING_DONE * free or 4e-16 * size > NOTHING_DONE * free:
-            return max(gap / free, NOTHING_DONE)
-        return gap / max(size, free)
-    return gap / size if size > 0.0 else gap
-
-
-@inline_kernel
-def natural_gap(
+def velocity_error(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
-    step: float, convex: bool,
-) -> tuple[float, float]:  # fmt: skip
-    """Return ||λ - P_K(λ - step (u + Γ(u)))|| and ||λ|| for flat (3n,) forces and velocities."""
-    gap = size = 0.0
+    measure: FloatArray, convex: bool,
+) -> float:  # fmt: skip
+    """Return max_k w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| / s_k for flat (3n,) forces and velocities.
+
+    `measure` is what `fill_measure` filled. A sum that is not a number is returned as infinite.
+    """
+    worst = 0.0
+    at = measure.shape[1] - 2
     for k in range(mu.size):
         i = 3 * k
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
         if not convex and low[k] > -np.inf:
             r += mu[k] * math.sqrt(p * p + q * q)
+        step = measure[k, at]
         a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
-        gap += (x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2
-        size += x * x + y * y + z * z
-    return math.sqrt(gap), math.sqrt(size)
+        gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, at + 1]
+        worst = gap if not gap <= worst else worst
+    return math.sqrt(worst) if worst >= 0.0 else np.inf
+
+
+@kernel
+def force_error(
+    forces: FloatArray, velocities: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
+    high: FloatArray, measure: FloatArray, convex: bool,
+) -> float:  # fmt: skip
+    """Return the natural map over the forces, both weighted by w_k: how far there is to go, not how good it is.
+
+    What globalises Newton's method (its proximal term, its patience) wants a number that falls as the forces
+    approach; velocities of a high stack stay large until its last force is right. No verdict rests on it.
+    """
+    gap = size = reach = 0.0
+    at = measure.shape[1] - 2
+    for k in range(mu.size):
+        i = 3 * k
+        x, y, z = forces[i], forces[i + 1], forces[i + 2]
+        p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
+        if not convex and low[k] > -np.inf:
+            r += mu[k] * math.sqrt(p * p + q * q)
+        step = measure[k, at]
+        a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
+        gap += ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / step
+        size += (x * x + y * y + z * z) / step
+        reach += step * (g[i] ** 2 + g[i + 1] ** 2 + g[i + 2] ** 2)
+    scale = max(size, reach)
+    if not gap >= 0.0:
+        return np.inf
+    return math.sqrt(gap / scale) if scale > 0.0 else math.sqrt(gap)
+
+
+def measure_of(problem: ContactProblem) -> FloatArray:
+    """Return the (n, 2) measure of a problem."""
+    measure = np.empty((problem.contacts, 2))
+    fill_measure(problem.scales, measure)
+    return measure

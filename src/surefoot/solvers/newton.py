@@ -1,11 +1,11 @@
-"""Semismooth Newton on the Alart-Curnier equations, globalised by the natural map.
+"""Semismooth Newton on the Alart-Curnier equations, globalised by the velocity error.
 
 Each contact is classified from its augmented force λ - ρ u (ρ from its own block): take-off, stick, slide,
 or held by a normal bound. The linearised equations are then reduced to the forces that are still free (3 for
 a contact that sticks, 2 for one that slides, none for one that takes off), and a small proximal term on the
 diagonal keeps redundant contacts (a rank-deficient G) solvable without moving any solution. Steps are full:
-which contacts slide sorts itself out faster over a few bad steps than under a line search. The natural map
-judges them; the best point is kept, and Gauss-Seidel sweeps take over where none comes for a while.
+which contacts slide sorts itself out faster over a few bad steps than under a line search. The velocity
+error judges them; the best point is kept, and Gauss-Seidel sweeps take over where none comes for a while.
 
 Source: P. Alart, A. Curnier, "A mixed formulation for frictional contact problems prone to Newton like
 solution methods", CMAME 92, 1991; V. Acary, M. Bremond, O. Huber, "On solving contact problems with Coulomb
@@ -24,15 +24,15 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel
 from surefoot.solvers.elimination import lu_solve, symmetric_solve
-from surefoot.solvers.natural_map import natural_gap, reach, relative_gap
+from surefoot.solvers.natural_map import velocity_error
 from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 
 PATIENCE = 10
-"""Newton steps that may pass without a better natural map."""
+"""Newton steps that may pass without a better velocity error."""
 WORTH = 4.0
 """Sweeps that a Newton step is worth, plus one for two contacts."""
 PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARES = 1e-9, 1e-2, (1e-3, 0.1, 1.0)
-"""The proximal term, relative to the trace of a contact's block: a share of the natural map, within bounds.
+"""The proximal term, relative to the trace of a contact's block: a share of the velocity error, within bounds.
 
 Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
 Attempts take turns with the shares: what holds one back lets the next one through.
@@ -187,10 +187,9 @@ def spread(
 @inline_kernel
 def newton_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    scale: float, tol: float, limit: int, share: float, local: FloatArray, forces: FloatArray,
-    velocities: FloatArray,
+    tol: float, limit: int, share: float, local: FloatArray, forces: FloatArray, velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Take Newton steps while the natural map falls well; return the steps and the relative gap reached.
+    """Take Newton steps while the velocity error falls well; return the steps and the error reached.
 
     Forces and velocities (flat, consistent) are updated in place and never get worse.
     """
@@ -202,9 +201,7 @@ def newton_dense(
     rows, columns = directions[0], directions[1]
     weight, jump, target = known[0], known[1], known[2]
     moved, b, step, best_forces, best_velocities = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
-    free = reach(g, scale)
-    gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-    relative = relative_gap(gap, size, free)
+    relative = velocity_error(forces, velocities, mu, low, high, local, convex)
     best = relative
     for j in range(m):
         best_forces[j], best_velocities[j] = forces[j], velocities[j]
@@ -225,8 +222,7 @@ def newton_dense(
         for j in range(step.size):
             forces[j] += step[j]
         refresh_dense(G, g, forces, velocities)
-        gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-        relative = relative_gap(gap, size, free)
+        relative = velocity_error(forces, velocities, mu, low, high, local, convex)
         since += 1
         if relative < best:
             if relative < 0.9 * best:
@@ -244,12 +240,12 @@ def newton_dense(
 @inline_kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    scale: float, tol: float, rounds: int, burst: int, most: int, forces: FloatArray, velocities: FloatArray,
+    scales: FloatArray, tol: float, rounds: int, burst: int, most: int, forces: FloatArray,
+    velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the gap."""
-    local = prepare_dense(G)
+    """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error."""
+    local = prepare_dense(G, scales)
     refresh_dense(G, g, forces, velocities)
-    free = reach(g, scale)
     done = 0
     relative = last = np.inf
     relax = 1.0
@@ -260,12 +256,10 @@ def run_dense(
             sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
             done += 1
             count += 1
-            gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-            relative = relative_gap(gap, size, free)
+            relative = velocity_error(forces, velocities, mu, low, high, local, convex)
             if relative <= tol:
                 refresh_dense(G, g, forces, velocities)
-                gap, size = natural_gap(forces, velocities, mu, low, high, scale, convex)
-                relative = relative_gap(gap, size, free)
+                relative = velocity_error(forces, velocities, mu, low, high, local, convex)
             rate, before = relative / before, relative
             if relative <= tol:
                 break
@@ -282,7 +276,7 @@ def run_dense(
         last = relative
         share = PROXIMAL_SHARES[attempt % 3] if mu.size <= FEW else SHARES_MANY[attempt % 3]
         used, relative = newton_dense(
-            G, g, mu, low, high, convex, scale, tol, min(20, most - done), share, local, forces, velocities
+            G, g, mu, low, high, convex, tol, min(20, most - done), share, local, forces, velocities
         )  # fmt: skip
         done += used
         if relative <= tol:

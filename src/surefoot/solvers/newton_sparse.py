@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
-from surefoot.solvers.natural_map import natural_gap, relative_gap
+from surefoot.solvers.natural_map import force_error, velocity_error
 from surefoot.solvers.newton import (
     PATIENCE,
     PROXIMAL,
@@ -26,7 +26,7 @@ from surefoot.solvers.nsgs import prepare_blocks, run_blocks
 SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
 """By how much more sweeps follow each further step, and the most of them."""
 NO_GUESS = 0.1
-"""A relative gap above which forces are no better a start than none."""
+"""A force error above which forces are no better a start than none."""
 DENSE_ABOVE = 0.12
 """Share of non-zeros of the reduced matrix above which it is factorised as a dense one."""
 
@@ -112,27 +112,26 @@ class BlockNewton:
         self.problem, self.tol, self.end = problem, tol, end
         b, n = problem.blocks, problem.contacts
         self.matrix = b.starts, b.columns, b.values
-        self.local = prepare_blocks(*self.matrix)
+        self.local = prepare_blocks(*self.matrix, problem.scales)
         self.convex = problem.law == "convex"
-        self.scale = problem.step
         self.laws = problem.mu, problem.normal_min, problem.normal_max
-        self.free = self.scale * float(np.linalg.norm(problem.g))
         self._rows, self._columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
         self._weight, self._jump, self._target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         self._step, self._count = np.empty(3 * n), np.empty(n, dtype=np.int64)
 
-    def measure(self, forces: FloatArray) -> tuple[FloatArray, float]:
-        """Return the velocities of flat forces, and their relative gap."""
-        velocities = block_product(*self.matrix, forces) + self.problem.g
-        gap, size = natural_gap(forces, velocities, *self.laws, self.scale, self.convex)
-        return velocities, float(relative_gap(gap, size, self.free))
+    def measure(self, forces: FloatArray) -> tuple[FloatArray, float, float]:
+        """Return the velocities of flat forces, their velocity error, and their force error."""
+        g = self.problem.g
+        velocities = block_product(*self.matrix, forces) + g
+        error = float(velocity_error(forces, velocities, *self.laws, self.local, self.convex))
+        far = float(force_error(forces, velocities, g, *self.laws, self.local, self.convex))
+        return velocities, error, far
 
     def sweep(self, forces: FloatArray, count: int) -> int:
         """Sweep over flat forces in place, until solved or `count` times; return how often."""
         state = np.array([1.0, np.inf, 0.0])
         return run_blocks(
-            *self.matrix, self.problem.g, *self.laws, self.convex, self.scale, self.tol, count, self.local,
-            forces, state,
+            *self.matrix, self.problem.g, *self.laws, self.convex, self.tol, count, self.local, forces, state
         )[0]  # fmt: skip
 
     def step(self, forces: FloatArray, velocities: FloatArray, proximal: float) -> FloatArray | None:
@@ -157,9 +156,9 @@ class BlockNewton:
         share: float,
         sweeps: int = 0,
         patience: int = PATIENCE,
-        hopeless: int | None = None,
+        without_guess: int | None = None,
     ) -> tuple[int, float]:
-        """Take steps from flat forces, updated in place and never worse; return their number and the gap.
+        """Take steps from flat forces, updated in place and never worse; return their number and the error.
 
         Parameters
         ----------
@@ -168,32 +167,33 @@ class BlockNewton:
         limit
             Most steps, or most of steps and sweeps if there are sweeps.
         share
-            The proximal term over the relative gap, see `newton`.
+            The proximal term over the force error, see `newton`.
         sweeps
             After the first step; `SWEEPS_GROW` times as many after each further one.
         patience
-            Steps that may pass without a better gap.
-        hopeless
-            Steps after which to stop where the gap is still above `NO_GUESS`.
+            Steps that may pass without a force error that falls well.
+        without_guess
+            Steps after which to stop where the force error is still above `NO_GUESS`.
         """
         current = forces.copy()
-        velocities, relative = self.measure(current)
-        best, done, steps, since, count = relative, 0, 0, 0, float(sweeps)
+        velocities, best, far = self.measure(current)
+        nearest, done, steps, since, count = far, 0, 0, 0, float(sweeps)
         while done < limit and best > self.tol and since < patience and time.perf_counter() < self.end:
-            moved = self.step(current, velocities, max(PROXIMAL, min(PROXIMAL_FAR, share * relative)))
+            moved = self.step(current, velocities, max(PROXIMAL, min(PROXIMAL_FAR, share * far)))
             done, steps, since = done + 1, steps + 1, since + 1
             if moved is None:
                 break
             current = moved
-            velocities, relative = self.measure(current)
-            if sweeps and relative > self.tol and done < limit:
+            velocities, error, far = self.measure(current)
+            if sweeps and error > self.tol and done < limit:
                 done += self.sweep(current, min(int(count), SWEEPS_MOST, limit - done))
                 count *= SWEEPS_GROW
-                velocities, relative = self.measure(current)
-            if relative < best:
-                since = 0 if relative < 0.9 * best else since
-                best = relative
+                velocities, error, far = self.measure(current)
+            if far < 0.9 * nearest:
+                nearest, since = far, 0
+            if error < best:
+                best = error
                 forces[:] = current
-            if steps == hopeless and best > NO_GUESS:
+            if steps == without_guess and nearest > NO_GUESS:
                 break
         return done, best

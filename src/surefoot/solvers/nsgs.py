@@ -19,7 +19,7 @@ from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.natural_map import natural_gap, reach, relative_gap
+from surefoot.solvers.natural_map import fill_measure, velocity_error
 from surefoot.solvers.one_contact import WIDTH, block_of, prepare, solve_one
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 
@@ -31,7 +31,7 @@ SPARSE_BELOW = 0.4
 
 
 @inline_kernel
-def prepare_dense(G: FloatArray) -> FloatArray:
+def prepare_dense(G: FloatArray, scales: FloatArray) -> FloatArray:
     """Return the local data of every contact of a dense G: (n, WIDTH), see `one_contact.prepare`."""
     n = G.shape[0] // 3
     local = np.empty((n, WIDTH))
@@ -40,6 +40,7 @@ def prepare_dense(G: FloatArray) -> FloatArray:
         prepare(
             G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local, k
         )
+    fill_measure(scales, local)
     return local
 
 
@@ -93,32 +94,29 @@ def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float
 @kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    step: float, tol: float, sweeps: int, local: FloatArray,
-    forces: FloatArray, state: FloatArray,
+    tol: float, sweeps: int, local: FloatArray, forces: FloatArray, state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success.
+    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
 
     `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
     """
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
-    free = reach(g, step)
     relax, best, since = state[0], state[1], int(state[2])
     for count in range(1, sweeps + 1):
         sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
-        gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
-        relax, best, since = relaxation(gap, relax, best, since)
+        error = velocity_error(forces, velocities, mu, low, high, local, convex)
+        relax, best, since = relaxation(error, relax, best, since)
         state[0], state[1], state[2] = relax, best, since
-        if relative_gap(gap, size, free) <= tol:
+        if error <= tol:
             refresh_dense(G, g, forces, velocities)
-            gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
-            if relative_gap(gap, size, free) <= tol:
+            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
                 return count, True
     return sweeps, False
 
 
 @kernel
-def prepare_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> FloatArray:
+def prepare_blocks(starts: IntArray, columns: IntArray, values: FloatArray, scales: FloatArray) -> FloatArray:
     """Return the local data of every contact of a block matrix: (n, WIDTH)."""
     n = starts.size - 1
     local = np.zeros((n, WIDTH))
@@ -127,6 +125,7 @@ def prepare_blocks(starts: IntArray, columns: IntArray, values: FloatArray) -> F
             if columns[at] == k:
                 B = values[at]
                 prepare(B[0, 0], B[0, 1], B[0, 2], B[1, 1], B[1, 2], B[2, 2], local, k)
+    fill_measure(scales, local)
     return local
 
 
@@ -162,25 +161,23 @@ def sweep_blocks(
 @kernel
 def run_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
-    high: FloatArray, convex: bool, step: float, tol: float, sweeps: int, local: FloatArray,
-    forces: FloatArray, state: FloatArray,
+    high: FloatArray, convex: bool, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
+    state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the natural map passes or the sweeps are used up; return sweeps and success.
+    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
 
     `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
     """
     velocities = block_product(starts, columns, values, forces) + g
-    free = reach(g, step)
     relax, best, since = state[0], state[1], int(state[2])
     for count in range(1, sweeps + 1):
         sweep_blocks(starts, columns, values, local, mu, low, high, convex, relax, forces, velocities)
-        gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
-        relax, best, since = relaxation(gap, relax, best, since)
+        error = velocity_error(forces, velocities, mu, low, high, local, convex)
+        relax, best, since = relaxation(error, relax, best, since)
         state[0], state[1], state[2] = relax, best, since
-        if relative_gap(gap, size, free) <= tol:
+        if error <= tol:
             velocities = block_product(starts, columns, values, forces) + g
-            gap, size = natural_gap(forces, velocities, mu, low, high, step, convex)
-            if relative_gap(gap, size, free) <= tol:
+            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
                 return count, True
     return sweeps, False
 
@@ -214,19 +211,23 @@ class Sweeper:
         self.problem, self.forces = problem, forces
         self.blocks = problem.blocks if use_blocks(problem) else None
         b = self.blocks
-        self.local = prepare_dense(problem.G) if b is None else prepare_blocks(b.starts, b.columns, b.values)
+        scales = problem.scales
+        if b is None:
+            self.local = prepare_dense(problem.G, scales)
+        else:
+            self.local = prepare_blocks(b.starts, b.columns, b.values, scales)
         self.state = np.array([1.0, np.inf, 0.0])
 
     def __call__(self, tol: float, sweeps: int) -> tuple[int, bool]:
-        """Run up to `sweeps` sweeps; return how many ran, and whether the natural map is below tol."""
+        """Run up to `sweeps` sweeps; return how many ran, and whether the velocity error is below tol."""
         p, b = self.problem, self.blocks
         convex = p.law == "convex"
         if b is None:
             return run_dense(
-                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, p.step, tol, sweeps, self.local,
-                self.forces, self.state,
+                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps, self.local, self.forces,
+                self.state,
             )  # fmt: skip
         return run_blocks(
-            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, p.step, tol,
-            sweeps, self.local, self.forces, self.state,
+            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps,
+            self.local, self.forces, self.state,
         )  # fmt: skip

@@ -23,8 +23,8 @@ LOCAL_DAMPING = 1e-12
 """Added to a block's diagonal, relative to its trace; a proximal term, so it moves no solution."""
 FRICTIONLESS = 1e-140
 """Friction below this is none: its square would not be a number."""
-WIDTH = 14
-"""Numbers that `prepare` keeps of a contact."""
+WIDTH = 16
+"""Numbers kept of a contact: 14 by `prepare`, 2 by `natural_map.fill_measure`."""
 Block = tuple[float, ...]
 """The first twelve of them: a tuple lives in registers, where a view of an array is counted and reloaded."""
 CLOSE = 1e-4

@@ -13,10 +13,12 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
+from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals, certificate
 from surefoot.contact.solution import ContactSolution, Status
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
 from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, entry_point
+from surefoot.solvers.infeasibility import find_proof
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
@@ -32,7 +34,7 @@ class Settings:
     Attributes
     ----------
     tol
-        Wanted natural map residual, see `surefoot.contact.residuals`.
+        Wanted velocity error, see `surefoot.contact.residuals`.
     max_iterations
         Bound on the iterations; None for the solver's own default.
     max_time
@@ -47,13 +49,14 @@ class Settings:
 class Answer(NamedTuple):
     """What a solver hands back to `solve`: its forces and why it stopped, no claim of success.
 
-    `stop` is read only where the residual does not already say SOLVED or ALMOST.
+    `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE needs the proof.
     """
 
     forces: FloatArray
     iterations: int
     stop: Status = Status.MAX_ITERATIONS
     timings: dict[str, float] | None = None
+    proof: InfeasibilityProof | None = None
 
 
 Shortcut = Callable[[FloatArray, float, int, int, bool, FloatArray], int]
@@ -92,6 +95,8 @@ _MODULES = (
     "external",
 )
 _loaded = False
+GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
+"""What may have its cause in a problem without solution."""
 _SHORTCUTS: dict[str, Shortcut] = {}
 """Shortcuts that have been asked for, compiled."""
 
@@ -169,7 +174,7 @@ def solve(
     solver
         A name from `solver_names`, or "auto".
     tol
-        Wanted natural map residual.
+        Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's own.
     max_iterations, max_time
         Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
@@ -206,7 +211,7 @@ def solve(
     before = 0
     if shortcut is not None and (packed := problem.compiled) is not None:
         n = problem.contacts
-        buffer = _empty((2 * n + 2, 3))
+        buffer = _empty((2 * n + 3, 3))
         if warm_start is not None:
             buffer[:n] = warm_start
         most = -1 if max_iterations is None else max_iterations
@@ -224,7 +229,12 @@ def solve(
         left = max(max_time - (_clock() - start), 0.0)
         answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
-    return certify(problem, answer, entry.name, tol, _clock() - start)
+    found = certify(problem, answer, entry.name, tol, _clock() - start)
+    if found.status in GAVE_UP and answer.proof is None and _clock() - start < max_time:
+        if (proof := find_proof(problem)) is not None:
+            answer = answer._replace(proof=proof)
+            return certify(problem, answer, entry.name, tol, _clock() - start)
+    return found
 
 
 def fitting(max_time: float, contacts: int, most: int) -> int:
@@ -241,22 +251,38 @@ def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> Floa
 def certify(
     problem: ContactProblem, answer: Answer, name: str, tol: float, solve_time: float
 ) -> ContactSolution:
-    """Return the solution with a status that the residuals bear out, whatever the solver believes."""
+    """Return the solution with a status that the residuals bear out, whatever the solver believes.
+
+    Forces that are not finite are replaced by the admissible ones nearest to zero.
+    """
     forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(-1, 3)
+    if not np.isfinite(forces).all():
+        forces = nearest_to_zero(problem)
+    still = problem.scales[1] == 0.0
+    if still.any():  # parts without any velocity: their solution is known
+        forces = np.where(still[:, None], nearest_to_zero(problem), forces)
     velocities, numbers = certificate(problem, forces)
-    natural_map = numbers[0]
-    if natural_map <= tol:
-        status = Status.SOLVED
-    elif not math.isfinite(natural_map):
-        status = Status.INVALID
-    elif answer.stop is Status.INFEASIBLE:
-        status = Status.INFEASIBLE
-    elif natural_map <= ALMOST_FACTOR * tol:
-        status = Status.ALMOST
+    error, rest = numbers[0], max(numbers[1], numbers[2])
+    stop = Status.STALLED if answer.stop is Status.INFEASIBLE else answer.stop
+    if error <= tol and rest <= tol:
+        status, proof = Status.SOLVED, None
+    elif answer.proof is not None:
+        status, proof = Status.INFEASIBLE, answer.proof
+    elif math.isnan(error):
+        status, proof = Status.INVALID, None
+    elif error <= ALMOST_FACTOR * tol and rest <= tol:
+        status, proof = Status.ALMOST, None
     else:
-        status = answer.stop
+        status, proof = stop, None
     details = velocities, Residuals(*numbers), answer.timings or {}
-    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details)
+    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details, proof)
+
+
+def nearest_to_zero(problem: ContactProblem) -> FloatArray:
+    """Return the (n, 3) admissible forces nearest to zero."""
+    forces = np.zeros((problem.contacts, 3))
+    forces[:, 2] = np.maximum(problem.normal_min, 0.0)
+    return forces
 
 
 def find_solver(name: str, problem: ContactProblem) -> SolverEntry:

@@ -1,0 +1,119 @@
+"""Proofs that a contact problem has no solution, and their check; finding one is a solver's work.
+
+Coulomb's law asks u_n >= 0 of every unilateral contact whose normal force is not bounded above, and u = 0 of a
+bilateral one. So for a direction d with d_n >= 0 on those normals, anything on bilateral contacts and nothing
+else, every solution has d·u >= 0. If G d = 0 then d·u = d·(G λ + g) = g·d whatever the forces, and g·d < 0
+proves that there is no solution. For the convex law d may be any direction in which the admissible set goes on
+for ever (its recession cone): the forces' energy falls along it without end.
+
+In floating point G d is never zero: d·u = g·d + (G d)·λ, so what d proves is that the forces of a solution have
+a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.csgraph
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.contact.problem import ContactProblem
+
+MEANT = 1e6
+"""Forces beyond this many times s / ||G_kk||, the force that stops the fastest contact, are never meant."""
+ROUNDING = 2.3e-16
+
+
+@dataclass(frozen=True)
+class InfeasibilityProof:
+    """A direction along which no forces within its reach can keep the law; see the module for the argument.
+
+    Attributes
+    ----------
+    direction
+        (n, 3) direction d, contact frames, of largest entry one; zero on contacts that it does not need.
+    work
+        g·d < 0, with the rounding of the sum taken off [m/s].
+    reach
+        No forces with a sum of norms below this solve the problem [N]; infinite where G d is exactly zero.
+    needed
+        The reach from which a proof counts: forces beyond it are never meant [N].
+    """
+
+    direction: FloatArray
+    work: float
+    reach: float
+    needed: float
+
+    @property
+    def conclusive(self) -> bool:
+        """Whether the reach is beyond any force that could be meant."""
+        return self.reach > self.needed
+
+
+def _admissible(problem: ContactProblem, direction: FloatArray) -> FloatArray:
+    """Return the direction made admissible as a proof: cut to its cone, contact by contact."""
+    d = np.where(np.isfinite(direction), direction, 0.0)
+    top = float(np.abs(d).max(initial=0.0))
+    d = d / top if top > 0.0 else d
+    held = problem.normal_min == -np.inf
+    free = ~held & (problem.normal_max == np.inf)
+    d[~held & ~free] = 0.0
+    d[free, 2] = np.maximum(d[free, 2], 0.0)
+    if problem.law == "coulomb":
+        d[free, :2] = 0.0
+        return d
+    mu = problem.mu * (np.cos(np.pi / problem.facets) if problem.facets and problem.fit == "inner" else 1.0)
+    slip = np.hypot(d[:, 0], d[:, 1])
+    limit = mu * d[:, 2] * (1.0 - 4.0 * ROUNDING)
+    over = free & (slip > limit)
+    d[over, :2] *= (limit[over] / slip[over])[:, None]
+    return d
+
+
+def check_proof(problem: ContactProblem, direction: FloatArray) -> InfeasibilityProof | None:
+    """Return what a direction (n, 3) proves about a problem, or None if it proves nothing.
+
+    The direction is made admissible first. Rounding counts against the proof in every sum. For pyramids under
+    the convex law the cone inside the pyramid takes their place: a direction in it is one in both.
+    """
+    if problem.contacts == 0:
+        return None
+    d = _admissible(problem, np.asarray(direction, dtype=np.float64).reshape(-1, 3).copy())
+    flat, size = d.ravel(), problem.g.size
+    terms = problem.g * flat
+    work = float(terms.sum()) + size * ROUNDING * float(np.abs(terms).sum())
+    if not work < 0.0:
+        return None
+    b = problem.blocks
+    rows = np.repeat(np.arange(problem.contacts), np.diff(b.starts))
+    used = np.abs(d[b.columns]).max(axis=1) > 0.0
+    rows, values, ends = rows[used], b.values[used], d[b.columns[used]]
+    drift, noise = np.zeros((problem.contacts, 3)), np.zeros((problem.contacts, 3))
+    np.add.at(drift, rows, np.einsum("kab,kb->ka", values, ends))
+    np.add.at(noise, rows, np.einsum("kab,kb->ka", np.abs(values), np.abs(ends)))
+    most = np.diff(b.starts).max(initial=0) * 3 + 3
+    slack = np.linalg.norm(drift, axis=1) + most * ROUNDING * np.linalg.norm(noise, axis=1)
+    worst = float(slack.max(initial=0.0))
+    reach = -work / worst if worst > 0.0 else np.inf
+    return InfeasibilityProof(d, work, reach, _needed(problem, np.abs(d).max(axis=1) > 0.0))
+
+
+def connected_parts(problem: ContactProblem) -> IntArray:
+    """Return the number of each contact's part: parts are joined by no entry of G at all."""
+    b, n = problem.blocks, problem.contacts
+    rows = np.repeat(np.arange(n), np.diff(b.starts))
+    joined = np.abs(b.values).max(axis=(1, 2), initial=0.0) > 0.0
+    graph = sp.csr_matrix((joined[joined], (rows[joined], b.columns[joined])), shape=(n, n))
+    return np.asarray(sp.csgraph.connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _needed(problem: ContactProblem, pushed: BoolArray) -> float:
+    """Return `InfeasibilityProof.needed`, of the connected parts that the direction lies in."""
+    label = connected_parts(problem)
+    part = np.isin(label, label[pushed])
+    w, s, _ = problem.scales
+    weights = w[part & (w > 0.0)]
+    return MEANT * float(s[part].max(initial=0.0)) / float(weights.min()) if weights.size else 0.0

@@ -1,0 +1,205 @@
+"""The scales by which an answer to a contact problem is judged: properties of the problem, never of the answer.
+
+Contact k has its weight w_k = ||G_kk||₂, the velocity that a unit of force makes there, and its speed s_k: the
+largest velocity, of all contacts that are on and joined to k through G, at the admissible forces nearest to
+zero. So an error in contact k counts against the motion of its own connected part of the problem, and neither
+huge forces nor an unrelated fast part can make it look small.
+
+Entries of G at rounding level (`NOISE`) join contacts of two bodies that touch nothing in common: J M⁻¹ Jᵀ
+computed with dense arithmetic is full of them. Through those a part lends only `LENT` of its speed, which
+covers what the noise itself can do to the other's velocities.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact.blocks import block_product
+from surefoot.kernels import inline_kernel, kernel
+
+NOISE = 1.5e-14
+"""Share of sqrt(trace G_kk trace G_jj) up to which the entries of G_kj are rounding."""
+LENT = 1e-6
+"""Share of its speed that a part lends to one it is joined to by rounding alone."""
+
+
+@inline_kernel
+def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -> float:
+    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]], positive semidefinite.
+
+    The trigonometric root of the characteristic polynomial (O. K. Smith, CACM 4(4), 1961), in units of the
+    largest entry.
+    """
+    top = max(a, b, c, abs(d), abs(e), abs(f))
+    if not top > 0.0:
+        return 0.0 if top == 0.0 else top
+    unit = 1.0 / top
+    mean = (a + b + c) * unit / 3.0
+    p, q, r = a * unit - mean, b * unit - mean, c * unit - mean
+    x, y, z = d * unit, e * unit, f * unit
+    half = (p * p + q * q + r * r) / 6.0 + (x * x + y * y + z * z) / 3.0
+    if not half > 0.0:
+        return mean * top
+    radius = math.sqrt(half)
+    cosine = (p * (q * r - z * z) - x * (x * r - z * y) + y * (x * z - q * y)) / (2.0 * half * radius)
+    angle = math.acos(min(max(cosine, -1.0), 1.0)) / 3.0
+    return (mean + 2.0 * radius * math.cos(angle)) * top
+
+
+@inline_kernel
+def _join(label: IntArray, k: int, j: int) -> None:
+    """Give the parts of contacts k and j one label, the smaller."""
+    if label[k] != label[j]:
+        new, old = min(label[k], label[j]), max(label[k], label[j])
+        for i in range(label.size):
+            if label[i] == old:
+                label[i] = new
+
+
+@inline_kernel
+def _block_exceeds(G: FloatArray, k: int, j: int, bound: float) -> bool:
+    """Tell whether some entry of the block G_kj exceeds the bound in size."""
+    for a in range(3):
+        for b in range(3):
+            if abs(G[3 * k + a, 3 * j + b]) > bound:
+                return True
+    return False
+
+
+@inline_kernel
+def _parts(label: IntArray) -> int:
+    """Return the number of parts: each is named after its smallest contact."""
+    count = 0
+    for k in range(label.size):
+        count += label[k] == k
+    return count
+
+
+@kernel
+def _labels_dense(G: FloatArray, on: FloatArray, trace: FloatArray, noise: float, label: IntArray) -> int:
+    """Fill the labels (smallest contact) of the connected parts of a dense G; return the number of parts."""
+    for k in range(label.size):
+        label[k] = k
+    for k in range(1, label.size):
+        for j in range(k):
+            if label[k] == label[j] or on[k] == 0.0 or on[j] == 0.0:
+                continue
+            if _block_exceeds(G, k, j, noise * math.sqrt(trace[k] * trace[j])):
+                _join(label, k, j)
+    return _parts(label)
+
+
+@kernel
+def _labels_blocks(
+    starts: IntArray, columns: IntArray, values: FloatArray, on: FloatArray, trace: FloatArray, noise: float,
+    label: IntArray,
+) -> int:  # fmt: skip
+    """Fill the labels of the parts of a block matrix, by search from each contact not yet reached; see above."""
+    n = label.size
+    queue = np.empty(n, dtype=np.int64)
+    label[:] = -1
+    for first in range(n):
+        if label[first] >= 0:
+            continue
+        label[first], queue[0] = first, first
+        head, tail = 0, 1
+        while head < tail:
+            k = queue[head]
+            head += 1
+            for at in range(starts[k], starts[k + 1]):
+                j = columns[at]
+                if label[j] >= 0 or on[k] == 0.0 or on[j] == 0.0:
+                    continue
+                if np.abs(values[at]).max() > noise * math.sqrt(trace[k] * trace[j]):
+                    label[j], queue[tail] = first, j
+                    tail += 1
+    return _parts(label)
+
+
+@inline_kernel
+def nearest_forces(low: FloatArray, forces: FloatArray) -> bool:
+    """Fill the flat admissible forces nearest to zero, and tell whether one of them is not zero."""
+    some = False
+    for k in range(low.size):
+        forces[3 * k] = forces[3 * k + 1] = forces[3 * k + 2] = 0.0
+        if low[k] > 0.0:
+            forces[3 * k + 2] = low[k]
+            some = True
+    return some
+
+
+@inline_kernel
+def _largest_speeds(
+    velocities: FloatArray, on: FloatArray, label: IntArray, share: float, s: FloatArray
+) -> None:
+    """Raise s of every contact to `share` times the largest speed of its part."""
+    n = label.size
+    most = np.zeros(n)
+    for k in range(n):
+        if on[k] > 0.0:
+            i = 3 * k
+            speed = math.sqrt(velocities[i] ** 2 + velocities[i + 1] ** 2 + velocities[i + 2] ** 2)
+            if not speed < 1e150 or 0.0 <= speed < 1e-150:  # the squares overflow, or vanish
+                speed = math.hypot(math.hypot(velocities[i], velocities[i + 1]), velocities[i + 2])
+            most[label[k]] = max(most[label[k]], speed)
+    for k in range(n):
+        s[k] = max(s[k], share * most[label[k]])
+
+
+@kernel
+def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray) -> None:
+    """Fill the rows w, s and trace G_kk of `scales` (3, n) for a dense G.
+
+    A contact that is off (high = 0) joins nothing and has no speed of its own.
+    """
+    n = low.size
+    label, work = np.empty(n, dtype=np.int64), np.empty((2, 3 * n))
+    velocities, on = work[0], work[1]
+    w, s, trace = scales[0], scales[1], scales[2]
+    for k in range(n):
+        i = 3 * k
+        a, b, c = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
+        w[k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
+        s[k], trace[k], on[k] = 0.0, a + b + c, 1.0 if high[k] > 0.0 else 0.0
+    nearest = np.empty(3 * n) if low.max() > 0.0 else velocities
+    if nearest_forces(low, nearest):
+        for i in range(3 * n):
+            velocities[i] = g[i]
+        for k in range(n):
+            if low[k] > 0.0:
+                for i in range(3 * n):
+                    velocities[i] += G[3 * k + 2, i] * low[k]
+    else:
+        velocities = g
+    parts = _labels_dense(G, on, trace, NOISE, label)
+    _largest_speeds(velocities, on, label, 1.0, s)
+    if parts > 1 and _labels_dense(G, on, trace, 0.0, label) < parts:
+        _largest_speeds(velocities, on, label, LENT, s)
+
+
+@kernel
+def scales_blocks(
+    starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray,
+    scales: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the rows w, s and trace G_kk of `scales` (3, n) for a block matrix; see `scales_dense`."""
+    n = low.size
+    label, on, nearest = np.empty(n, dtype=np.int64), np.empty(n), np.empty(3 * n)
+    w, s, trace = scales[0], scales[1], scales[2]
+    for k in range(n):
+        s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
+        for at in range(starts[k], starts[k + 1]):
+            if columns[at] == k:
+                B = values[at]
+                w[k] = symmetric_norm(B[0, 0], B[1, 1], B[2, 2], B[0, 1], B[0, 2], B[1, 2])
+                trace[k] = B[0, 0] + B[1, 1] + B[2, 2]
+    velocities = g
+    if nearest_forces(low, nearest):
+        velocities = block_product(starts, columns, values, nearest) + g
+    parts = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
+    _largest_speeds(velocities, on, label, 1.0, s)
+    if parts > 1 and _labels_blocks(starts, columns, values, on, trace, 0.0, label) < parts:
+        _largest_speeds(velocities, on, label, LENT, s)

@@ -1,0 +1,293 @@
+"""The real-time path: one problem after another with the same contacts, a new G and g every call.
+
+`solve` reads a `ContactProblem`, which checks and keeps all it is given; a simulator that has another matrix
+every step pays for that each time. A `ContactSolver` knows the laws of its contacts beforehand and hands a raw
+matrix to one compiled call that checks it, solves, and certifies the answer as `solve` would.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
+from surefoot.contact.problem import ASYMMETRY, COMPILED_CONTACTS, ContactProblem, Fit, Law
+from surefoot.contact.proof import InfeasibilityProof
+from surefoot.contact.residuals import Residuals
+from surefoot.contact.solution import Status
+from surefoot.errors import ProblemError
+from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, VECTOR, entry_point, releasing_kernel
+from surefoot.solvers.auto import solve_compiled
+from surefoot.solvers.solver import solve
+
+FLOAT = np.dtype(np.float64)
+_empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
+LAWS, FLAGS, COMPLIANCE, LAST = 1, 2, 3, 4
+"""Rows of the solver's memory after G and g: see `_solve_raw`."""
+NOT_NUMBERS, NOT_SYMMETRIC = -(1 << 40), -(1 << 40) - 1
+"""What `_solve_raw` returns for a G or g that is not finite, and for a G that is not symmetric."""
+
+
+@releasing_kernel
+def _solve_raw(
+    G: FloatArray, g: FloatArray, memory: FloatArray, tol: float, most: int, warm: bool, buffer: FloatArray
+) -> int:
+    """Solve with a new G (m, m) and g (m,); return the iterations, bit by bit turned if not solved.
+
+    The rows of memory (m + 5, m): room for G and g, the laws (mu, low, high), whether the law is convex and
+    whether the last row holds forces, the compliance, and the last forces. The buffer is that of `Shortcut`.
+    """
+    m = g.size
+    scale = gap = total = 0.0
+    for i in range(m):
+        for j in range(i):
+            a, b = G[i, j], G[j, i]
+            total += a + b
+            scale, gap = max(scale, abs(a), abs(b)), max(gap, abs(a - b))
+            memory[i, j] = memory[j, i] = 0.5 * (a + b)
+        memory[i, i] = G[i, i] + memory[m + COMPLIANCE, i]
+        memory[m, i] = g[i]
+        scale = max(scale, abs(G[i, i]))
+        total += G[i, i] + g[i]
+    memory[m + FLAGS, 1] = memory[m + FLAGS, 1] if warm else 0.0
+    start = memory[m + FLAGS, 1] != 0.0
+    memory[m + FLAGS, 1] = 0.0
+    if not abs(total) < np.inf:
+        return NOT_NUMBERS
+    if gap > ASYMMETRY * scale:
+        return NOT_SYMMETRIC
+    if start:
+        for k in range(m // 3):
+            for a in range(3):
+                buffer[k, a] = memory[m + LAST, 3 * k + a]
+    done = solve_compiled(memory, tol, most, 0, start, buffer)
+    if done >= 0:
+        for k in range(m // 3):
+            for a in range(3):
+                memory[m + LAST, 3 * k + a] = buffer[k, a]
+        memory[m + FLAGS, 1] = 1.0
+    return done
+
+
+class ContactForces:
+    """What a `ContactSolver` returns: forces and velocities that it owns, and their certificate.
+
+    Attributes
+    ----------
+    forces, velocities
+        (n, 3) contact frames (tangent, tangent, normal); for a problem that was not solved the best that was
+        found, always finite.
+    status
+        See `Status`; INVALID for a G or g with entries that are not finite.
+    iterations
+        Sweeps and Newton steps.
+    proof
+        The proof that there is no solution where the status is INFEASIBLE, else None.
+    """
+
+    __slots__ = ("_buffer", "_forces", "iterations", "proof", "status")
+
+    def __init__(
+        self,
+        buffer: FloatArray,
+        contacts: int,
+        status: Status,
+        iterations: int,
+        proof: InfeasibilityProof | None = None,
+    ) -> None:
+        self._buffer, self._forces = buffer, buffer[:contacts]
+        self.status, self.iterations, self.proof = status, iterations, proof
+
+    @property
+    def forces(self) -> FloatArray:
+        """The (n, 3) forces [N]."""
+        return self._forces
+
+    @property
+    def velocities(self) -> FloatArray:
+        """The (n, 3) velocities G @ forces + g."""
+        n = len(self._forces)
+        return self._buffer[n : 2 * n]
+
+    @property
+    def solved(self) -> bool:
+        """Whether the status is SOLVED."""
+        return self.status is _SOLVED
+
+    @property
+    def velocity_error(self) -> float:
+        """The first field of `residuals`."""
+        return float(self._buffer[2 * len(self._forces), 0])
+
+    @property
+    def residuals(self) -> Residuals:
+        """Every law as a number, see `surefoot.contact.residuals`."""
+        return Residuals(*self._buffer[2 * len(self._forces) :].ravel()[:7].tolist())
+
+    def __repr__(self) -> str:
+        return (
+            f"ContactForces(status={self.status}, iterations={self.iterations}, forces={self.forces!r}, "
+            f"residuals={self.residuals!r})"
+        )
+
+
+class ContactSolver:
+    """Solve contact problems with the same contacts and laws, and a new G and g every call.
+
+    Preallocated; the arguments are those of `ContactProblem` and `solve`. Up to 45 contacts on exact cones a
+    call is one compiled one, and what that leaves is handed to the other methods of `auto`. It never raises
+    for a hard problem: look at the status. Not to be shared between threads, but one per thread run at
+    the same time: the compiled call releases the interpreter's lock.
+
+    Parameters
+    ----------
+    contacts
+        Their number n.
+    mu, law, normal_min, normal_max, facets, fit, bilateral, compliance
+        As for `ContactProblem`.
+    tol
+        Wanted velocity error and rounding, see `Residuals`.
+    max_iterations
+        Bound on sweeps and Newton steps; None for the methods' own.
+    warm_start
+        Whether a call starts from the forces of the last, if that was solved; see `reset`.
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> contacts = ContactSolver(contacts=1, mu=0.5)
+    >>> answer = contacts.solve(np.eye(3), np.array([0.0, 0.0, -2.0]))
+    >>> answer.status.value, answer.forces.tolist()
+    ('solved', [[0.0, 0.0, 2.0]])
+    """
+
+    def __init__(
+        self,
+        contacts: int,
+        mu: ArrayLike,
+        law: Law = "coulomb",
+        normal_min: ArrayLike = 0.0,
+        normal_max: ArrayLike = np.inf,
+        facets: int | None = None,
+        fit: Fit = "inner",
+        *,
+        bilateral: ArrayLike | None = None,
+        compliance: ArrayLike = 0.0,
+        tol: float = 1e-8,
+        max_iterations: int | None = None,
+        warm_start: bool = True,
+    ) -> None:
+        self.contacts = n = whole_number("contacts", contacts)
+        self.tol = real_number("tol", tol, low=0.0, high=1e300)
+        self.max_iterations = (
+            None if max_iterations is None else whole_number("max_iterations", max_iterations)
+        )
+        self.warm_start = bool(warm_start)
+        m = 3 * n
+        # the problem's own checks; a zero matrix with the compliance on its diagonal
+        self._laws = ContactProblem(
+            np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, facets, fit,
+            compliance=compliance, bilateral=bilateral,
+        )  # fmt: skip
+        self.law: Law = law
+        self._memory = np.zeros((m + 5, max(m, 2)))
+        self._shapes = (m, m), (m,)
+        self._most = -1 if self.max_iterations is None else self.max_iterations
+        self._compiled = facets is None and 0 < n <= COMPILED_CONTACTS
+        if self._compiled:
+            self._memory[m + LAWS] = self._laws.laws.ravel()
+            self._memory[m + FLAGS, 0] = law == "convex"
+            self._memory[m + COMPLIANCE] = np.diagonal(self._laws.G)
+            types = MATRIX, VECTOR, MATRIX, REAL, INTEGER, BOOLEAN, MATRIX
+            self._call = entry_point(_solve_raw, *types)
+
+    def reset(self) -> None:
+        """Forget the last forces: the next call starts from zero."""
+        self._memory[-5 + FLAGS, 1] = 0.0
+
+    def solve(self, G: FloatArray, g: FloatArray, out: FloatArray | None = None) -> ContactForces:
+        """Solve for a new matrix and free velocity.
+
+        Parameters
+        ----------
+        G
+            (3n, 3n) Delassus operator, symmetric (to 1e-8 of its largest entry); the compliance is added.
+        g
+            (3n,) free velocity.
+        out
+            (2n + 3, 3) memory for the answer, C-contiguous; without it every answer owns its own.
+
+        Returns
+        -------
+        ContactForces
+            Look at its `status`.
+
+        Raises
+        ------
+        ProblemError
+            If a shape is wrong, or G not symmetric; never for a problem that is hard or has no solution.
+        """
+        n = self.contacts
+        shapes = self._shapes
+        if not (
+            type(G) is _ndarray and type(g) is _ndarray and G.dtype is FLOAT and g.dtype is FLOAT
+            and G.shape == shapes[0] and g.shape == shapes[1]
+            and G.flags.c_contiguous and g.flags.c_contiguous
+        ):  # fmt: skip
+            G, g = self._read("G", G, shapes[0]), self._read("g", g, shapes[1])
+        if out is None:
+            out = _empty((2 * n + 3, 3))
+        elif not (out.dtype is FLOAT and out.shape == (2 * n + 3, 3) and out.flags.c_contiguous):
+            raise ProblemError(f"out must be a C-contiguous float64 array of shape ({2 * n + 3}, 3)")
+        if not self._compiled:
+            return self._solve_rest(G, g, out, 0)
+        done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)
+        if done >= 0:
+            return ContactForces(out, n, _SOLVED, done)
+        if done == NOT_NUMBERS:
+            return self._nothing(out)
+        if done == NOT_SYMMETRIC:
+            finite_array("G", G)
+            raise ProblemError("G must be symmetric, to 1e-8 of its largest entry")
+        return self._solve_rest(G, g, out, ~done)
+
+    def _read(self, name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+        """Return an argument as the compiled call takes it."""
+        try:
+            array = np.ascontiguousarray(value, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise ProblemError(f"{name} must be an array of numbers: {error}") from error
+        if array.shape != shape:
+            raise ProblemError(f"{name} must have shape {shape}, got {array.shape}")
+        return array
+
+    def _nothing(self, out: FloatArray) -> ContactForces:
+        """Answer input that is not finite: the admissible forces nearest to zero, and NaN for all else."""
+        n = self.contacts
+        out[:n] = 0.0
+        out[:n, 2] = np.maximum(self._laws.normal_min, 0.0)
+        out[n:] = math.nan
+        return ContactForces(out, n, Status.INVALID, 0)
+
+    def _solve_rest(self, G: FloatArray, g: FloatArray, out: FloatArray, done: int) -> ContactForces:
+        """Solve by the general path what the compiled call does not take, or left unsolved."""
+        n, laws = self.contacts, self._laws
+        if not (np.isfinite(G).all() and np.isfinite(g).all()):
+            return self._nothing(out)
+        left = None if self.max_iterations is None else max(self.max_iterations - done, 0)
+        problem = laws.replace(G=G + laws.G, g=g)
+        start = out[:n].copy() if done > 0 else None
+        found = solve(problem, "auto", self.tol, max_iterations=left, warm_start=start)
+        out[:n], out[n : 2 * n] = found.forces, found.velocities
+        r = found.residuals
+        out[2 * n] = r.velocity_error, r.rounding, r.energy_gap
+        out[2 * n + 1] = r.cone_violation, r.penetration_velocity, r.complementarity
+        out[2 * n + 2] = r.dissipation, 0.0, 0.0
+        return ContactForces(out, n, found.status, done + found.iterations, found.proof)

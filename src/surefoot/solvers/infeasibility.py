@@ -1,0 +1,165 @@
+"""Look for a direction that proves a contact problem infeasible.
+
+The directions that prove something form a cone C = {d in D : G d = 0} (`contact.proof`), and the projection of
+-g onto it is not zero exactly if one of them has g·d < 0. With V an orthonormal basis of the range of G, that
+projection is the residual of a least-squares problem::
+
+    min over z of 1/2 ||P_D(-(g + V z))||²,   d = P_D(-(g + V z)),   gradient -Vᵀ d
+
+how near the velocities u = g + V z can come to lawful ones if forces were free: smooth, convex, and solved by
+semismooth Newton steps with a line search, a handful where D is polyhedral.
+
+Source: J. J. Moreau, "Décomposition orthogonale d'un espace hilbertien selon deux cônes mutuellement
+polaires", 1962; L. Qi, J. Sun, "A nonsmooth version of Newton's method", Math. Programming 58, 1993.
+
+Limits: dense matrices; a null space that is only nearly there gives a reach too short to count.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.proof import InfeasibilityProof, check_proof, connected_parts
+
+STEPS, SHORTEST = 60, 1e-6
+"""Newton steps, and the shortest share of one that the line search tries."""
+NULL = 1e-10
+"""Eigenvalues of the scaled G below this share of the largest count as zero."""
+VANISHED = 1e-9
+"""A direction this much shorter than g is none: the problem has solutions, or only just not."""
+LARGEST = 700
+"""Contacts up to which the dense decomposition is worth its time."""
+
+
+def find_proof(problem: ContactProblem) -> InfeasibilityProof | None:
+    """Return a conclusive proof that a problem has no solution, or None if none was found.
+
+    Part by part: what is joined by nothing has nothing to do with each other, and may differ in size.
+    """
+    if not 0 < problem.contacts <= LARGEST:
+        return None
+    label = connected_parts(problem)
+    speeds = problem.scales[1]
+    for part in range(int(label.max()) + 1):
+        members = np.flatnonzero(label == part)
+        if float(speeds[members].max()) == 0.0:
+            continue
+        direction = np.zeros((problem.contacts, 3))
+        found = _part_direction(problem, members)
+        if found is None:
+            continue
+        direction[members] = found
+        proof = check_proof(problem, direction)
+        if proof is not None and proof.conclusive:
+            return proof
+    return None
+
+
+def _part_direction(problem: ContactProblem, members: IntArray) -> FloatArray | None:
+    """Return the best direction (m, 3) of one connected part, None if there is none."""
+    rows = (3 * members[:, None] + np.arange(3)).ravel()
+    G, g = problem.G[np.ix_(rows, rows)], problem.g[rows]
+    trace = np.diagonal(G).reshape(-1, 3).sum(axis=1)
+    scale = 1.0 / np.sqrt(np.where(trace > 0.0, trace, 1.0))  # blocks of one size; one factor keeps a cone
+    D = np.repeat(scale, 3)
+    G, g = D[:, None] * G * D[None, :], D * g
+    size = float(np.linalg.norm(g))
+    if not 0.0 < size < np.inf:
+        return None
+    directions = _Directions(problem, members)
+    with np.errstate(all="ignore"):
+        values, vectors = np.linalg.eigh(G)
+        V = vectors[:, values > NULL * max(float(values[-1]), 1e-300)]
+        d = _project(directions, V, g / size)
+        if d is None:
+            return None
+        d = _onto_null_space(directions, G, d)
+    return np.asarray((D * d).reshape(-1, 3))
+
+
+def _onto_null_space(directions: _Directions, G: FloatArray, d: FloatArray) -> FloatArray:
+    """Move d within its face of D onto the null space of G: what is left of G d is then rounding."""
+    J = directions.project(d)[1]
+    # an edge of the cone counts as the ray through d: its roundness is left out
+    columns = []
+    for k, p in enumerate(d.reshape(-1, 3)):
+        size = float(np.linalg.norm(p))
+        if size == 0.0:
+            continue
+        block = np.eye(3) if np.trace(J[k]) > 2.5 else (p / size)[:, None]
+        whole = np.zeros((d.size, block.shape[1]))
+        whole[3 * k : 3 * k + 3] = block
+        columns.append(whole)
+    C = np.hstack(columns)
+    x = C.T @ d
+    A = G @ C
+    for _ in range(2):
+        x = x - np.linalg.lstsq(A, A @ x, rcond=NULL)[0]
+    return np.asarray(C @ x)
+
+
+class _Directions:
+    """The cone D of a problem: where a direction may lie, contact by contact, and the projection onto it."""
+
+    def __init__(self, problem: ContactProblem, members: IntArray) -> None:
+        self.held: BoolArray = problem.normal_min[members] == -np.inf
+        self.free: BoolArray = ~self.held & (problem.normal_max[members] == np.inf)
+        mu = np.zeros(members.size) if problem.law == "coulomb" else problem.mu[members]
+        if problem.facets and problem.fit == "inner":
+            mu = mu * np.cos(np.pi / problem.facets)  # the round cone inside the pyramid
+        self.mu = mu
+
+    def project(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return P_D(x) and its generalised Jacobian, (n, 3, 3), for flat x."""
+        p = x.reshape(-1, 3)
+        out, J = np.zeros_like(p), np.zeros((len(p), 3, 3))
+        out[self.held], J[self.held] = p[self.held], np.eye(3)
+        t, z, mu = np.hypot(p[:, 0], p[:, 1]), p[:, 2], self.mu
+        flat = self.free & (mu == 0.0) & (z > 0.0)
+        out[flat, 2], J[flat, 2, 2] = z[flat], 1.0
+        inside = self.free & (mu > 0.0) & (t <= mu * z)
+        out[inside], J[inside] = p[inside], np.eye(3)
+        edge = self.free & (mu > 0.0) & (t > mu * z) & (mu * t + z > 0.0)
+        if edge.any():
+            m, length = mu[edge], t[edge]
+            e = p[edge, :2] / length[:, None]
+            ray = np.column_stack([m[:, None] * e, np.ones(len(m))]) / np.sqrt(1.0 + m * m)[:, None]
+            along = (ray * p[edge]).sum(axis=1)
+            out[edge] = along[:, None] * ray
+            J[edge] = ray[:, :, None] * ray[:, None, :]
+            side = np.column_stack([-e[:, 1], e[:, 0], np.zeros(len(m))])
+            bend = along * m / np.sqrt(1.0 + m * m) / length  # the cone's roundness
+            J[edge] += bend[:, None, None] * side[:, :, None] * side[:, None, :]
+        return out.ravel(), J
+
+
+def _project(directions: _Directions, V: FloatArray, g: FloatArray) -> FloatArray | None:
+    """Return the projection of -g onto C, for g of length one; None if it vanishes."""
+    rank, n = V.shape[1], g.size // 3
+    z = np.zeros(rank)
+    d, J = directions.project(-g)
+    value = float(d @ d)
+    blocks = V.reshape(n, 3, rank)
+    for _ in range(STEPS):
+        if value <= VANISHED**2:
+            return None
+        gradient = V.T @ d
+        if float(np.linalg.norm(gradient)) <= 1e-15 * np.sqrt(value):
+            break
+        H = V.T @ np.einsum("kab,kbr->kar", J, blocks).reshape(3 * n, rank)
+        H[np.diag_indices(rank)] += 1e-12
+        step = np.linalg.solve(H, gradient)
+        share, found = 1.0, False
+        while share >= SHORTEST and not found:
+            trial, jacobian = directions.project(-(g + V @ (z + share * step)))
+            now = float(trial @ trial)
+            if now < value:
+                found = True
+            else:
+                share *= 0.5
+        if not found:
+            break
+        z, d, J, value = z + share * step, trial, jacobian, now
+    return d if value > VANISHED**2 else None
