@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surefoot.bench.contact import Comparison, Run, compare, copies_of, performance_profile, problems_in
-from surefoot.bench.contact_ours import our_calls
+from surefoot.bench.contact_ours import CONTACT_SOLVER, our_calls
 from surefoot.bench.contact_rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix
 from surefoot.bench.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 from surefoot.bench.problems import families, problem_set
@@ -114,7 +114,9 @@ def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
 def test_our_calls_solve_the_matrix_they_are_given() -> None:
     for named in problem_set("robot", copies=0.01)[:4]:
         copies = copies_of(named.problem)
-        for ready, fresh in our_calls(named.problem, copies, ("auto", "newton"), 1e-8, 10.0).values():
+        calls = our_calls(named.problem, copies, ("auto", "newton"), 1e-8, 10.0)
+        assert set(calls) == {"auto", "newton", CONTACT_SOLVER}
+        for ready, fresh in calls.values():
             assert judge(named.problem, ready(0)) <= 1e-8
             assert all(judge(p, fresh(k)) <= 1e-8 for k, p in enumerate(copies))
 
@@ -140,7 +142,8 @@ def test_siconos_in_its_own_process() -> None:
 def test_compare_certifies_everybody() -> None:
     problems = problem_set("robot", copies=0.01)[:3]
     found = compare(problems, 1e-8, ("auto", "nsgs"), rivals=False)
-    assert found.solvers == ("auto", "nsgs")
+    assert found.solvers == ("auto", "nsgs", CONTACT_SOLVER)
+    assert found.ours_fresh == CONTACT_SOLVER
     assert all(r.solved and r.residual <= 1e-8 and r.seconds > 0 for r in found.runs if r.solver == "auto")
 
 

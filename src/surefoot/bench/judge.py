@@ -17,8 +17,7 @@ Kept = TypeVar("Kept")
 
 def judge(problem: ContactProblem, forces: FloatArray) -> float:
     """Return how far (n, 3) forces are from a solution, as `Status.SOLVED` is judged; infinite for NaN."""
-    found = residuals(problem, forces)
-    error = float(getattr(found, "velocity_error", found.natural_map))
+    error = residuals(problem, forces).worst
     return error if error >= 0.0 else float("inf")
 
 
