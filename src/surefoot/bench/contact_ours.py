@@ -60,7 +60,7 @@ def real_time_path(problem: ContactProblem, tol: float) -> Callable[[Any, FloatA
 def _lower_bounds(problem: ContactProblem) -> FloatArray:
     """Return the lower normal bounds as they were given: a bilateral contact's read -inf."""
     if problem.bilateral is None:
-        return problem.normal_min
+        return np.asarray(problem.normal_min)
     return np.asarray(np.where(problem.bilateral, 0.0, problem.normal_min))
 
 
