@@ -8,7 +8,7 @@ import pytest
 
 from surefoot.bench.contact import Comparison, Run, compare, copies_of, performance_profile, problems_in
 from surefoot.bench.contact_ours import CONTACT_SOLVER, our_calls
-from surefoot.bench.contact_rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix
+from surefoot.bench.contact_rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
 from surefoot.bench.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 from surefoot.bench.problems import families, problem_set
 from surefoot.bench.siconos_rival import siconos_best, siconos_installed
@@ -109,6 +109,14 @@ def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
     tight = PinocchioCall(problem, setting, call.tol / 100.0, 20_000)
     assert judge(other, tight.fresh((matrix(other, setting), other.g))) <= 1e-8
     assert judge(problem, tight.ready()) <= 1e-8  # the operator has kept nothing of the other problem
+
+
+def test_sparse_problems_get_sparse_rivals() -> None:
+    large = {p.family: p.problem for p in problem_set("large", copies=0.01)}
+    few, full, sparse = (settings(large[name]) for name in ("stack-40", "platform-225", "wall-100"))
+    assert few == full == DENSE
+    assert {name for name, s in sparse.items() if s.method == "admm"} == set(SPARSE)
+    assert sum(s.method == "pgs" for s in sparse.values()) == 3
 
 
 def test_our_calls_solve_the_matrix_they_are_given() -> None:

@@ -65,12 +65,16 @@ SPARSE: dict[str, Setting] = {
     "pinocchio admm anderson sparse": Setting("admm", anderson=5, sparse=True),
     "pinocchio admm spectral anderson sparse": Setting("admm", "SPECTRAL", 5, sparse=True),
 }
-"""For problems of more than `FEW` contacts, besides the dense ones."""
+"""In place of ADMM's dense ones for problems of more than `FEW` contacts whose matrix is sparse."""
+FULL = 0.25
+"""Share of entries that are not zero above which a matrix is taken as dense."""
 
 
-def settings(contacts: int) -> dict[str, Setting]:
-    """Return the settings that are run on a problem of so many contacts."""
-    return DENSE if contacts <= FEW else {**SPARSE, **DENSE}
+def settings(problem: ContactProblem) -> dict[str, Setting]:
+    """Return the settings that are run on a problem."""
+    if problem.contacts <= FEW or np.count_nonzero(problem.G) > FULL * problem.G.size:
+        return DENSE
+    return {**SPARSE, **{name: s for name, s in DENSE.items() if s.method == "pgs"}}
 
 
 class PinocchioCall:
