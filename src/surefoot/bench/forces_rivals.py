@@ -24,7 +24,7 @@ from surefoot.contact import ContactProblem
 Call = Callable[[], FloatArray | None]
 Fit = Literal["inner", "outer"]
 TOLERANCE = 1e-6
-"""Asked of the first-order solvers; interior-point and active-set solvers keep their own, tighter one."""
+"""Asked of solvers that stop by a tolerance, unless the benchmark finds that a looser one will do."""
 
 
 @dataclass(frozen=True)
@@ -101,11 +101,13 @@ def cone_rows(p: Program) -> tuple[FloatArray, FloatArray]:
 
 
 class Rival(ABC):
-    """A solver on one kind of program."""
+    """A solver on one kind of program; `tol` is its stopping tolerance, where it has one."""
 
     name = ""
     exact = False
     can_warm = False
+    has_tol = False
+    tol = TOLERANCE
 
     def cold(self, p: Program) -> Call:
         """Return the call that sets up and solves."""
@@ -127,7 +129,7 @@ class Rival(ABC):
 class Clarabel(Rival):
     """Interior point on exact cones."""
 
-    name, exact = "Clarabel", True
+    name, exact, has_tol = "Clarabel", True, True
 
     def _cold(self, p: Program) -> Call:
         import clarabel
@@ -138,6 +140,7 @@ class Clarabel(Rival):
         cones = [clarabel.NonnegativeConeT(2 * a)] + [clarabel.SecondOrderConeT(3)] * a
         options = clarabel.DefaultSettings()
         options.verbose = options.presolve_enable = False
+        options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = self.tol
 
         def solve() -> FloatArray | None:
             found = clarabel.DefaultSolver(P, p.h, rows, b, cones, options).solve()
@@ -149,7 +152,7 @@ class Clarabel(Rival):
 class Ecos(Rival):
     """Interior point on exact cones; the quadratic objective becomes one more cone."""
 
-    name, exact = "ECOS", True
+    name, exact, has_tol = "ECOS", True, True
 
     def _cold(self, p: Program) -> Call:
         import ecos
@@ -169,7 +172,9 @@ class Ecos(Rival):
         dims = {"l": 2 * a, "q": [3] * a + [m + 1]}
 
         def solve() -> FloatArray | None:
-            found = ecos.solve(objective, G, right, dims, verbose=False)
+            found = ecos.solve(
+                objective, G, right, dims, verbose=False, abstol=self.tol, reltol=self.tol, feastol=self.tol
+            )
             return np.asarray(found["x"][:m]) if found["info"]["exitFlag"] in (0, 10) else None
 
         return solve
@@ -178,7 +183,7 @@ class Ecos(Rival):
 class Scs(Rival):
     """ADMM on exact cones."""
 
-    name, exact, can_warm = "SCS", True, True
+    name, exact, can_warm, has_tol = "SCS", True, True, True
 
     def __init__(self) -> None:
         self._last: Any = None
@@ -190,7 +195,7 @@ class Scs(Rival):
         a = p.mu.size
         data = {"P": sp.csc_matrix(np.triu(p.H)), "A": sp.csc_matrix(M), "b": b, "c": p.h}
         cone = {"l": 2 * a, "q": [3] * a}
-        options = {"verbose": False, "eps_abs": TOLERANCE, "eps_rel": TOLERANCE, "max_iters": 20_000}
+        options = {"verbose": False, "eps_abs": self.tol, "eps_rel": self.tol, "max_iters": 20_000}
         return lambda: scs.SCS(data, cone, **options)
 
     def _cold(self, p: Program) -> Call:
@@ -285,11 +290,11 @@ class Quadprog(Rival):
 class Osqp(Rival):
     """ADMM on facets."""
 
-    name, can_warm = "OSQP", True
+    name, can_warm, has_tol = "OSQP", True, True
 
     def __init__(self) -> None:
         self._solver: Any = None
-        self._shape: tuple[int, ...] = ()
+        self._rows: Any = None
 
     def _data(self, p: Program) -> tuple[Any, ...]:
         assert p.C is not None
@@ -308,8 +313,18 @@ class Osqp(Rival):
         import osqp
 
         solver = osqp.OSQP()
+        P, h, rows, low, high = data  # on copies: its updates write into the matrices that it was set up with
         solver.setup(
-            *data, verbose=False, eps_abs=TOLERANCE, eps_rel=TOLERANCE, max_iter=20_000, polishing=False
+            P.copy(),
+            h,
+            rows.copy(),
+            low,
+            high,
+            verbose=False,
+            eps_abs=self.tol,
+            eps_rel=self.tol,
+            max_iter=20_000,
+            polishing=False,
         )
         return solver
 
@@ -323,11 +338,17 @@ class Osqp(Rival):
 
     def _warm(self, p: Program) -> Call:
         data = self._data(p)
-        if self._solver is None or self._shape != data[2].shape:
-            self._solver, self._shape = self._setup(data), data[2].shape
+        rows, last = data[2], self._rows
+        if last is None or last.shape != rows.shape or not np.array_equal(last.indices, rows.indices):
+            self._solver = self._setup(data)
+            last = rows
+        change = {"Px": data[0].data, "q": data[1], "l": data[3], "u": data[4]}
+        if not np.array_equal(last.data, rows.data):  # the friction is new
+            change["Ax"] = rows.data
+        self._rows = rows
 
         def solve() -> FloatArray | None:
-            self._solver.update(Px=data[0].data, q=data[1], l=data[3], u=data[4])
+            self._solver.update(**change)
             return self._answer(self._solver.solve(raise_error=False))
 
         return solve
@@ -336,11 +357,11 @@ class Osqp(Rival):
 class ProxQp(Rival):
     """Proximal augmented Lagrangian on facets."""
 
-    name, can_warm = "ProxQP", True
+    name, can_warm, has_tol = "ProxQP", True, True
 
     def __init__(self) -> None:
         self._qp: Any = None
-        self._shape: tuple[int, ...] = ()
+        self._rows: FloatArray = np.zeros((0, 0))
 
     def _data(self, p: Program) -> tuple[Any, ...]:
         assert p.C is not None
@@ -354,7 +375,7 @@ class ProxQp(Rival):
         import proxsuite
 
         qp = proxsuite.proxqp.dense.QP(data[1].size, 0, len(data[4]))
-        qp.settings.eps_abs, qp.settings.eps_rel = TOLERANCE, 0.0
+        qp.settings.eps_abs, qp.settings.eps_rel = self.tol, 0.0
         qp.init(*data)
         return qp
 
@@ -371,13 +392,17 @@ class ProxQp(Rival):
         import proxsuite
 
         data = self._data(p)
-        if self._qp is None or self._shape != data[4].shape:
-            self._qp, self._shape = self._setup(data), data[4].shape
+        if self._qp is None or self._rows.shape != data[4].shape:
+            self._qp, self._rows = self._setup(data), data[4]
             guess = proxsuite.proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
             self._qp.settings.initial_guess = guess
+        change = {"H": data[0], "g": data[1], "l": data[5], "u": data[6]}
+        if not np.array_equal(self._rows, data[4]):  # the friction is new
+            change["C"] = data[4]
+        self._rows = data[4]
 
         def solve() -> FloatArray | None:
-            self._qp.update(H=data[0], g=data[1], l=data[5], u=data[6])
+            self._qp.update(**change)
             return self._answer(self._qp)
 
         return solve
@@ -386,7 +411,7 @@ class ProxQp(Rival):
 class Piqp(Rival):
     """Proximal interior point on facets."""
 
-    name = "PIQP"
+    name, has_tol = "PIQP", True
 
     def _cold(self, p: Program) -> Call:
         import piqp
@@ -398,6 +423,8 @@ class Piqp(Rival):
 
         def solve() -> FloatArray | None:
             solver = piqp.DenseSolver()
+            solver.settings.eps_abs = solver.settings.eps_rel = self.tol
+            solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = self.tol
             solver.setup(H, p.h, None, None, C, below, zero, p.low, p.high)
             status = solver.solve()
             return np.array(solver.result.x) if status == piqp.PIQP_SOLVED else None

@@ -16,7 +16,7 @@ from surefoot.cli.console import plain_console
 from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import MissingExtra
 
-WIDTH = 118
+WIDTH = 126
 """Columns that the table needs; a narrower terminal wraps its lines."""
 QUICK_COUNT, QUICK_INSTANCES, QUICK_STAND = 10, 6, 1.5
 """Of --quick: allocations of each class, instances checked, length of the stand [s]."""
@@ -101,14 +101,15 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
     """Print one table per class of instances, then the check against Clarabel."""
     for kind in dict.fromkeys(row.instances for row in rows):
         table = Table(
-            "cone", "solver", "median [µs]", "p99", "worst", "solved", "off the cone [N]", "lost friction",
-            "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
+            "cone", "solver", "tol", "median [µs]", "p99", "worst", "solved", "off the cone [N]",
+            "lost friction", "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
         )  # fmt: skip
         for row in rows:
             if row.instances == kind:
                 t = row.timing
                 table.add_row(
                     row.cone, row.solver + (" warm" if row.warm else ""),
+                    f"{row.tolerance:.0e}" if row.tolerance == row.tolerance else "",
                     *(f"{1e6 * s:.1f}" for s in (t.median, t.p99, t.worst)),
                     f"{row.solved:.0%}", f"{row.cone_violation:.1e}", f"{row.lost_friction:+.1%}",
                     f"{row.distance:.1e}", f"{row.distance_worst:.1e}", f"{row.shortfall:+.1e}",
