@@ -227,7 +227,8 @@ class _Cache(FunctionCache):  # type: ignore[misc]
         name = name.replace(f"-{self._impl.locator.get_disambiguator()}.", ".")
         beside = os.path.join(os.path.dirname(py_func.__code__.co_filename), "__pycache__")
         self._cache_file = IndexDataCacheFile(self._cache_path, name, tree.key)
-        self._beside = None if beside == self._cache_path else IndexDataCacheFile(beside, name, tree.key)
+        elsewhere = beside != self._cache_path and not numba.config.CACHE_DIR
+        self._beside = IndexDataCacheFile(beside, name, tree.key) if elsewhere else None
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         found = super().load_overload(sig, target_context)
