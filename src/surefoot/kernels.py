@@ -23,7 +23,7 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     reachable as `kernel.py_func`; tests compare a kernel with a NumPy twin. Where Numba is switched off
     (NUMBA_DISABLE_JIT=1) it is that function.
     """
-    return function if numba.config.DISABLE_JIT else cast("Callable[P, R]", Kernel(function, {}, OPTIONS))
+    return _compiled(function, OPTIONS)
 
 
 def entry_point(function: Callable[P, R], *types: Any) -> Callable[P, R]:
@@ -42,5 +42,11 @@ def inline_kernel(function: Callable[P, R]) -> Callable[P, R]:
     For small ones (3x3 algebra, projections), and for the parts of a kernel that runs for a microsecond: a
     call that is not folded in counts references to every array it is given, about 10 ns each.
     """
-    options = {**OPTIONS, "inline": "never", "forceinline": True}
-    return function if numba.config.DISABLE_JIT else cast("Callable[P, R]", Kernel(function, {}, options))
+    return _compiled(function, {**OPTIONS, "inline": "never", "forceinline": True})
+
+
+def _compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
+    if numba.config.DISABLE_JIT:
+        function.py_func = function  # type: ignore[attr-defined]
+        return function
+    return cast("Callable[P, R]", Kernel(function, {}, options))

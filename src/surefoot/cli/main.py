@@ -8,7 +8,8 @@ from typing import cast
 
 import typer
 
-from surefoot.cli import bench, check, cone, model, region, solve, stand, walk
+from surefoot.cli import bench, check, cone, model, region, solve, stand, walk, warmup
+from surefoot.cli.compiling import announce_compilation
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -31,6 +32,7 @@ app.command("check")(check.check)
 app.command("region")(region.region)
 app.command("model")(model.model)
 app.command("solve")(solve.solve)
+app.command("warmup")(warmup.warmup)
 app.add_typer(bench.app, name="bench")
 
 
@@ -38,6 +40,7 @@ def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
     if not sys.stdout.isatty():
         os.environ.setdefault("COLUMNS", PIPE_WIDTH)
+    announce_compilation()
     sys.exit(main(arguments))
 
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
 from surefoot.cli.output import to_json
-from surefoot.contact.lcp import LCP
-from surefoot.contact.problem import ContactProblem
+
+if TYPE_CHECKING:  # the other commands need no compiled code
+    from surefoot.contact.lcp import LCP
+    from surefoot.contact.problem import ContactProblem
 
 
 def solve(
@@ -33,6 +35,7 @@ def solve(
     """
     from surefoot.contact import read_problem
     from surefoot.contact.files import holds_lcp, read_lcp
+    from surefoot.contact.lcp import LCP
     from surefoot.errors import SolverNotFound, unknown_name
     from surefoot.solvers.lcp import lcp_solver_names
     from surefoot.solvers.solver import find_solver
