@@ -165,11 +165,13 @@ def _forces() -> None:
 
 def _statics() -> None:
     from surefoot import equilibrium
+    from surefoot.stance import PointContact, Stance
 
     stance = _stance()
-    equilibrium.can_stand(stance, COM, MASS)
-    equilibrium.can_stand(stance, [1.0, 0.0, 0.3], MASS)
-    equilibrium.friction_needed(stance, COM, MASS)
+    walls = Stance([PointContact([x, 0.0, 0.5], normal=[-x / abs(x), 0.0, 0.0], mu=0.9) for x in (-0.3, 0.3)])
+    for each, com in ((stance, COM), (stance, (1.0, 0.0, 0.3)), (walls, (0.0, 0.0, 0.5))):
+        equilibrium.can_stand(each, com, MASS)
+        equilibrium.friction_needed(each, com, MASS)
     equilibrium.com_region(stance, MASS)
     equilibrium.support_polygon(stance)
     equilibrium.zmp_region(stance, COM, MASS)
@@ -210,6 +212,6 @@ TASKS: dict[str, Callable[[], None]] = {
     "contact forces": _forces,
     "stand": _command("stand", "go2", *RUN, "0.05"),
     "stand, rigid": _command("stand", "go2", "--world", "rigid", *RUN, "0.05"),
-    "walk": _command("walk", "go2", *RUN, "0.3"),
+    "walk": _command("walk", "go2", "--terrain", "stairs:0.05,0.3", *RUN, "0.6"),
 }
 """What is compiled, by the commands that need it."""
