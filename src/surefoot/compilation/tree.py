@@ -91,7 +91,7 @@ class Tree:
         codes = list(_codes(function.__code__))
         for code in codes:
             yield code.co_code
-            yield repr((code.co_names, code.co_varnames, code.co_argcount, code.co_flags)).encode()
+            yield repr((code.co_names, code.co_varnames, code.co_argcount)).encode()
             for constant in code.co_consts:
                 if not isinstance(constant, CodeType):
                     yield from self._of_value(constant, ())
