@@ -9,7 +9,8 @@ from typing import Annotated, cast
 import typer
 
 from surefoot import __version__
-from surefoot.cli import bench, check, cone, model, region, solve, stand, walk
+from surefoot.cli import bench, check, cone, model, region, solve, stand, walk, warmup
+from surefoot.cli.compiling import announce_compilation
 from surefoot.cli.literal_help import LiteralHelpCommand
 from surefoot.errors import SurefootError
 
@@ -26,7 +27,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for _command in (
-    stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
+    stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve, warmup.warmup,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
 app.add_typer(bench.app, name="bench")
@@ -52,6 +53,7 @@ def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
     if not sys.stdout.isatty():
         os.environ.setdefault("COLUMNS", PIPE_WIDTH)
+    announce_compilation()
     sys.exit(main(arguments))
 
 

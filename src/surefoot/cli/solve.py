@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.table import Table
@@ -12,8 +12,10 @@ from rich.table import Table
 from surefoot.arrays import real_number
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
-from surefoot.contact.lcp import LCP
-from surefoot.contact.problem import ContactProblem
+
+if TYPE_CHECKING:  # the other commands need no compiled code
+    from surefoot.contact.lcp import LCP
+    from surefoot.contact.problem import ContactProblem
 
 
 def solve(
@@ -34,6 +36,7 @@ def solve(
     """
     from surefoot.contact import read_problem
     from surefoot.contact.files import holds_lcp, read_lcp
+    from surefoot.contact.lcp import LCP
     from surefoot.errors import ProblemError, SolverNotFound, unknown_name
     from surefoot.solvers.lcp import lcp_solver_names
     from surefoot.solvers.solver import find_solver

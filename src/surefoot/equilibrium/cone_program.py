@@ -305,7 +305,8 @@ def _set_slack(
     for i in range(3 * lorentz, m):
         if trial[i] <= 0.0:
             return
-    z[:] = trial
+    for i in range(m):  # as a slice it would take 2 s to compile
+        z[i] = trial[i]
 
 
 @inline_kernel

@@ -155,7 +155,8 @@ def _unreachable(
             for q in range(p):
                 best[q] = -sign * y[q]
             best[j] += sign
-    y[:] = best
+    for q in range(p):  # as a slice it would take 2 s to compile
+        y[q] = best[q]
 
 
 @kernel
