@@ -232,10 +232,12 @@ def solve(
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
     left = max_time - (_clock() - start)
-    if found.status in GAVE_UP and answer.proof is None and left > 0.0:
-        if (proof := find_proof(problem, left)) is not None:
-            answer = answer._replace(proof=proof)
-            return certify(problem, answer, entry.name, tol, _clock() - start)
+    if found.status not in GAVE_UP or answer.proof is not None or left <= 0.0:
+        return found
+    with np.errstate(all="ignore"):
+        proof = find_proof(problem, left)
+    if proof is not None:
+        return certify(problem, answer._replace(proof=proof), entry.name, tol, _clock() - start)
     return found
 
 
