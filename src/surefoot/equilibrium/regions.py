@@ -277,7 +277,7 @@ def _with_interior(
     best: tuple[FloatArray, int, FloatArray, FloatArray, float] | None = None
     for _ in range(A.shape[1] + 1):
         A, G = np.ascontiguousarray(A), np.ascontiguousarray(G)
-        outcome, margin, start, y = most_margin(A, e, w, lorentz)
+        outcome, margin, start, y, _ = most_margin(A, e, w, lorentz)
         if outcome not in (FEASIBLE, ENDLESS):
             return best
         if margin > _ROOM:

@@ -1,6 +1,7 @@
 """Can it stand here, and how much friction does it need: the questions and their entry points.
 
-Every answer carries its proof: forces when it can, a separating wrench when it cannot.
+Every answer carries its proof: forces when it can, a separating wrench when it cannot. An answer without one
+is "undecided".
 """
 
 from __future__ import annotations
@@ -14,7 +15,16 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
-from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, axis_scale, most_margin, stand
+from surefoot.equilibrium.margin import (
+    ENDLESS,
+    FEASIBLE,
+    REACH,
+    UNDECIDED,
+    axis_scale,
+    most_margin,
+    proof_reach,
+    stand,
+)
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
@@ -57,7 +67,8 @@ def can_stand(
     Returns
     -------
     Verdict
-        `.feasible`, `.forces`, `.margin` [N], `.certificate`; truthy when it can stand.
+        `.status`, `.feasible`, `.forces`, `.margin` [N], `.certificate`, `.reach` [N]; truthy when it can
+        stand.
 
     Raises
     ------
@@ -67,6 +78,9 @@ def can_stand(
     Notes
     -----
     The verdict is exact outside a band of 1e-9 of the load around the boundary, and so is the margin.
+    "possible" comes with forces that are in their cones and give the load within that band, "impossible"
+    with a proof that rules out every set of forces up to a total of ten thousand loads at least; where
+    arithmetic finds neither, the status is "undecided", and the verdict is falsy.
     Joint torques are another question: see `surefoot.equilibrium.actuation`.
 
     Examples
@@ -84,11 +98,13 @@ def can_stand(
     load = needed_wrench(mass, external_wrench)
     if limits is None and facets is None and not stance.bounded and stance.contacts:
         points = stance.points()
-        outcome, margin, x, y = stand(points.positions, points.rotations, points.mu, about, load)
+        outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
         if outcome in (FEASIBLE, ENDLESS):
             forces = x if points is stance else stance.corner_map @ x
-            return Verdict(stance, about, load, True, margin, forces, None, x)
-        return Verdict(stance, about, load, False, margin, None, y, None)
+            return Verdict(stance, about, load, "possible", margin, forces, None, x)
+        if outcome == UNDECIDED:
+            return Verdict(stance, about, load, "undecided", margin, None, None, None)
+        return Verdict(stance, about, load, "impossible", margin, None, y, None, reach=reach)
     return _general(stance, about, load, facets, fit, limits)
 
 
@@ -104,27 +120,32 @@ def _general(
     if not stance.contacts:
         size = float(np.linalg.norm(load))
         if size == 0.0:
-            return Verdict(stance, about, load, True, math.inf, np.zeros(0), None, np.zeros(0))
-        return Verdict(stance, about, load, False, -math.inf, None, -load / size, None)
+            return Verdict(stance, about, load, "possible", math.inf, np.zeros(0), None, np.zeros(0))
+        return Verdict(stance, about, load, "impossible", -math.inf, None, -load / size, None, reach=math.inf)
     bounds = normal_limits(stance)
     bounds = limits if bounds is None else bounds.and_also(limits)
     eq = equations(stance, about, load, bounds, facets, fit)
-    outcome, margin, x, y = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
     if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
         held = _held_back(stance, about, load, bounds, facets, fit)
         again = most_margin(held.A, held.e, held.w, held.lorentz)
         if again[0] in (FEASIBLE, ENDLESS):
-            eq, (outcome, margin, x, y) = held, again
+            eq, (outcome, margin, x, y, _) = held, again
+    margin *= eq.scale
     if outcome in (FEASIBLE, ENDLESS):
         corners = eq.force @ x
         forces = stance.corner_map @ corners
         return Verdict(
-            stance, about, load, True, margin * eq.scale, forces, None, corners, bounds, None, facets, fit
+            stance, about, load, "possible", margin, forces, None, corners, bounds, None, facets, fit
         )
+    y[6:] = np.maximum(y[6:], 0.0)
+    reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
+    if reach < REACH:
+        return Verdict(stance, about, load, "undecided", margin, None, None, None, bounds, None, facets, fit)
     multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
     return Verdict(
-        stance, about, load, False, margin * eq.scale, None, eq.wrench_multiplier(y), None, bounds,
-        multipliers, facets, fit,
+        stance, about, load, "impossible", margin, None, eq.wrench_multiplier(y), None, bounds,
+        multipliers, facets, fit, reach * eq.scale,
     )  # fmt: skip
 
 
