@@ -1,4 +1,4 @@
-"""Stances that are hard on arithmetic: points, segments, needles, walls, friction at its limit, all scales."""
+"""Stances that are hard on arithmetic: points, segments, needles, walls, friction at its limit."""
 
 from __future__ import annotations
 
@@ -46,7 +46,8 @@ def question(rng: np.random.Generator, family: str, scale: float = 1.0) -> Quest
         normal = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
         if family == "patches":
             length, width = scale * rng.uniform(0.05, 0.25, size=2)
-            contacts.append(sf.PatchContact(place, length, width, normal, friction, heading=rng.normal(size=3)))
+            heading = rng.normal(size=3)
+            contacts.append(sf.PatchContact(place, length, width, normal, friction, heading=heading))
         else:
             contacts.append(sf.PointContact(place, normal, friction))
     weights = rng.dirichlet(np.ones(len(places)))

@@ -7,24 +7,28 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix
-from stance_families import FAMILIES, corner_contacts, directions, question
 
 import surefoot as sf
 
-WEIGHT = 9.81
+sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
+from stance_families import FAMILIES, corner_contacts, directions, question
+
+GRAVITY = 9.81
 EXACT, PYRAMIDS = 2e-6, 2e-7
 """What the oracles may be wrong by, as a share of the stance's size: interior point, simplex."""
 BAND = 1e-9
-"""Forces may leave their cones by this share of the load, so emptiness is judged outside it."""
+"""Forces of a possible verdict may leave their cones by this share of the load."""
 
 
 class Oracle:
-    """The largest value of direction . place over a region, in coordinates of its own: centred, of size one."""
+    """The largest value of direction . place over a region; its own coordinates are centred, of size one."""
 
     def __init__(self, stance, mass, force_limit, com=None, height=None, facets=None):
         corners = corner_contacts(stance)
@@ -51,11 +55,24 @@ class Oracle:
             about = moment - np.cross(arm, force.T).T
             self.rows, self.right = np.vstack([force[2], about]), np.array([1.0, 0.0, 0.0, 0.0])
             self.pick, self.offset = -(com[2] - height) / self.size * force[:2], arm[:2]
-        most = force_limit / (mass * WEIGHT)
+        most = force_limit / (mass * GRAVITY)
         heads = np.zeros(A.shape[1])
         heads[:: self.per] = 1.0
         self.heads, self.most = (heads if facets is None else np.ones(A.shape[1])), most
         self.exact = facets is None
+
+    def widen(self, loads):
+        """Let forces leave their cones by so many loads, as a verdict may: the cones' apices move back."""
+        shift = np.zeros(self.rows.shape[1])
+        for k, mu in enumerate(self.mu):
+            shift[k * self.per : (k + 1) * self.per] = loads * math.hypot(1.0, mu) / max(mu, loads)
+        if self.exact:
+            shift *= self.heads
+        else:
+            shift /= self.per * math.cos(math.pi / self.per)
+        self.right = self.right + self.rows @ shift
+        self.offset = self.offset - self.pick @ shift
+        self.most += float(self.heads @ shift)
 
     def reach(self, direction):
         """Return the support function [m], -inf where the region is empty, None where the oracle gives up."""
@@ -109,7 +126,11 @@ def judge(rng, family):
     else:
         region = sf.com_region(stance, mass, tol, facets=facets)
     oracle = Oracle(stance, mass, region.force_limit, com, region.height, facets)
-    allowed = oracle.size * (EXACT if facets is None else PYRAMIDS) + 1e-12 * float(np.abs(oracle.middle).max())
+    allowed = oracle.size * (EXACT if facets is None else PYRAMIDS) + 1e-12 * float(
+        np.abs(oracle.middle).max()
+    )
+    widened = Oracle(stance, mass, region.force_limit, com, region.height, facets)
+    widened.widen(4.0 * BAND)
     wrong, heard = [], 0
     if not region.empty:
         outer = region.outer
@@ -130,8 +151,9 @@ def judge(rng, family):
         inner = float((region.inner @ d).max())
         if truth - inner > region.gap + allowed:
             wrong.append(f"true gap {truth - inner:.3g} m, stated {region.gap:.3g} m")
-        if inner - truth > allowed:
-            wrong.append(f"the inner polygon reaches {inner - truth:.3g} m beyond the region")
+        wide = widened.reach(d)
+        if wide is not None and inner - wide > allowed:
+            wrong.append(f"the inner polygon reaches {inner - wide:.3g} m beyond the region")
     return [f"{family}, facets {facets}, tol {tol:.1e}: {text}" for text in wrong], heard
 
 
@@ -155,9 +177,9 @@ def run(count, seed):
 
 
 def test_stated_gaps_are_true():
-    wrong, heard = run(120, 0)
+    wrong, heard = run(48, 0)
     assert not wrong, "\n".join(wrong)
-    assert heard > 90
+    assert heard > 36
 
 
 def test_a_segment_is_returned_whole():

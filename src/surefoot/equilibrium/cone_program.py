@@ -347,7 +347,7 @@ def _gap(
 
 @inline_kernel
 def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> float:
-    """Set rp = b - B x, or zero where that is no more than its own rounding; return its share of the terms."""
+    """Set rp = b - B x, or zero where that is rounding; return the largest share of its terms."""
     worst = 0.0
     for j in range(rp.size):
         s, size = b[j], abs(b[j])

@@ -10,7 +10,9 @@ to its cone's boundary. Its dual is
 so that t < 0 comes with a y that proves it: every admissible force has y.(A f) >= 0, and y.w < 0. In floating
 point A' y leaves K* by some d, so the proof has a reach (`proof_reach`): forces that hold the load would
 sum up to |y.w| / d at least. Nothing is called infeasible below `REACH`, nor feasible unless the forces found
-are in their cones and give the load within `BAND`; what is neither is undecided. Both programs always have strict interior points (t may be as negative as it likes), unless the contacts
+are in their cones and give the load within `BAND`; what is neither is undecided.
+
+Both programs always have strict interior points (t may be as negative as it likes), unless the contacts
 can squeeze without limit; then t is infinite.
 
 Coordinates: a friction cone is the Lorentz cone of u = (f_z, f_x / mu, f_y / mu), so that mu = 0 needs no
@@ -41,7 +43,7 @@ BAND = 1e-9
 REACH = 1e4
 """Total normal force, in loads, that an infeasibility proof must at least rule out."""
 _LEAST_MU = 1e-9
-"""Friction below which the margin of a contact, at most mu times its normal force, is within `BAND` anyway."""
+"""Friction below which a contact's margin, at most mu times its normal force, is within `BAND` anyway."""
 _ROUNDING = 32.0 * 2.0**-53
 """Share of the largest terms by which A' y may be wrong, the rounding of A included."""
 _ENDLESS_MARGIN = 1e6

@@ -17,7 +17,7 @@ from surefoot.kernels import inline_kernel, kernel
 @inline_kernel
 def _turn(p: FloatArray, a: int, b: int, c: int) -> float:
     """Return twice the signed area of a triangle of points, positive counter-clockwise."""
-    return (p[b, 0] - p[a, 0]) * (p[c, 1] - p[a, 1]) - (p[b, 1] - p[a, 1]) * (p[c, 0] - p[a, 0])
+    return float((p[b, 0] - p[a, 0]) * (p[c, 1] - p[a, 1]) - (p[b, 1] - p[a, 1]) * (p[c, 0] - p[a, 0]))
 
 
 @inline_kernel
@@ -84,8 +84,8 @@ def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
         if left <= 1:
             break
         a, c = before[k], after[k]
-        d = _to_segment(polygon[k, 0], polygon[k, 1], polygon[a, 0], polygon[a, 1], polygon[c, 0], polygon[c, 1])
-        if d <= slack:
+        ax, ay, cx, cy = polygon[a, 0], polygon[a, 1], polygon[c, 0], polygon[c, 1]
+        if _to_segment(polygon[k, 0], polygon[k, 1], ax, ay, cx, cy) <= slack:
             after[a], before[c] = c, a
             before[k] = -1
             left -= 1
@@ -93,9 +93,7 @@ def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
 
 
 @kernel
-def intersection(
-    directions: FloatArray, heights: FloatArray, middle: FloatArray, reach: float
-) -> FloatArray:
+def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray, reach: float) -> FloatArray:
     """Return the corners of {p : directions @ p <= heights} inside a square about the middle.
 
     Clipped one half-plane after the other. Empty where nothing is left, up to rounding.

@@ -144,5 +144,5 @@ def cut(polygon: FloatArray, direction: FloatArray, height: float) -> FloatArray
 
 
 def convex_hull(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise; two of a line, one of a point."""
+    """Return the corners of the convex hull of (n, 2) points, counter-clockwise; a line has two."""
     return hull(np.ascontiguousarray(points, dtype=np.float64))

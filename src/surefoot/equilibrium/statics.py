@@ -21,8 +21,10 @@ from surefoot.equilibrium.margin import (
     REACH,
     UNDECIDED,
     axis_scale,
+    load_scale,
     most_margin,
     proof_reach,
+    spread,
     stand,
 )
 from surefoot.equilibrium.verdict import Verdict
@@ -32,6 +34,8 @@ from surefoot.stance import Stance
 
 _RUNAWAY = 1e3
 """Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
+_SQUEEZES = (10.0, 100.0, 1000.0)
+"""Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
 _MOST_MU = 1e4
 """A stance that needs more friction than this counts as one that no friction saves."""
 
@@ -164,7 +168,11 @@ def _held_back(
 
 
 def friction_needed(
-    stance: Stance, com: ArrayLike, mass: float, external_wrench: ArrayLike | float = 0.0
+    stance: Stance,
+    com: ArrayLike,
+    mass: float,
+    external_wrench: ArrayLike | float = 0.0,
+    force_limit: float | None = None,
 ) -> float:
     """Return the least friction coefficient, the same at every contact, that holds the robot.
 
@@ -174,11 +182,21 @@ def friction_needed(
         Contacts; their own coefficients are not looked at.
     com, mass, external_wrench
         As for `can_stand`.
+    force_limit
+        Largest sum of all normal forces [N]. None for ten loads where less friction would need more (contacts
+        that squeeze each other, as in a chimney, hold with hardly any friction by endless forces), a hundred
+        and a thousand where ten are never enough (long levers); infinite for no limit: then the result is
+        an infimum that finite forces may come near to and not reach.
 
     Returns
     -------
     float
         0 where the contacts hold without friction, infinite where no friction (up to 10000) helps.
+
+    Raises
+    ------
+    ProblemError
+        As for `can_stand`, or for a force limit that is negative.
 
     Examples
     --------
@@ -191,14 +209,44 @@ def friction_needed(
     """
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
+    most = math.inf if force_limit is None else real_number("force_limit", force_limit, low=0.0)
+    points = stance.points()
     if not stance.contacts:
         return math.inf if float(np.linalg.norm(load)) > 0.0 else 0.0
+    size = load_scale(load, spread(points.positions, about))
+    if most < math.inf:
+        return _friction_within(stance, about, load, most)
+    least = _friction_within(stance, about, load, math.inf)
+    if force_limit is not None or math.isinf(least):
+        return least
+    for loads in _SQUEEZES:
+        if _total_normal(stance, about, load, least) <= loads * size:
+            return least
+        held = _friction_within(stance, about, load, loads * size)
+        if held < math.inf:
+            return held
+    return least
+
+
+def _total_normal(stance: Stance, about: FloatArray, load: FloatArray, mu: float) -> float:
+    """Return the sum of normal forces [N] that hold with one friction everywhere; infinite if none do."""
+    if stance.bounded:
+        verdict = _general(stance.with_friction(mu), about, load, None, "inner", None)
+        return math.inf if verdict.corner_forces is None else float(verdict.corner_forces[:, 2].sum())
+    points = stance.points()
+    same = np.full(len(points), mu)
+    outcome, _, x, _, _ = stand(points.positions, points.rotations, same, about, load)
+    return float(x[2::3].sum()) if outcome in (FEASIBLE, ENDLESS) else math.inf
+
+
+def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: float) -> float:
+    """Return the least friction with normal forces that add up to `most` [N] at the most."""
+    limit = None if math.isinf(most) else squeeze_limit(stance, most)
 
     def depth(mu: float) -> float:
         """Return how far the cones' apices may rise: its sign says whether mu is enough."""
-        trial = stance.with_friction(mu) if stance.bounded else stance
-        if stance.bounded:
-            return _general(trial, about, load, None, "inner", None).margin
+        if limit is not None or stance.bounded:
+            return _general(stance.with_friction(mu), about, load, None, "inner", limit).margin
         points = stance.points()
         same = np.full(len(points), mu)
         margin = stand(points.positions, points.rotations, same, about, load)[1]

@@ -1,9 +1,9 @@
 """From a stance's equations to polygons: the interior that the search needs, and the gap of what it found.
 
-Where the equations leave the forces room inside their cones, one search gives both polygons. Where they hardly do
-(friction at its very limit, contacts that cannot take part), the inner polygon comes from the face of the
-cones that the solutions are in (`faces`), and the outer one from cones that are widened by a hair: the first
-are possible forces in truth, the second leave none out, and the gap is measured between the two.
+Where the equations leave the forces room inside their cones, one search gives both polygons. Where they
+hardly do (friction at its very limit, contacts that cannot take part), the inner polygon comes from the face
+of the cones that the solutions are in (`faces`), and the outer one from cones that are widened by a hair: the
+first has forces within the band of a verdict, the second leaves none out, and the gap is between the two.
 """
 
 from __future__ import annotations
