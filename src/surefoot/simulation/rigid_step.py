@@ -46,70 +46,24 @@ def solve_upper(L: FloatArray, x: FloatArray) -> None:
 
 
 @kernel
-def mean_velocity(
-    L: FloatArray, coriolis: FloatArray, v: FloatArray, middle: FloatArray, dt: float, floating: bool
-) -> float:
-    """Move `middle` to the mean velocity of a step under no forces; return how far it moved.
-
-    `coriolis` (nv,) are the Coriolis terms of M v̇ + h = τ at the velocity `middle`. Repeating until it
-    stands still is the implicit midpoint rule, under which a spinning body neither gains nor loses energy.
-
-    A floating base's velocity keeps the axes that the base has now: v̇ is the rate of the components in
-    axes that turn along, so ω x v is added to it. Otherwise a spinning body would gain (ω dt)² / 2 of its
-    speed per step.
-    """
-    rate = -coriolis
-    solve_lower(L, rate)
-    solve_upper(L, rate)
-    if floating:
-        a, b, c, x, y, z = middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]
-        rate[0] += y * c - z * b
-        rate[1] += z * a - x * c
-        rate[2] += x * b - y * a
-    change = 0.0
-    for i in range(v.size):
-        mean = v[i] + 0.5 * dt * rate[i]
-        change = max(change, abs(mean - middle[i]))
-        middle[i] = mean
-    return change
-
-
-@kernel
-def free_velocity(
-    L: FloatArray, effort: FloatArray, v: FloatArray, middle: FloatArray, dt: float
-) -> FloatArray:
-    """Return the velocity after dt without contacts.
-
-    `middle` is what `mean_velocity` ended with, `effort` (nv,) the motors', push's and gravity's forces.
-    """
+def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    """Return v + dt M⁻¹ effort, for (nv,) generalised forces of motors, push and gravity."""
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
     for i in range(out.size):
-        out[i] = 2.0 * middle[i] - v[i] + dt * out[i]
+        out[i] = v[i] + dt * out[i]
     return out
 
 
 @kernel
-def turn_base(rotation: FloatArray, v: FloatArray, dt: float) -> FloatArray:
-    """Return the (3,) path of the base over dt in world axes, and turn v's linear part to the new base axes.
-
-    `rotation` (3, 3) is the base's orientation at the start, in whose axes v comes; the base turns by
-    exp(dt ω).
-    """
-    path = np.empty(3)
-    for i in range(3):
-        path[i] = dt * (rotation[i, 0] * v[0] + rotation[i, 1] * v[1] + rotation[i, 2] * v[2])
-    x, y, z = -dt * v[3], -dt * v[4], -dt * v[5]
-    angle = math.sqrt(x * x + y * y + z * z)
-    s = 1.0 - angle * angle / 6.0 if angle < 1e-4 else math.sin(angle) / angle
-    c = 0.5 - angle * angle / 24.0 if angle < 1e-4 else (1.0 - math.cos(angle)) / (angle * angle)
-    a, b, d = v[0], v[1], v[2]
-    p, q, r = y * d - z * b, z * a - x * d, x * b - y * a
-    v[0] = a + s * p + c * (y * r - z * q)
-    v[1] = b + s * q + c * (z * p - x * r)
-    v[2] = d + s * r + c * (x * q - y * p)
-    return path
+def largest(x: FloatArray) -> float:
+    """Return the largest magnitude in x (n,), infinity where an entry is not a number."""
+    out = 0.0
+    for i in range(x.size):
+        if not abs(x[i]) <= out:
+            out = abs(x[i]) if abs(x[i]) < np.inf else np.inf
+    return out
 
 
 @kernel
@@ -170,6 +124,56 @@ def near_ground(
             out[count] = c
             count += 1
     return out[:count]
+
+
+@kernel
+def swerves(
+    J: FloatArray, v: FloatArray, leaving: FloatArray, impulses: FloatArray, foot: IntArray,
+    frames: FloatArray, least: float,
+) -> tuple[FloatArray, FloatArray] | None:  # fmt: skip
+    """Return the contact velocities (p, 3) before impulses, and half of what each changed by since the last.
+
+    `leaving` and `impulses` (p, 3) are the velocities right after the last impulses and those impulses;
+    contacts without swerve nothing. Those of one foot (p,) share their mean in world axes: single ones would
+    pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames. None below `least` [m/s].
+    """
+    arriving, out = np.empty(leaving.shape), np.zeros(leaving.shape)
+    largest = 0.0
+    for c in range(leaving.shape[0]):
+        for a in range(3):
+            total = 0.0
+            for j in range(v.size):
+                total += J[3 * c + a, j] * v[j]
+            arriving[c, a] = total
+    mean = np.empty(3)
+    for c in range(leaving.shape[0]):
+        if not impulses[c, 2] > 0.0:
+            continue
+        mean[:] = 0.0
+        count = 0
+        for d in range(leaving.shape[0]):
+            if foot[d] == foot[c] and impulses[d, 2] > 0.0:
+                count += 1
+                for a in range(3):
+                    change = 0.5 * (arriving[d, a] - leaving[d, a])
+                    for i in range(3):
+                        mean[i] += frames[d, i, a] * change
+        for a in range(3):
+            for i in range(3):
+                out[c, a] += frames[c, i, a] * mean[i] / count
+            largest = max(largest, abs(out[c, a]))
+    return (arriving, out) if largest > least else None
+
+
+@kernel
+def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -> tuple[float, float]:
+    """Return the work of impulses (p, 3) on the mean of both velocities, and the sum of the normal ones."""
+    work = push = 0.0
+    for c in range(impulses.shape[0]):
+        push += impulses[c, 2]
+        for a in range(3):
+            work += 0.5 * impulses[c, a] * (arriving[c, a] + leaving[c, a])
+    return work, push
 
 
 @kernel
