@@ -269,7 +269,8 @@ class ContactProblem:
 
     @property
     def scales(self) -> FloatArray:
-        """The scales of `contact.scales`, (4, n): w_k = ||G_kk||₂, s_k [m/s], trace G_kk, the part's Σ s_j² / w_j.
+        """The scales of `contact.scales`, (4, n): w_k = ||G_kk||₂, s_k [m/s], trace G_kk, the part's Σ s_j²
+        / w_j.
 
         Not kept: g may be changed in place, and a verdict must not rest on what it was.
         """

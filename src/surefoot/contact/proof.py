@@ -1,13 +1,13 @@
 """Proofs that a contact problem has no solution, and their check; finding one is a solver's work.
 
-Coulomb's law asks u_n >= 0 of every unilateral contact whose normal force is not bounded above, and u = 0 of a
-bilateral one. So for a direction d with d_n >= 0 on those normals, anything on bilateral contacts and nothing
-else, every solution has d·u >= 0. If G d = 0 then d·u = d·(G λ + g) = g·d whatever the forces, and g·d < 0
-proves that there is no solution. For the convex law d may be any direction in which the admissible set goes on
-for ever (its recession cone): the forces' energy falls along it without end.
+Coulomb's law asks u_n >= 0 of every unilateral contact whose normal force is not bounded above, and u = 0
+of a bilateral one. So for a direction d with d_n >= 0 on those normals, anything on bilateral contacts and
+nothing else, every solution has d·u >= 0. If G d = 0 then d·u = d·(G λ + g) = g·d whatever the forces, and
+g·d < 0 proves that there is no solution. For the convex law d may be any direction in which the admissible
+set goes on for ever (its recession cone): the forces' energy falls along it without end.
 
-In floating point G d is never zero: d·u = g·d + (G d)·λ, so what d proves is that the forces of a solution have
-a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
+In floating point G d is never zero: d·u = g·d + (G d)·λ, so what d proves is that the forces of a solution
+have a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Every contact law as a number, computed from the problem alone.
 
-Written apart from any solver's stopping test: solvers do not import their projections from here and
-this file imports none of theirs, so that a certificate is an independent opinion. Errors are velocities, judged
+Written apart from any solver's stopping test: solvers do not import their projections from here and this
+file imports none of theirs, so that a certificate is an independent opinion. Errors are velocities, judged
 contact by contact against `contact.scales`, which no answer can inflate: with relative forces as the scale,
 forces that run away on a problem without solution would certify themselves.
 """
@@ -26,7 +26,7 @@ ROUNDING = 4.0 * 2.220446049250313e-16
 SURE = 1e-13
 """A bound on the rounding below this need not be made sharp."""
 WEIGHTLESS = 16.0
-"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: the larger, the closer to the normal cone's distance."""
+"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the distance to the normal cone."""
 Numbers = tuple[float, float, float, float, float, float, float]
 """The fields of `Residuals`."""
 
@@ -41,8 +41,8 @@ class Residuals:
     Attributes
     ----------
     velocity_error
-        max_k ε_k / s_k with ε_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| [m/s], w_k = ||G_kk||₂ and s_k
-        the largest velocity in the contact's connected part of the problem at the admissible forces
+        max_k ε_k / s_k with ε_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| [m/s], w_k = ||G_kk||₂ and
+        s_k the largest velocity in the contact's connected part of the problem at the admissible forces
         nearest to zero (`contact.scales`); Γ = 0 for the convex law. Dimensionless. Where s_k = 0 those
         forces are the solution and others count as infinitely wrong.
     rounding
@@ -50,8 +50,8 @@ class Residuals:
         double precision cannot tell. `Status.SOLVED` needs it within the tolerance, too.
     energy_gap
         For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of its
-        connected part: how far each contact is from its share of the least energy; 0 for Coulomb's law. A program
-        whose least energy is approached only by ever larger forces shows here, and nowhere else.
+        connected part: how far each contact is from its share of the least energy; 0 for Coulomb's law. A
+        program whose least energy is approached only by ever larger forces shows here, and nowhere else.
         `Status.SOLVED` needs it within the tolerance.
     cone_violation
         Largest distance of a contact's force to its cone, normal bounds included [N].
@@ -300,7 +300,7 @@ def _force_sizes(forces: FloatArray, scales: FloatArray) -> float:
 
 @inline_kernel
 def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> float:
-    """Return the field `rounding`: by the bound of `_force_sizes` if that is small, else by the blocks' norms."""
+    """Return the field `rounding`: by the bound of `_force_sizes` if that is small, else by blocks' norms."""
     n = scales.shape[1]
     size = _force_sizes(forces, scales)
     bound = 0.0

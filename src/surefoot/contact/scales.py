@@ -1,9 +1,10 @@
-"""The scales by which an answer to a contact problem is judged: properties of the problem, never of the answer.
+"""The scales by which an answer to a contact problem is judged: properties of the problem, never of the
+answer.
 
-Contact k has its weight w_k = ||G_kk||₂, the velocity that a unit of force makes there, and its speed s_k: the
-largest velocity, of all contacts that are on and joined to k through G, at the admissible forces nearest to
-zero. So an error in contact k counts against the motion of its own connected part of the problem, and neither
-huge forces nor an unrelated fast part can make it look small.
+Contact k has its weight w_k = ||G_kk||₂, the velocity that a unit of force makes there, and its speed s_k:
+the largest velocity, of all contacts that are on and joined to k through G, at the admissible forces
+nearest to zero. So an error in contact k counts against the motion of its own connected part of the
+problem, and neither huge forces nor an unrelated fast part can make it look small.
 
 Entries of G at rounding level (`NOISE`) join contacts of two bodies that touch nothing in common: J M⁻¹ Jᵀ
 computed with dense arithmetic is full of them. Through those a part lends only `LENT` of its speed, which
@@ -104,7 +105,7 @@ def _labels_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, on: FloatArray, trace: FloatArray, noise: float,
     label: IntArray,
 ) -> int:  # fmt: skip
-    """Fill the labels of the parts of a block matrix, by search from each contact not yet reached; see above."""
+    """Fill the labels of the parts of a block matrix by search from each contact not yet reached; see above."""
     n = label.size
     queue = np.empty(n, dtype=np.int64)
     label[:] = -1

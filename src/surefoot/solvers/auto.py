@@ -235,7 +235,11 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
     return run_admm(problem, settings, warm_start, finish)
 
 
-_PARTS: dict[str, SolverFunction] = {ON_BLOCKS: _on_blocks, ADMM_AND_NEWTON: _admm_and_newton, MORE_NEWTON: _more_newton}
+_PARTS: dict[str, SolverFunction] = {
+    ON_BLOCKS: _on_blocks,
+    ADMM_AND_NEWTON: _admm_and_newton,
+    MORE_NEWTON: _more_newton,
+}
 
 
 def call_compiled(

@@ -1,8 +1,8 @@
 """The real-time path: one problem after another with the same contacts, a new G and g every call.
 
-`solve` reads a `ContactProblem`, which checks and keeps all it is given; a simulator that has another matrix
-every step pays for that each time. A `ContactSolver` knows the laws of its contacts beforehand and hands a raw
-matrix to one compiled call that checks it, solves, and certifies the answer as `solve` would.
+`solve` reads a `ContactProblem`, which checks and keeps all it is given; a simulator that has another
+matrix every step pays for that each time. A `ContactSolver` knows the laws of its contacts beforehand and
+hands a raw matrix to one compiled call that checks it, solves, and certifies the answer as `solve` would.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
 LAWS, FLAGS, COMPLIANCE, LAST = 1, 2, 3, 4
 """Rows of the solver's memory after G and g: see `_solve_raw`."""
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
-"""What `_solve_raw` returns for a G or g that is not finite, and for a G that `ContactProblem` must look at."""
+"""What `_solve_raw` returns for a G or g that is not finite, and for a G that the problem must look at."""
 
 
 @releasing_kernel
@@ -231,8 +231,8 @@ class ContactSolver:
         Raises
         ------
         ProblemError
-            If a shape is wrong, or G not symmetric positive semidefinite, as far as `ContactProblem` sees; never
-            for a problem that is hard or has no solution.
+            If a shape is wrong, or G not symmetric positive semidefinite, as far as `ContactProblem` sees;
+            never for a problem that is hard or has no solution.
         """
         n = self.contacts
         shapes = self._shapes

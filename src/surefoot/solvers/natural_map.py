@@ -38,7 +38,7 @@ def fill_measure(scales: FloatArray, measure: FloatArray) -> None:
 
 @inline_kernel
 def settle(low: FloatArray, scales: FloatArray, forces: FloatArray) -> None:
-    """Set the flat forces of contacts without speed to the admissible ones nearest to zero, their solution."""
+    """Set the flat forces of contacts without speed to those nearest to zero, their solution."""
     for k in range(low.size):
         if scales[1, k] == 0.0:
             forces[3 * k] = forces[3 * k + 1] = 0.0
@@ -75,7 +75,8 @@ def force_error(
     forces: FloatArray, velocities: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
     high: FloatArray, measure: FloatArray, convex: bool,
 ) -> float:  # fmt: skip
-    """Return the natural map over the forces, both weighted by w_k: how far there is to go, not how good it is.
+    """Return the natural map over the forces, both weighted by w_k: how far there is to go, not how good it
+    is.
 
     What globalises Newton's method (its proximal term, its patience) wants a number that falls as the forces
     approach; velocities of a high stack stay large until its last force is right. No verdict rests on it.

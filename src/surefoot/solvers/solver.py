@@ -174,7 +174,8 @@ def solve(
     solver
         A name from `solver_names`, or "auto".
     tol
-        Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's own.
+        Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's
+        own.
     max_iterations, max_time
         Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
