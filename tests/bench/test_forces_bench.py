@@ -9,7 +9,8 @@ import pytest
 import surefoot as sf
 from surefoot.bench.forces import best_known, judge, run_all, run_ours
 from surefoot.bench.forces_instances import CLASSES, four_feet, pushed_stance, read_log
-from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, available, objective, program
+from surefoot.bench.forces_program import objective, program
+from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, available
 from surefoot.bench.forces_torques import time_torque_limits
 from surefoot.bench.judge import judge as judge_problem
 from surefoot.cli.main import main

@@ -18,19 +18,16 @@ from surefoot.bench.forces_instances import (
     four_feet,
     pushed_stance,
 )
-from surefoot.bench.forces_rivals import (
-    EXACT_RIVALS,
-    FACET_RIVALS,
+from surefoot.bench.forces_program import (
     Fit,
     Program,
-    Rival,
-    available,
     cone_violation,
     facet_violation,
     objective,
     program,
     shortfall,
 )
+from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, Rival, available
 from surefoot.bench.judge import coarsest
 from surefoot.bench.timing import Timing, one_core
 from surefoot.cones import FrictionCone
