@@ -269,10 +269,9 @@ class ContactProblem:
 
     @property
     def scales(self) -> FloatArray:
-        """The scales of `contact.scales`, (4, n): w_k = ||G_kk||₂, s_k [m/s], trace G_kk, the part's Σ s_j²
-        / w_j.
+        """The rows of `contact.scales`, (4, n).
 
-        Not kept: g may be changed in place, and a verdict must not rest on what it was.
+        w_k = ||G_kk||₂, s_k [m/s], trace G_kk, and Σ s_j² / w_j over the part. Not kept: g may be changed in place, and a verdict must not rest on what it was.
         """
         scales = np.zeros((4, self.contacts))
         if self.contacts == 0:

@@ -26,7 +26,7 @@ ROUNDING = 4.0 * 2.220446049250313e-16
 SURE = 1e-13
 """A bound on the rounding below this need not be made sharp."""
 WEIGHTLESS = 16.0
-"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the distance to the normal cone."""
+"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the normal cone's distance."""
 Numbers = tuple[float, float, float, float, float, float, float]
 """The fields of `Residuals`."""
 

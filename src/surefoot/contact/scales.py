@@ -1,5 +1,4 @@
-"""The scales by which an answer to a contact problem is judged: properties of the problem, never of the
-answer.
+"""The scales by which an answer to a contact problem is judged; properties of the problem, not of the answer.
 
 Contact k has its weight w_k = ||G_kk||₂, the velocity that a unit of force makes there, and its speed s_k:
 the largest velocity, of all contacts that are on and joined to k through G, at the admissible forces
@@ -105,7 +104,7 @@ def _labels_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, on: FloatArray, trace: FloatArray, noise: float,
     label: IntArray,
 ) -> int:  # fmt: skip
-    """Fill the labels of the parts of a block matrix by search from each contact not yet reached; see above."""
+    """Fill the labels of the parts of a block matrix, by search from each contact not yet reached."""
     n = label.size
     queue = np.empty(n, dtype=np.int64)
     label[:] = -1

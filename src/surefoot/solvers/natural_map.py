@@ -75,8 +75,7 @@ def force_error(
     forces: FloatArray, velocities: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
     high: FloatArray, measure: FloatArray, convex: bool,
 ) -> float:  # fmt: skip
-    """Return the natural map over the forces, both weighted by w_k: how far there is to go, not how good it
-    is.
+    """Return the natural map over the forces, both weighted by w_k: how far there is to go.
 
     What globalises Newton's method (its proximal term, its patience) wants a number that falls as the forces
     approach; velocities of a high stack stay large until its last force is right. No verdict rests on it.
