@@ -271,7 +271,8 @@ class ContactProblem:
     def scales(self) -> FloatArray:
         """The rows of `contact.scales`, (4, n).
 
-        w_k = ||G_kk||₂, s_k [m/s], trace G_kk, and Σ s_j² / w_j over the part. Not kept: g may be changed in place, and a verdict must not rest on what it was.
+        w_k = ||G_kk||₂, s_k [m/s], trace G_kk, and Σ s_j² / w_j over the part. Not kept: g may be changed
+        in place, and a verdict must not rest on what it was.
         """
         scales = np.zeros((4, self.contacts))
         if self.contacts == 0:

@@ -230,7 +230,7 @@ def _contact_error(
     size = w * unit
     a, b, c = _nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
     a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
-    return math.sqrt(a * a + b * b + c * c)
+    return _size(a, b, c)
 
 
 @inline_kernel

@@ -32,28 +32,38 @@ LENT = 1e-6
 
 @inline_kernel
 def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -> float:
-    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]].
+    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]], to 1e-8 relative.
 
-    The trigonometric root of the characteristic polynomial (O. K. Smith, CACM 4(4), 1961), in units of the
-    largest entry.
+    The largest root x = 2 cos(acos(y) / 3) of x³ - 3 x = 2 y (O. K. Smith, CACM 4(4), 1961), of the matrix
+    less its mean and in units of its radius; as a polynomial in sqrt((1 + y) / 2), where it is analytic.
     """
-    top = max(a, b, c, abs(d), abs(e), abs(f))
+    top = max(max(abs(a), abs(b)), max(abs(c), max(abs(d), max(abs(e), abs(f)))))
     if not top > 0.0:
-        return 0.0 if top == 0.0 else top
+        return top
     unit = 1.0 / top
     mean = (a + b + c) * unit / 3.0
     p, q, r = a * unit - mean, b * unit - mean, c * unit - mean
     x, y, z = d * unit, e * unit, f * unit
     half = (p * p + q * q + r * r) / 6.0 + (x * x + y * y + z * z) / 3.0
     if not half > 0.0:
-        return mean * top
+        return abs(mean) * top
     radius = math.sqrt(half)
     cosine = (p * (q * r - z * z) - x * (x * r - z * y) + y * (x * z - q * y)) / (2.0 * half * radius)
-    angle = math.acos(min(max(cosine, -1.0), 1.0)) / 3.0
-    largest = mean + 2.0 * radius * math.cos(angle)
+    largest = mean + radius * _largest_root(cosine)
     if mean < 0.5 * radius:  # not semidefinite, perhaps: the other end may be farther out
-        largest = max(largest, -mean - 2.0 * radius * math.cos(angle + 2.0 * math.pi / 3.0))
+        largest = max(largest, radius * _largest_root(-cosine) - mean)
     return largest * top
+
+
+@inline_kernel
+def _largest_root(cosine: float) -> float:
+    """Return the largest x with x³ - 3 x = 2 cosine, to 1e-8."""
+    t = math.sqrt(min(max(0.5 + 0.5 * cosine, 0.0), 1.0))
+    x = 0.00741545040178 - 0.00127864228505 * t
+    x = 0.0393516268071 + t * (-0.0206511564316 + t * x)
+    x = 0.106577352451 + t * (-0.0639227086751 + t * x)
+    x = 1.15469944022 + t * (-0.222191373842 + t * x)
+    return 1.0000000065 + t * x
 
 
 @inline_kernel
@@ -169,34 +179,75 @@ def _energies(w: FloatArray, s: FloatArray, label: IntArray, energy: FloatArray)
         energy[k] = most[label[k]]
 
 
+@inline_kernel
+def _in_one_part(G: FloatArray, trace: FloatArray, low: FloatArray, high: FloatArray) -> bool:
+    """Tell whether every contact is on, without preload, and joined to the first: most robots' problems."""
+    first = NOISE * NOISE * trace[0]
+    for k in range(trace.size):
+        if not (high[k] > 0.0 and low[k] <= 0.0):
+            return False
+        bound, joined = first * trace[k], k == 0
+        for a in range(3):
+            for b in range(3):
+                joined = joined or G[a, 3 * k + b] * G[a, 3 * k + b] > bound
+        if not joined:
+            return False
+    return True
+
+
+@inline_kernel
+def _scales_of_one_part(g: FloatArray, scales: FloatArray) -> bool:
+    """Fill s and the energy of problems in one part; False where squares overflow or vanish."""
+    n = scales.shape[1]
+    most = energy = 0.0
+    for k in range(n):
+        most = max(most, g[3 * k] * g[3 * k] + g[3 * k + 1] * g[3 * k + 1] + g[3 * k + 2] * g[3 * k + 2])
+        energy += 1.0 / scales[0, k] if scales[0, k] > 0.0 else 0.0
+    if not 1e-250 < most < 1e250:
+        return False
+    for k in range(n):
+        scales[1, k], scales[3, k] = math.sqrt(most), energy * most
+    return True
+
+
 @kernel
 def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray) -> None:
     """Fill the rows of `scales` (4, n) for a dense G: w, s, trace G_kk, and Σ s_j² / w_j of the part.
 
     A contact that is off (high = 0) joins nothing and has no speed of its own.
     """
-    n = low.size
-    label, work = np.empty(n, dtype=np.int64), np.empty((2, 3 * n))
-    velocities, on = work[0], work[1]
-    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
-    for k in range(n):
+    for k in range(low.size):
         i = 3 * k
         a, b, c = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
-        w[k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
-        s[k], trace[k], on[k] = 0.0, a + b + c, 1.0 if high[k] > 0.0 else 0.0
-    if low.max() > 0.0:
-        noise = np.zeros(3 * n)
-        for i in range(3 * n):
-            velocities[i], noise[i] = g[i], abs(g[i])
-        for k in range(n):
-            if low[k] > 0.0:
-                for i in range(3 * n):
-                    part = G[3 * k + 2, i] * low[k]
-                    velocities[i] += part
-                    noise[i] += abs(part)
+        scales[0, k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
+        scales[2, k] = a + b + c
+    if not (_in_one_part(G, scales[2], low, high) and _scales_of_one_part(g, scales)):
+        _scales_of_parts(G, g, low, high, scales)
+
+
+@kernel
+def _scales_of_parts(
+    G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray
+) -> None:
+    """Fill s and the energies of a dense G in any number of parts; see `scales_dense`."""
+    n = low.size
+    label, work = np.empty(n, dtype=np.int64), np.empty((3, 3 * n))
+    velocities, on, noise = work[0], work[1], work[2]
+    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
+    for k in range(n):
+        s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
+    for i in range(3 * n):
+        velocities[i], noise[i] = g[i], abs(g[i])
+    preloaded = False
+    for k in range(n):
+        if low[k] > 0.0:
+            preloaded = True
+            for i in range(3 * n):
+                part = G[3 * k + 2, i] * low[k]
+                velocities[i] += part
+                noise[i] += abs(part)
+    if preloaded:
         _drop_noise(velocities, noise)
-    else:
-        velocities = g
     parts = _labels_dense(G, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
     _energies(w, s, label, energy)
