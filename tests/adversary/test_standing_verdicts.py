@@ -97,7 +97,7 @@ def certificate_fails(verdict, corners):
 
 
 def clarabel_margin(verdict, corners):
-    """Return how far the cones' apices may rise for the oracle's forces, in loads; None where it gives up."""
+    """Return how far the cones' apices may rise for the forces found, in loads; None without any."""
     clarabel = pytest.importorskip("clarabel")
     scale, arm = size_of_load(verdict, corners)
     blocks = []

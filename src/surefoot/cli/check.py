@@ -117,6 +117,8 @@ def _sentence(asked: Any, ground: Any, motor: Any, needed: float) -> str:
         margin = "without limit" if math.isinf(best.margin) else f"{best.margin:.3g} N"
         margin = "none, on the very edge" if edge else margin
         return f"possible: margin {margin}; friction needed {needed:.3f}, least friction here {least:g}"
+    if "undecided" in (ground.status, "" if motor is None else motor.status):
+        return "undecided: rounding leaves neither forces nor a proof that there are none"
     if not ground.feasible:
         if math.isinf(needed):
             return "impossible: no friction would be enough"

@@ -34,7 +34,7 @@ OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
 _MOST_ITERATIONS = 60
 _ROUNDING = 1e-14
 """Share of the terms of a gap that may be rounding."""
-_REFINE = 1e-13
+_REFINE = 1e-12
 """Share of their terms by which the equations may be missed before a step mends them."""
 _FEASIBLE = 1e-9
 """Share of their terms by which the equations may be missed where an unbounded program is claimed."""

@@ -173,7 +173,7 @@ def most_margin(
         x[i] += start * e[i]
     dual, z = np.empty(rank - 1), np.empty(m)
     unit = alpha / steepest  # of the objective, for an axis that moves by one
-    tol, floor = GAP * unit, b[0] - _ENDLESS_MARGIN * unit
+    tol, floor = GAP * min(alpha, 4.0 * unit), b[0] - _ENDLESS_MARGIN * unit
     status, _ = minimise(Q[1:rank], b[1:rank], Q[0], lorentz, x, dual, z, tol, floor, b[0])
     t = b[0]
     for i in range(m):
