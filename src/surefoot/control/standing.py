@@ -15,6 +15,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control.allocation import Allocation, ExactAllocation
+from surefoot.control.damping import damping_torques
 from surefoot.control.standing_kernels import (
     contact_torques,
     foot_impedance,
@@ -173,15 +174,19 @@ class StandingController:
         self._tolerance = WRENCH_TOLERANCE * weight
 
     def reset(self) -> None:
-        """Forget the integral term."""
+        """Forget the integral term and the forces of the step before."""
         self._integral = np.zeros(6)
+        self.allocation.reset()
 
     def step(self, q: FloatArray, v: FloatArray, time: float) -> Command:
         """Return the command for the state (Pinocchio's order) at a time [s].
 
         Never raises on a hard instance: the forces stay inside every cone and bound, and `attained`
-        and `status` tell the rest.
+        and `status` tell the rest. A state that is not finite, or too large to compute with, gets a command
+        that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
+        if not math.isfinite(float(q.dot(q) + v.dot(v))):
+            return self._blind(v)
         target = self.plan.at(time)
         self._kinematics(q, v)
         wrench = self._wrench(target, q, v)
@@ -189,8 +194,10 @@ class StandingController:
         forces = self.allocation.share(self._grasp, wrench, low, high)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
-        self._integrate(attained)
         torques = self._torques(target, forces, q, v)
+        if not math.isfinite(float(torques.dot(torques))):
+            return self._blind(v)
+        self._integrate(attained)
         limits = self.robot.effort_limits
         within = np.minimum(np.maximum(torques, -limits), limits)
         saturated = bool((within != torques).any())
@@ -204,6 +211,16 @@ class StandingController:
             attained,
             saturated,
             self.allocation.status,
+        )
+
+    def _blind(self, v: FloatArray) -> Command:
+        """Return the command when nothing can be computed: the weight is wanted, and no force given."""
+        count = len(self.point_foot)
+        weight = np.array([0.0, 0.0, self._weight, 0.0, 0.0, 0.0])
+        torques = damping_torques(self.robot, v, self.robot.effort_limits)
+        off = np.zeros(count, dtype=bool)
+        return Command(
+            torques, np.zeros((count, 3)), weight, -weight, self._grasp, off, False, False, Status.INVALID
         )
 
     def _kinematics(self, q: FloatArray, v: FloatArray) -> None:

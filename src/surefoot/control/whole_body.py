@@ -27,6 +27,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
+from surefoot.control.damping import damping_torques
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
@@ -35,8 +36,6 @@ from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
 """How often torques may be pinned in a step, and by which share of its limit a torque exceeds it."""
-DAMPING_RATE = 10.0
-"""Rate at which joints are slowed when nothing else can be done [1/s]."""
 TORQUE_SLACK = 0.01
 """Torques beyond their limit by more than this share of it make a step infeasible."""
 
@@ -294,7 +293,7 @@ class WholeBodyController:
         feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
         clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
         return WholeBodyCommand(
-            clipped, accelerations, forces, feasible, max(violation, 0.0), self._distributor.status
+            clipped, accelerations, forces, feasible, max(violation, 0.0), self._status
         )
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
@@ -353,9 +352,11 @@ class WholeBodyController:
         """Return forces, torques and accelerations, the torques of loaded joints within their limits."""
         A = self._root.T @ self._map[:6]
         forces = self._distributor.solve(A, self._target, tasks.forces)
+        self._status = self._distributor.status
         torques, accelerations = self._recover(forces)
         if (~loose & (np.abs(torques) > self.limits)).any():
             forces = self._within_limits(A, tasks, loose)
+            self._status = self._limited.status
             torques, accelerations = self._recover(forces)
         return forces, torques, accelerations
 
@@ -401,10 +402,4 @@ class WholeBodyController:
 
         Joints whose speed in (nv,) `v` is not finite get no torque.
         """
-        rates = DAMPING_RATE * self._joint_inertia() * np.where(np.isfinite(v), v, 0.0)[6:]
-        return replace(self._failed, torques=np.clip(-rates, -self.limits, self.limits))
-
-    def _joint_inertia(self) -> FloatArray:
-        """Return a typical inertia at every joint [kg m²], from the nominal pose."""
-        M = self._pin.crba(self._model, self._model.createData(), self.robot.nominal)
-        return np.array(np.diag(M)[6:])
+        return replace(self._failed, torques=damping_torques(self.robot, v, self.limits))
