@@ -71,9 +71,9 @@ def law_rows(summary: dict[str, Any]) -> list[list[str]]:
         ],
         ["2 Coulomb: highest use of the cone", f"{laws['cone_use_max']:.3f}", f"{CONE_LIMIT:g}"],
         [
-            "3 dissipation: friction missing while sliding",
-            f"{100 * laws['dissipation_max']:.1f} % of m g",
-            "told only",
+            "3 dissipation: friction work missing in a slide",
+            f"{laws['missing_work_max']:.3g} N m",
+            f"{PENETRATION_LIMIT * weight:.2g} N m",
         ],
     ]
 
