@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.audit.slides import missing_work
+from surefoot.audit.slides import free_slides
 from surefoot.errors import ProblemError
 
 PENETRATION_LIMIT = 1e-3
-"""Deepest penetration that still counts as touching [m]; times m g, the work that each law may be off by."""
+"""Deepest penetration that still counts as touching, and widest gap across which a force may act [m]."""
+SLIDE_LIMIT = 1e-3
+"""Longest way of a contact without friction that still counts as sticking [m]."""
 PULL_LIMIT = 1e-3
 """Largest pull that counts as rounding, as a share of m g."""
 CONE_LIMIT = 1.0 + 1e-3
@@ -42,13 +44,16 @@ class Laws:
         Highest ||f_t|| / (mu f_n); one is the cone's surface. See `contact_use`.
     complementarity_max
         Largest f_n |gap|: force across a distance [N m].
+    separation_max
+        Widest gap of a loaded contact [m].
     dissipation_max
         Largest friction power missing at an instant of a sliding contact,
         (mu f_n ||v_t|| + f_t . v_t) / (m g ||v_t||); zero when friction opposes the slip in full. Not judged:
         a foot that touches down is stopped with less than all its friction.
-    missing_work_max
-        Most friction work missing in one stance of a contact [N m], see `surefoot.audit.slides`; NaN when
-        the time between the measurements was not given.
+    free_slide_max
+        Longest way that a contact slid in one stance as if without friction [m]: the friction's missing work
+        over the friction, see `surefoot.audit.slides`; NaN when the time between the measurements was not
+        given.
     judged
         Which of `LAWS` were judged: none for a motion without contacts, two without a time step.
     not_finite
@@ -59,8 +64,9 @@ class Laws:
     unilateral_min: float
     cone_use_max: float
     complementarity_max: float
+    separation_max: float
     dissipation_max: float
-    missing_work_max: float = math.nan
+    free_slide_max: float = math.nan
     judged: tuple[str, ...] = LAWS[:2]
     not_finite: tuple[str, ...] = ()
 
@@ -69,7 +75,7 @@ class Laws:
 
         What is not finite is broken. Empty means that no law in `judged` was.
         """
-        work = PENETRATION_LIMIT * _weight(weight)
+        weight = _weight(weight)
         out = list(self.not_finite)
         if self.penetration_max > PENETRATION_LIMIT:
             out.append(
@@ -79,10 +85,16 @@ class Laws:
             out.append(f"a pull of {-self.unilateral_min:.3g} N")
         if self.cone_use_max > CONE_LIMIT:
             out.append(f"{self.cone_use_max:.3f} times the friction that the cone allows")
-        if self.complementarity_max > work:
+        if self.complementarity_max > PENETRATION_LIMIT * weight:
             out.append(f"force across a gap: {self.complementarity_max:.3g} N m")
-        if "dissipation" in self.judged and self.missing_work_max > work:
-            out.append(f"{self.missing_work_max:.3g} N m of friction missing in a slide (limit {work:.2g})")
+        if self.separation_max > PENETRATION_LIMIT:
+            out.append(
+                f"a force {1e3 * self.separation_max:.2f} mm off the ground (limit {1e3 * PENETRATION_LIMIT:g})"
+            )
+        if "dissipation" in self.judged and self.free_slide_max > SLIDE_LIMIT:
+            out.append(
+                f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction (limit {1e3 * SLIDE_LIMIT:g})"
+            )
         return out
 
 
@@ -140,7 +152,7 @@ def check_laws(
     friction = _friction(mu, shape)
     step = None if dt is None else _steps(dt, shape[0])
     if f.size == 0:
-        return Laws(0.0, 0.0, 0.0, 0.0, 0.0, judged=())
+        return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
     given = {"forces": f, "gaps": gap, "velocities": v, "friction": friction}
     lost = tuple(text for text in (_not_finite(name, a) for name, a in given.items()) if text)
     threshold = LOADED_SHARE * weight
@@ -151,18 +163,23 @@ def check_laws(
             float(f[..., 2].min()),
             float(contact_use(f, friction, threshold).max()),
             float(across.max()),
+            _apart(f[..., 2], gap, threshold),
             _power_missing(f, v, friction, threshold) / weight,
         ]
-        work = math.nan
-        if step is not None:
-            sound = all(np.isfinite(a).all() for a in (f, v, friction))
-            work = float(missing_work(f, v, friction, step, threshold).max()) if sound else math.nan
-            if sound and not math.isfinite(work):
-                lost += ("forces and velocities too large to multiply",)
+        slide = math.nan
+        if step is not None and all(np.isfinite(a).all() for a in (f, v, friction)):
+            slide = float(free_slides(f, v, friction, step, threshold, weight).max())
+            figures.append(slide)
     if not lost and not all(map(math.isfinite, figures)):
         lost = ("forces, gaps or velocities too large to multiply",)
     judged = LAWS[:2] if step is None else LAWS
-    return Laws(*figures, missing_work_max=work, judged=judged, not_finite=lost)
+    return Laws(*figures[:6], slide, judged, lost)
+
+
+def _apart(normal: FloatArray, gap: FloatArray, threshold: float) -> float:
+    """Return the widest gap of a loaded contact, NaN where that is unknown [m]."""
+    unknown = ~(np.isfinite(normal) & np.isfinite(gap))
+    return float(np.where(unknown, np.nan, np.where(normal > threshold, np.maximum(gap, 0.0), 0.0)).max())
 
 
 def _power_missing(f: FloatArray, v: FloatArray, mu: FloatArray, threshold: float) -> float:
@@ -188,7 +205,7 @@ def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...] | None = None) 
     try:
         if np.iscomplexobj(value):
             raise TypeError
-        array = np.ascontiguousarray(value, dtype=np.float64)
+        array = np.array(value, dtype=np.float64, order="C")
     except (TypeError, ValueError) as error:
         raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
     if shape is not None and array.shape != shape:

@@ -284,6 +284,8 @@ def distribute_with_rows(
             break
         margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
     solved = settled
+    if empty:
+        error = math.inf  # there is no optimum to be near
     for _ in range(3):
         if not settled and not empty:
             error = math.inf
