@@ -13,6 +13,8 @@ that cannot give takes the whole cones.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -23,7 +25,7 @@ from surefoot.contact import ContactProblem, Status
 from surefoot.contact.problem import Fit
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.errors import ProblemError
-from surefoot.kernels import kernel
+from surefoot.kernels import MATRIX, VECTOR, entry_point, kernel
 from surefoot.solvers import solve
 from surefoot.solvers.solver import find_solver
 
@@ -49,17 +51,23 @@ class Allocation(Protocol):
 
 
 @kernel
-def parallel_tangents(
-    grasp_map: FloatArray, wrench: FloatArray, last: FloatArray, normal_max: FloatArray, out: FloatArray
-) -> None:
-    """Write the tangential parts of forces parallel to the wanted one, shared as `last`'s normal forces.
+def draw_to_parallel(
+    grasp_map: FloatArray,
+    wrench: FloatArray,
+    weights: FloatArray,
+    last: FloatArray,
+    normal_max: FloatArray,
+    out: FloatArray,
+) -> float:
+    """Write the tangential parts of forces parallel to the wanted one; return the wrench's squared size.
 
     Parameters
     ----------
-    grasp_map, wrench
-        (6, 3n) and (6,); the first three rows of the map are the axes of the contact frames.
+    grasp_map, wrench, weights
+        (6, 3n), (6,) and (6,); the first three rows of the map are the axes of the contact frames.
     last
-        (n, 3) forces of the step before [N]; where none pushed, the shares are equal.
+        (n, 3) forces of the step before [N], whose normal parts say how the wanted force is shared; equally
+        where none pushed.
     normal_max
         (n,) zero for contacts that are off [N].
     out
@@ -79,6 +87,17 @@ def parallel_tangents(
             axis = grasp_map[0, c] * wrench[0] + grasp_map[1, c] * wrench[1] + grasp_map[2, c] * wrench[2]
             out[k, j] = part * axis
         out[k, 2] = 0.0
+    size = 0.0
+    for i in range(6):
+        size += weights[i] * wrench[i] * wrench[i]
+    return size
+
+
+@cache
+def _draw() -> Callable[..., float]:
+    """Return `draw_to_parallel` itself, for the only types that are passed here."""
+    strided = MATRIX.copy(layout="A")
+    return entry_point(draw_to_parallel, MATRIX, VECTOR, VECTOR, MATRIX, VECTOR, strided)
 
 
 class ExactAllocation:
@@ -108,13 +127,13 @@ class ExactAllocation:
             for part in ((friction_share, 1.0) if friction_share < 1.0 else (1.0,))
         ]
         self._bounds: tuple[FloatArray, FloatArray] | None = None
-        self._weights = wrench_weights
-        self._reference = np.zeros((len(mu), 3))
+        self._weights = np.ascontiguousarray(wrench_weights, dtype=np.float64)
+        self._zero = np.zeros((len(mu), 3))
         self.reset()
 
     def reset(self) -> None:
         """Forget the forces of the step before."""
-        self._last = np.zeros_like(self._reference)
+        self._last = self._zero
         self.status = Status.SOLVED
         for distributor in self._distributors:
             distributor.reset()
@@ -127,10 +146,11 @@ class ExactAllocation:
             for distributor in self._distributors:
                 distributor.set_bounds(normal_min, normal_max)
             self._bounds = (normal_min, normal_max)
-        parallel_tangents(grasp_map, wrench, self._last, normal_max, self._reference)
+        draw = _draw()
         for distributor in self._distributors:
-            forces = distributor.solve(grasp_map, wrench, self._reference)
-            if distributor.wrench_error**2 <= MARGIN_COST**2 * float(self._weights @ (wrench * wrench)):
+            size = draw(grasp_map, wrench, self._weights, self._last, normal_max, distributor.reference)
+            forces = distributor.solve(grasp_map, wrench)
+            if distributor.wrench_error**2 <= MARGIN_COST**2 * size:
                 break
         self.status, self._last = distributor.status, forces
         return forces
@@ -166,7 +186,8 @@ class SolverAllocation:
         friction_share: float = FRICTION_SHARE,
     ) -> None:
         self._shares = (friction_share, 1.0) if friction_share < 1.0 else (1.0,)
-        self._mu, self._weights, self._force_weight = mu, wrench_weights, force_weight
+        self._weights = np.ascontiguousarray(wrench_weights, dtype=np.float64)
+        self._mu, self._force_weight = mu, force_weight
         self._solver, self._facets, self._fit = solver, facets, fit
         self._cones = [FrictionCone(float(m)) for m in mu]
         self._reference = np.zeros((len(mu), 3))
@@ -203,11 +224,13 @@ class SolverAllocation:
         self, grasp_map: FloatArray, wrench: FloatArray, normal_min: FloatArray, normal_max: FloatArray
     ) -> FloatArray:
         """Return what the solver says, first within a share of the friction, then within all of it."""
-        parallel_tangents(grasp_map, wrench, self._last, normal_max, self._reference)
+        size = _draw()(
+            np.ascontiguousarray(grasp_map), wrench, self._weights, self._last, normal_max, self._reference
+        )
         weighted = self._weights[:, None] * grasp_map
         G = grasp_map.T @ weighted + self._force_weight * np.eye(grasp_map.shape[1])
         g = -weighted.T @ wrench - self._force_weight * self._reference.ravel()
-        allowed = MARGIN_COST**2 * float(self._weights @ wrench**2)
+        allowed = MARGIN_COST**2 * size
         forces = self._last
         for part in self._shares:
             try:

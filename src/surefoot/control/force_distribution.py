@@ -345,6 +345,11 @@ class ForceDistributor:
             raise ProblemError(f"reference must have shape {self._forces_shape}, got {wanted.shape}")
         self._work[: len(wanted), layout.REFERENCE : layout.REFERENCE + 3] = wanted
 
+    @property
+    def reference(self) -> FloatArray:
+        """The wanted forces: (n, 3) [N], to be written in place by loops that cannot wait."""
+        return self._work[: self._mu.size, layout.REFERENCE : layout.REFERENCE + 3]
+
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
         self._results[layout.WARM] = self._results[layout.ROWS_WARM] = 0.0

@@ -21,6 +21,7 @@ from surefoot.control.standing_kernels import (
     foot_impedance,
     grasp_map_of_points,
     pd_wrench,
+    within_limits,
 )
 from surefoot.control.standing_plan import StandingPlan, Target
 from surefoot.robot import Robot
@@ -137,6 +138,7 @@ class StandingController:
         self._integral = np.zeros(6)
         self._bounds_of: tuple[bytes, tuple[FloatArray, FloatArray]] = (b"", (np.zeros(0), np.zeros(0)))
         self._grasp = np.zeros((6, 3 * len(self.point_foot)))
+        self._limits = np.ascontiguousarray(robot.effort_limits, dtype=np.float64)
 
     def _set_points(self, q: FloatArray) -> None:
         """Collect the contact points, the joints that carry each, and the feet's places on the ground."""
@@ -185,22 +187,20 @@ class StandingController:
         and `status` tell the rest. A state that is not finite, or too large to compute with, gets a command
         that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
-        if not math.isfinite(float(q.dot(q) + v.dot(v))):
-            return self._blind(v)
         target = self.plan.at(time)
         self._kinematics(q, v)
         wrench = self._wrench(target, q, v)
         low, high = self._bounds(target)
         forces = self.allocation.share(self._grasp, wrench, low, high)
+        if self.allocation.status is Status.INVALID:
+            return self._blind(v)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
         torques = self._torques(target, forces, q, v)
-        if not math.isfinite(float(torques.dot(torques))):
+        within, saturated, finite = within_limits(torques, self._limits)
+        if not finite:
             return self._blind(v)
         self._integrate(attained)
-        limits = self.robot.effort_limits
-        within = np.minimum(np.maximum(torques, -limits), limits)
-        saturated = bool((within != torques).any())
         return Command(
             within,
             forces,
@@ -217,11 +217,12 @@ class StandingController:
         """Return the command when nothing can be computed: the weight is wanted, and no force given."""
         count = len(self.point_foot)
         weight = np.array([0.0, 0.0, self._weight, 0.0, 0.0, 0.0])
-        torques = damping_torques(self.robot, v, self.robot.effort_limits)
+        torques = damping_torques(self.robot, v, self._limits)
         off = np.zeros(count, dtype=bool)
         return Command(
-            torques, np.zeros((count, 3)), weight, -weight, self._grasp, off, False, False, Status.INVALID
-        )
+            torques, np.zeros((count, 3)), weight, -weight, np.zeros_like(self._grasp), off, False, False,
+            Status.INVALID,
+        )  # fmt: skip
 
     def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
         """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""
