@@ -132,7 +132,7 @@ def test_distributors_hold_what_they_had_when_input_is_not_finite(name: str, whe
     A, w = grasp(), WRENCH.copy()
     (A if where == "grasp map" else w).flat[2] = bad
     for before in (False, True):  # as the first input, and after a good one
-        if before:
+        for _ in range(4 if before else 0):  # until shares of the step before have settled
             good = member.solve(grasp(), WRENCH)
         forces = member.solve(A, w)
         assert member.status is Status.INVALID
@@ -368,9 +368,11 @@ def test_plans_that_cannot_be_made_share_the_weight_and_say_so(what: str, bad: f
         "linear_velocity": np.zeros(3),
         "angular_velocity": np.zeros(3),
     }
-    feet, contacts = np.array(FEET), np.ones((4, 4), dtype=bool)
+    fine, feet, contacts = dict(values), np.array(FEET), np.ones((4, 4), dtype=bool)
     reference = BodyReference.cruise([0, 0, 0.3], yaw=0.0, horizon=4)
     good = mpc.solve(BodyState(**values), reference, feet, contacts)
+    if what != "foot":
+        values[what] = values[what].copy()
     (feet if what == "foot" else values[what]).flat[1] = bad
     plan = mpc.solve(BodyState(**values), reference, feet, contacts)
     for forces in plan.forces:
@@ -380,12 +382,8 @@ def test_plans_that_cannot_be_made_share_the_weight_and_say_so(what: str, bad: f
         assert plan.status is Status.INVALID
         assert plan.error == math.inf
     mpc.reset()
-    again = mpc.solve(BodyState(**{**values, what: good_value(what)}), reference, np.array(FEET), contacts)
+    again = mpc.solve(BodyState(**fine), reference, np.array(FEET), contacts)
     np.testing.assert_allclose(again.forces, good.forces, atol=0.05)
-
-
-def good_value(what: str) -> np.ndarray:
-    return {"rotation": np.eye(3), "position": np.array([0.0, 0.0, 0.3])}.get(what, np.zeros(3))
 
 
 # ---- worlds

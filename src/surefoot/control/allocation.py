@@ -35,6 +35,9 @@ FRICTION_SHARE = 0.9
 MARGIN_COST = 5e-3
 """A wrench counts as given within the share of the friction if no more than this share of it is missing."""
 
+LARGEST = 1e60
+"""Grasp maps and wrenches with larger numbers are not given to other solvers."""
+
 
 class Allocation(Protocol):
     """Shares a wrench among n contact points, within their cones and normal bounds."""
@@ -150,8 +153,11 @@ class ExactAllocation:
         for distributor in self._distributors:
             size = draw(grasp_map, wrench, self._weights, self._last, normal_max, distributor.reference)
             forces = distributor.solve(grasp_map, wrench)
-            if distributor.wrench_error**2 <= MARGIN_COST**2 * size:
+            if distributor.wrench_error**2 <= MARGIN_COST**2 * size or distributor.status is Status.INVALID:
                 break
+        if distributor.status is Status.INVALID:  # hold the last command, whoever found it
+            distributor.reset(self._last)
+            forces = distributor.solve(grasp_map, wrench)
         self.status, self._last = distributor.status, forces
         return forces
 
@@ -210,7 +216,8 @@ class SolverAllocation:
         self, grasp_map: FloatArray, wrench: FloatArray, normal_min: FloatArray, normal_max: FloatArray
     ) -> FloatArray:
         """Return the forces; the last good ones, cut to the cones, where the solver failed."""
-        if not (np.isfinite(grasp_map).all() and np.isfinite(wrench).all()):  # hold the last command
+        size = max(np.abs(grasp_map).max(initial=0.0), np.abs(wrench).max())
+        if not size <= LARGEST:  # not finite, or too large to square: hold the last command
             self.status, forces = Status.INVALID, self._last
         else:
             forces = self._solve(grasp_map, wrench, normal_min, normal_max)

@@ -1,14 +1,29 @@
-"""What a controller commands when nothing can be computed: torques that slow the joints."""
+"""States that no command can be computed for, and what is commanded then: torques that slow the joints."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
 
+LARGEST = 1e6
+"""A state with a larger number is as good as none: products of such numbers say nothing [m, rad, m/s, rad/s]."""
 DAMPING_RATE = 10.0
 """Rate at which joints are slowed when nothing else can be done [1/s]."""
+
+
+@kernel
+def computable(q: FloatArray, v: FloatArray) -> bool:
+    """Tell whether every number of a state (nq,), (nv,) is finite and at most `LARGEST`."""
+    for x in q:
+        if not abs(x) <= LARGEST:
+            return False
+    for x in v:
+        if not abs(x) <= LARGEST:
+            return False
+    return True
 
 
 def damping_torques(robot: Robot, v: FloatArray, limits: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control.allocation import Allocation, ExactAllocation
-from surefoot.control.damping import damping_torques
+from surefoot.control.damping import computable, damping_torques
 from surefoot.control.standing_kernels import (
     contact_torques,
     foot_impedance,
@@ -187,6 +187,8 @@ class StandingController:
         and `status` tell the rest. A state that is not finite, or too large to compute with, gets a command
         that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
+        if not computable(q, v):
+            return self._blind(v)
         target = self.plan.at(time)
         self._kinematics(q, v)
         wrench = self._wrench(target, q, v)

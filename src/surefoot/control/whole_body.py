@@ -27,7 +27,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
-from surefoot.control.damping import damping_torques
+from surefoot.control.damping import computable, damping_torques
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
@@ -249,6 +249,14 @@ class WholeBodyController:
 
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
         """Compute everything that depends on the state alone and return the part that tasks need."""
+        self._known = computable(q, v)
+        if self._known:
+            return self._update(q, v)
+        with np.errstate(all="ignore"):
+            return self._update(q, v)
+
+    def _update(self, q: FloatArray, v: FloatArray) -> Kinematics:
+        """See `update`."""
         pin, model, data = self._pin, self._model, self._data
         pin.crba(model, data, q)
         pin.nonLinearEffects(model, data, q, v)
@@ -275,6 +283,8 @@ class WholeBodyController:
 
         Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.feasible`.
         """
+        if not self._known:
+            return self.damping(self._v)
         rows = self._assemble(tasks)
         self._set_stance(tasks.stance)
         # joints that no contact force loads
@@ -288,7 +298,7 @@ class WholeBodyController:
                 break
             rows = self._pin_torques(rows, over, torques)
         violation = float((np.abs(torques) - self.limits).max())
-        if not np.isfinite(torques).all():
+        if self._status is Status.INVALID or not np.isfinite(torques).all():
             return self.damping(self._v)
         feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
         clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)

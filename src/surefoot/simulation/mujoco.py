@@ -130,6 +130,8 @@ class MujocoWorld:
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        q = self.robot.configuration(q)
+        v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
         self._mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = q
         self.data.qvel[:] = 0.0 if v is None else v
