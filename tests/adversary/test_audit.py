@@ -185,7 +185,8 @@ def believed_friction(m: Motion) -> None:
 FORGERIES = [
     swap_forces, swap_velocities, rotate_feet, pull_once, pull_and_hide, pull_in_the_air, sink, sink_unloaded,
     leave_the_cone_once, friction_from_nothing, friction_on_a_breath, push_from_afar, push_from_a_little_away,
-    slide_without_friction, slide_with_half, slide_across, driven_by_friction, creep, hop_and_slide, stop_and_go, believed_friction,
+    slide_without_friction, slide_with_half, slide_across, driven_by_friction, creep, hop_and_slide,
+    stop_and_go, believed_friction,
 ]  # fmt: skip
 
 

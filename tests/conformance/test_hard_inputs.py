@@ -159,7 +159,8 @@ def test_distributors_stay_finite_on_extreme_input(name: str, size: float) -> No
         check_forces(member.solve(A, w), member.low, member.high)
         if member.status is Status.SOLVED:
             assert all(math.isfinite(error) for error in member.errors)
-        member.solve(grasp(), WRENCH)
+        for _ in range(3):  # the warm start may take a call or two to forget, and says so
+            check_forces(member.solve(grasp(), WRENCH), member.low, member.high)
         assert member.status is Status.SOLVED
 
 
@@ -295,9 +296,9 @@ def test_controllers_slow_the_joints_when_the_state_is_not_finite(name: str, bad
             if name == "WalkingController":
                 controller.time += 1e-3
     torques, forces, well, status = controller.step(q, v)
-    assert well
     assert status in (Status.SOLVED, Status.ALMOST)
     want = fresh.step(q, v)
+    assert well == want[2]
     np.testing.assert_allclose(torques, want[0], atol=1e-3 * robot.effort_limits.max())
     np.testing.assert_allclose(forces, want[1], atol=1e-3 * robot.mass * 9.81)
 
@@ -342,7 +343,9 @@ def test_whole_body_says_infeasible_when_the_limited_solve_did(effort: float) ->
 
 
 @pytest.mark.parametrize("bad", NOT_FINITE)
-@pytest.mark.parametrize("what", ["com_acceleration", "turn_acceleration", "feet", "joints", "forces", "gaps"])
+@pytest.mark.parametrize(
+    "what", ["com_acceleration", "turn_acceleration", "feet", "joints", "forces", "gaps"]
+)
 def test_whole_body_tasks_that_are_not_finite_are_invalid(what: str, bad: float) -> None:
     robot = robot_of("go2")
     member = WholeBody(robot)
@@ -413,6 +416,16 @@ def check_state(world: World) -> None:
     assert math.isfinite(world.time)
 
 
+def steps_to_the_end(world: World, steps: int, torques: np.ndarray, push: np.ndarray | None) -> int:
+    """Return how many steps a world took before it said that it could not go on."""
+    for k in range(steps):
+        try:
+            world.step(torques, push)
+        except SurefootError:
+            return k
+    return steps
+
+
 @over_worlds
 @pytest.mark.parametrize("bad", NOT_FINITE)
 @pytest.mark.parametrize("what", ["torques", "push"])
@@ -446,17 +459,12 @@ def test_worlds_refuse_a_start_that_is_not_finite(name: str, bad: float) -> None
 @over_worlds
 @pytest.mark.parametrize("size", [1e3, 1e6, 1e12, 1e100, 1e300])
 def test_worlds_end_with_an_error_where_a_state_is_lost(name: str, size: float) -> None:
-    """Torques and pushes from strong to absurd: finite to the end, or a `SurefootError` and a finite state."""
+    """Torques and pushes from strong to absurd: a finite state to the end, or up to a `SurefootError`."""
     for push in (np.zeros(3), np.array([size, 0.0, 0.0])):
         world = world_of(name)
         torques = np.zeros(12) if push.any() else size * np.tile([1.0, -1.0, 1.0], 4)
-        try:
-            for _ in range(50):
-                world.step(torques, push)
-        except SurefootError as error:
-            assert str(error)
-        else:
-            assert size < 1e100
+        ended = steps_to_the_end(world, 50, torques, push)
+        assert ended < 50 or size < 1e100
         check_state(world)
 
 
@@ -471,9 +479,5 @@ def test_worlds_do_not_lose_fast_limp_robots_in_silence(name: str, seed: int) ->
     q = robot.nominal.copy()
     q[2] += 0.5
     world.reset(q, v)
-    try:
-        for _ in range(100):
-            world.step(np.zeros(robot.joints))
-    except SurefootError as error:
-        assert str(error)
+    steps_to_the_end(world, 100, np.zeros(robot.joints), None)
     check_state(world)

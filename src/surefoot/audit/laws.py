@@ -88,13 +88,11 @@ class Laws:
         if self.complementarity_max > PENETRATION_LIMIT * weight:
             out.append(f"force across a gap: {self.complementarity_max:.3g} N m")
         if self.separation_max > PENETRATION_LIMIT:
-            out.append(
-                f"a force {1e3 * self.separation_max:.2f} mm off the ground (limit {1e3 * PENETRATION_LIMIT:g})"
-            )
+            limit = f"limit {1e3 * PENETRATION_LIMIT:g}"
+            out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground ({limit})")
         if "dissipation" in self.judged and self.free_slide_max > SLIDE_LIMIT:
-            out.append(
-                f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction (limit {1e3 * SLIDE_LIMIT:g})"
-            )
+            limit = f"limit {1e3 * SLIDE_LIMIT:g}"
+            out.append(f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction ({limit})")
         return out
 
 
@@ -156,24 +154,21 @@ def check_laws(
     given = {"forces": f, "gaps": gap, "velocities": v, "friction": friction}
     lost = tuple(text for text in (_not_finite(name, a) for name, a in given.items()) if text)
     threshold = LOADED_SHARE * weight
+    slide = math.nan
     with np.errstate(invalid="ignore", over="ignore"):
-        across = np.abs(f[..., 2] * gap)
-        figures = [
-            max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan,
-            float(f[..., 2].min()),
-            float(contact_use(f, friction, threshold).max()),
-            float(across.max()),
-            _apart(f[..., 2], gap, threshold),
-            _power_missing(f, v, friction, threshold) / weight,
-        ]
-        slide = math.nan
-        if step is not None and all(np.isfinite(a).all() for a in (f, v, friction)):
-            slide = float(free_slides(f, v, friction, step, threshold, weight).max())
-            figures.append(slide)
+        depth = max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan
+        least = float(f[..., 2].min())
+        use = float(contact_use(f, friction, threshold).max())
+        across = float(np.abs(f[..., 2] * gap).max())
+        apart = _apart(f[..., 2], gap, threshold)
+        power = _power_missing(f, v, friction, threshold) / weight
+    if step is not None and all(np.isfinite(a).all() for a in (f, v, friction)):
+        slide = float(free_slides(f, v, friction, step, threshold, weight).max())
+    figures = (depth, least, use, across, apart, power) + (() if step is None else (slide,))
     if not lost and not all(map(math.isfinite, figures)):
         lost = ("forces, gaps or velocities too large to multiply",)
     judged = LAWS[:2] if step is None else LAWS
-    return Laws(*figures[:6], slide, judged, lost)
+    return Laws(depth, least, use, across, apart, power, slide, judged, lost)
 
 
 def _apart(normal: FloatArray, gap: FloatArray, threshold: float) -> float:

@@ -29,7 +29,6 @@ from surefoot.kernels import MATRIX, VECTOR, entry_point, kernel
 from surefoot.solvers import solve
 from surefoot.solvers.solver import find_solver
 
-
 FRICTION_SHARE = 0.9
 """Share of the friction that forces use as long as it gives the wanted wrench."""
 MARGIN_COST = 5e-3

@@ -9,7 +9,7 @@ from surefoot.kernels import kernel
 from surefoot.robot import Robot
 
 LARGEST = 1e6
-"""A state with a larger number is as good as none: products of such numbers say nothing [m, rad, m/s, rad/s]."""
+"""A state with a larger number is as good as none [m, rad, m/s, rad/s]."""
 DAMPING_RATE = 10.0
 """Rate at which joints are slowed when nothing else can be done [1/s]."""
 
@@ -20,7 +20,7 @@ def computable(q: FloatArray, v: FloatArray) -> bool:
     for x in q:
         if not abs(x) <= LARGEST:
             return False
-    for x in v:
+    for x in v:  # noqa: SIM110  # a loop compiles faster than all()
         if not abs(x) <= LARGEST:
             return False
     return True
@@ -35,5 +35,5 @@ def damping_torques(robot: Robot, v: FloatArray, limits: FloatArray) -> FloatArr
     import pinocchio
 
     M = pinocchio.crba(robot.model, robot.model.createData(), robot.nominal)
-    speed = np.where(np.isfinite(v), v, 0.0)[6:]
+    speed = np.clip(np.where(np.isfinite(v), v, 0.0)[6:], -LARGEST, LARGEST)
     return np.asarray(np.clip(-DAMPING_RATE * np.diag(M)[6:] * speed, -limits, limits))

@@ -302,9 +302,7 @@ class WholeBodyController:
             return self.damping(self._v)
         feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
         clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
-        return WholeBodyCommand(
-            clipped, accelerations, forces, feasible, max(violation, 0.0), self._status
-        )
+        return WholeBodyCommand(clipped, accelerations, forces, feasible, max(violation, 0.0), self._status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for a state: `update`, then `solve`."""

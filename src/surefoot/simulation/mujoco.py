@@ -172,7 +172,7 @@ class MujocoWorld:
             data.xfrc_applied[self._base, :3] = 0.0 if push is None else _finite("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         self._mujoco.mj_step(self.model, data)
-        if not data.qvel.dot(data.qvel) < LARGEST**2:
+        if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
             raise self._lost()
 
     def _lost(self) -> SimulationError:
