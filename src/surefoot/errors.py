@@ -38,6 +38,29 @@ class NoSolution(SurefootError, RuntimeError):
         self.solution = solution
 
 
+class SimulationError(SurefootError, RuntimeError):
+    """A step that cannot be taken: the state would not stay finite, or the motion is too fast to resolve.
+
+    The world that raises it stays in its last finite state.
+
+    Attributes
+    ----------
+    what
+        What was lost: "motion", "contact problem", ...
+    time
+        Start of the step that was not taken [s].
+    """
+
+    def __init__(self, what: str, time: float, dt: float, joint: str, speed: float) -> None:
+        super().__init__(
+            f"at {time:.6g} s the {what} became non-finite or too fast to resolve; the fastest joint, "
+            f"{joint}, moved at {speed:.4g} (rad/s, m/s): take a smaller dt (now {dt:g} s), or lower gains "
+            "and torques"
+        )
+        self.what = what
+        self.time = time
+
+
 def unknown_name(kind: str, name: object, valid: Iterable[str]) -> str:
     """Return the one-line message for a name that is not in a list.
 

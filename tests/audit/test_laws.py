@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
-from surefoot.audit import check_laws, contact_use
-from surefoot.audit.laws import LEAST_FRICTION
+from surefoot.audit import Laws, check_laws, contact_use
+from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
+from surefoot.audit.slides import LAG, free_slides
+from surefoot.errors import ProblemError
 
 WEIGHT = 100.0
 
@@ -13,6 +17,14 @@ def still(
     force: list[float], gap: float = 0.0, velocity: tuple[float, ...] = (0.0, 0.0, 0.0), mu: float = 0.5
 ):
     return check_laws([[force]], [[gap]], [[velocity]], [mu], WEIGHT)
+
+
+def slide(force: list[float], speed: float, duration: float, dt: float = 1e-3, mu: float = 0.5) -> Laws:
+    """One contact that slides along x under a constant force; its first row is a touchdown's."""
+    T = round(duration / dt) + 1
+    return check_laws(
+        np.tile(force, (T, 1, 1)), np.zeros((T, 1)), np.tile([speed, 0.0, 0.0], (T, 1, 1)), mu, WEIGHT, dt
+    )
 
 
 def test_a_lawful_contact_breaks_nothing() -> None:
@@ -30,6 +42,8 @@ def test_a_lawful_contact_breaks_nothing() -> None:
         ([0.0, 0.0, -1.0], 0.0, "a pull of 1 N"),
         ([30.0, 0.0, 50.0], 0.0, "1.200 times the friction"),
         ([0.0, 0.0, 50.0], 0.01, "force across a gap: 0.5 N m"),
+        ([0.0, 0.0, 10.0], 2e-3, "a force 2.00 mm off the ground"),
+        ([5.0, 0.0, 0.0], 0.0, "times the friction"),  # friction without a normal force
     ],
 )
 def test_each_broken_law_is_named(force: list[float], gap: float, said: str) -> None:
@@ -45,12 +59,174 @@ def test_dissipation_compares_friction_with_the_slip() -> None:
     assert still([0.0, 25.0, 50.0], velocity=(1e-3, 0.0, 0.0)).dissipation_max == 0.0  # sticks
 
 
-def test_cone_use_ignores_unloaded_contacts_and_knows_ice() -> None:
-    forces = np.array([[[1.0, 0.0, 0.05], [3.0, 4.0, 20.0]]])
-    np.testing.assert_allclose(contact_use(forces, [0.5], 0.1), [[0.0, 0.5]])
+def test_a_slide_without_friction_is_as_long_as_its_way() -> None:
+    lawful = slide([-25.0, 0.0, 50.0], 0.3, 1.0)
+    assert lawful.judged == LAWS
+    assert lawful.free_slide_max == 0.0
+    assert lawful.broken(WEIGHT) == []
+    # no friction, friction across, two fifths of it, and friction that drives; LAG of it is forgiven
+    for force, missing in ((0.0, 0.0), 1.0), ((0.0, -25.0), 1.0), ((-10.0, 0.0), 0.6), ((25.0, 0.0), 2.0):
+        laws = slide([*force, 50.0], 0.3, 0.1)
+        assert laws.free_slide_max == pytest.approx((missing - LAG) * 0.03, rel=1e-9)
+        assert any("without friction" in line for line in laws.broken(WEIGHT))
+    assert slide([-24.0, 0.0, 50.0], 0.3, 10.0).broken(WEIGHT) == []  # within LAG, however long
+
+
+def test_a_heavy_blow_does_not_excuse_a_slide() -> None:
+    """The way is the missing work over the greatest friction, which counts as m g at most."""
+    T = 101
+    f, v = np.tile([0.0, 0.0, 50.0], (T, 1, 1)), np.tile([0.3, 0.0, 0.0], (T, 1, 1))
+    f[1, 0] = [-0.5e5, 0.0, 1e5]
+    laws = check_laws(f, np.zeros((T, 1)), v, 0.5, WEIGHT, 1e-3)
+    assert laws.free_slide_max == pytest.approx((1.0 - LAG) * 25.0 * 0.0297 / WEIGHT, rel=1e-6)
+
+
+def test_a_creep_counts_however_slow_and_a_shake_however_long_does_not() -> None:
+    """5 mm of way at 1 mm/s without friction; and 60 s of shaking by 20 micrometres at 50 Hz."""
+    creep = slide([0.0, 0.0, 50.0], 1e-3, 5.0, dt=5e-3)
+    assert creep.free_slide_max == pytest.approx((1.0 - LAG) * 5e-3)
+    dt = 1e-3
+    t = dt * np.arange(60_000)
+    speed = 2e-5 * 2.0 * np.pi * 50.0 * np.cos(2.0 * np.pi * 50.0 * t)
+    v = np.zeros((len(t), 1, 3))
+    v[:, 0, 0] = speed
+    f = np.tile([0.0, 0.0, 50.0], (len(t), 1, 1))
+    laws = check_laws(f, np.zeros((len(t), 1)), v, 0.5, WEIGHT, dt)
+    assert np.abs(speed).sum() * dt > 0.2  # the way back and forth is long
+    assert laws.free_slide_max < 1e-4
+    assert laws.broken(WEIGHT) == []
+
+
+def test_a_foot_stopped_within_a_regularised_touchdown_is_lawful() -> None:
+    """Friction that takes 0.3 m/s away with a time constant of 2 ms: the way is v tau at most."""
+    dt, tau, v0, normal = 1e-4, 2e-3, 0.3, 50.0
+    t = dt * np.arange(1000)
+    v = np.zeros((1000, 1, 3))
+    v[:, 0, 0] = v0 * np.exp(-t / tau)
+    f = np.zeros((1000, 1, 3))
+    f[:, 0, 2] = normal
+    f[:, 0, 0] = -0.1 * v[:, 0, 0] / tau  # a tenth of a kilogram is stopped, with 15 N at first
+    laws = check_laws(f, np.zeros((1000, 1)), v, 0.5, WEIGHT, dt)
+    assert 0.2 * v0 * tau < laws.free_slide_max <= 1.05 * v0 * tau
+    assert laws.broken(WEIGHT) == []
+
+
+def test_a_stance_survives_a_bounce_and_ends_with_a_lift() -> None:
+    """Way is added up over gaps shorter than 20 ms; a foot in the air for longer starts anew."""
+    T = 400
+    v, f = np.tile([0.02, 0.0, 0.0], (T, 1, 1)), np.tile([0.0, 0.0, 50.0], (T, 1, 1))
+    whole = check_laws(f, np.zeros((T, 1)), v, 0.5, WEIGHT, 1e-3).free_slide_max
+    bouncing, lifted = f.copy(), f.copy()
+    bouncing[5::10] = 0.0
+    lifted[190:215] = 0.0
+    assert check_laws(bouncing, np.zeros((T, 1)), v, 0.5, WEIGHT, 1e-3).free_slide_max == pytest.approx(
+        0.9 * whole, rel=2e-2
+    )
+    assert check_laws(lifted, np.zeros((T, 1)), v, 0.5, WEIGHT, 1e-3).free_slide_max == pytest.approx(
+        190 / 400 * whole, rel=2e-2
+    )
+
+
+def test_what_was_not_judged_is_said() -> None:
+    laws = still([0.0, 25.0, 50.0], velocity=(0.3, 0.0, 0.0))
+    assert laws.judged == ("unilateral", "Coulomb")
+    assert math.isnan(laws.free_slide_max)
+
+
+def test_cone_use_allows_unloaded_contacts_noise_and_knows_ice() -> None:
+    forces = np.array([[[0.01, 0.0, 0.05], [3.0, 4.0, 20.0], [0.0, 0.0, 0.0]]])
+    np.testing.assert_allclose(contact_use(forces, [0.5], 0.1), [[0.2, 0.5, 0.0]])
     np.testing.assert_allclose(contact_use(forces, [0.0], 0.1)[0, 1], 5.0 / (20.0 * LEAST_FRICTION))
 
 
-def test_no_contacts_at_all() -> None:
-    laws = check_laws(np.zeros((0, 4, 3)), np.zeros((0, 4)), np.zeros((0, 4, 3)), np.zeros(0), WEIGHT)
+def test_friction_may_be_one_number_one_per_time_or_one_per_contact() -> None:
+    f, gap, v = np.tile([10.0, 0.0, 50.0], (3, 2, 1)), np.zeros((3, 2)), np.zeros((3, 2, 3))
+    for mu in (0.5, np.full(3, 0.5), np.full((3, 2), 0.5), np.float64(0.5)):
+        assert check_laws(f, gap, v, mu, WEIGHT).cone_use_max == pytest.approx(0.4)
+    mu = np.full((3, 2), 0.5)
+    mu[1, 1] = 0.1
+    assert check_laws(f, gap, v, mu, WEIGHT).cone_use_max == pytest.approx(2.0)
+
+
+GOOD = {
+    "forces": np.tile([10.0, 0.0, 50.0], (4, 2, 1)),
+    "gaps": np.zeros((4, 2)),
+    "velocities": np.zeros((4, 2, 3)),
+    "mu": 0.5,
+    "weight": WEIGHT,
+    "dt": 1e-3,
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("forces", np.zeros((4, 3)), r"forces must have shape \(T, p, 3\), got \(4, 3\)"),
+        ("forces", np.zeros((4, 2, 2)), r"forces must have shape \(T, p, 3\)"),
+        ("forces", "nonsense", "forces must be numeric"),
+        ("forces", np.zeros((4, 2, 3), dtype=complex), "forces must be numeric"),
+        ("gaps", np.zeros((4, 3)), r"gaps must have shape \(4, 2\) to fit the forces, got \(4, 3\)"),
+        ("gaps", 0.0, r"gaps must have shape \(4, 2\)"),
+        ("velocities", np.zeros((3, 2, 3)), r"velocities must have shape \(4, 2, 3\)"),
+        ("mu", np.full(2, 0.5), r"mu must be a number or have shape \(4,\) or \(4, 2\), got \(2,\)"),
+        ("mu", -0.1, "mu must be >= 0, got -0.1"),
+        ("mu", [0.5, 0.5, -2.0, 0.5], "mu must be >= 0, got -2"),
+        ("weight", 0.0, "weight must be positive"),
+        ("weight", -1.0, "weight must be a number between"),
+        ("weight", math.nan, "weight must be a number between"),
+        ("weight", math.inf, "weight must be a number between"),
+        ("dt", 0.0, "dt must be positive"),
+        ("dt", np.full(3, 1e-3), r"dt must be a number or have shape \(4,\)"),
+        ("dt", math.nan, "dt must be positive"),
+    ],
+)
+def test_what_fits_no_motion_is_refused(name: str, value: object, said: str) -> None:
+    with pytest.raises(ProblemError, match=said):
+        check_laws(**{**GOOD, name: value})  # type: ignore[arg-type]
+
+
+def test_the_weight_of_a_verdict_is_checked_too() -> None:
+    for weight in (math.nan, math.inf, 0.0, -5.0):
+        with pytest.raises(ProblemError, match="weight"):
+            check_laws(**GOOD).broken(weight)  # type: ignore[arg-type]
+
+
+def test_no_contacts_at_all_is_no_verdict() -> None:
+    laws = check_laws(np.zeros((0, 4, 3)), np.zeros((0, 4)), np.zeros((0, 4, 3)), np.zeros(0), WEIGHT, 1e-3)
     assert laws.broken(WEIGHT) == []
+    assert laws.judged == ()
+
+
+def test_loaded_starts_above_a_thousandth_of_the_weight() -> None:
+    barely = LOADED_SHARE * WEIGHT
+    assert still([0.0, 0.0, barely], velocity=(1.0, 0.0, 0.0)).dissipation_max == 0.0
+    assert still([0.0, 0.0, 1.01 * barely], velocity=(1.0, 0.0, 0.0)).dissipation_max > 0.0
+
+
+def test_free_slides_kernel_against_plain_numpy() -> None:
+    """The compiled kernel and its plain Python agree, and both with a sum written another way."""
+    rng = np.random.default_rng(7)
+    T, p = 300, 3
+    f, v = rng.normal(size=(T, p, 3)) * 20.0, rng.normal(size=(T, p, 3))
+    f[..., 2] = np.where(rng.uniform(size=(T, p)) < 0.8, rng.uniform(1.0, 90.0, (T, p)), 0.0)
+    f[100:140, 0, 2] = 0.0
+    mu, dt = rng.uniform(0.1, 1.0, (T, p)), rng.uniform(5e-4, 2e-3, T)
+    fast = free_slides(f, v, mu, dt, 0.1, WEIGHT)
+    np.testing.assert_allclose(fast, free_slides.py_func(f, v, mu, dt, 0.1, WEIGHT), rtol=1e-12)
+    for c in range(p):
+        stances = [[0, 100], [140, T]] if c == 0 else [[0, T]]
+        want = 0.0
+        for first, end in stances:
+            on = [k for k in range(first, end) if f[k, c, 2] > 0.1][1:]  # without the touchdown
+            total, piece = 0.0, []
+            for k in on:
+                piece.append(k)
+                steps = dt[piece, None] * v[piece, c, :2]
+                net, way = np.linalg.norm(steps.sum(axis=0)), np.linalg.norm(steps, axis=1).sum()
+                full = mu[piece, c] * f[piece, c, 2] * np.linalg.norm(steps, axis=1)
+                lost = max(0.0, float((1.0 - LAG) * full.sum() + np.vdot(f[piece, c, :2], steps)))
+                peak = max(mu[j, c] * f[j, c, 2] for j in on if j <= k)
+                want = max(want, (total + lost * net / way) / min(peak, WEIGHT)) if lost > 0.0 else want
+                if net >= 1e-4:
+                    total, piece = total + lost * net / way, []
+        assert fast[c] == pytest.approx(want, rel=1e-10)

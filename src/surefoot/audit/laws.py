@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, real_number
+from surefoot.audit.slides import free_slides
+from surefoot.errors import ProblemError
 
 PENETRATION_LIMIT = 1e-3
-"""Deepest penetration that still counts as touching [m]."""
+"""Deepest penetration that still counts as touching, and widest gap across which a force may act [m]."""
+SLIDE_LIMIT = 1e-3
+"""Longest way of a contact without friction that still counts as sticking [m]."""
 PULL_LIMIT = 1e-3
 """Largest pull that counts as rounding, as a share of m g."""
 CONE_LIMIT = 1.0 + 1e-3
@@ -20,12 +25,14 @@ LOADED_SHARE = 1e-3
 LEAST_FRICTION = 1e-4
 """Friction below this counts as this much: simulators know no exact zero."""
 SLIDING_SPEED = 1e-2
-"""Speed from which a contact counts as sliding [m/s]."""
+"""Speed from which a contact counts as sliding at an instant [m/s]."""
+LAWS = ("unilateral", "Coulomb", "dissipation")
+"""The names of the three laws."""
 
 
 @dataclass(frozen=True)
 class Laws:
-    """How far a motion went from the three laws.
+    """How far a motion went from the three laws; a number is NaN where its measurements are not finite.
 
     Attributes
     ----------
@@ -34,23 +41,42 @@ class Laws:
     unilateral_min
         Least normal force; negative means that the ground pulled [N].
     cone_use_max
-        Highest ||f_t|| / (mu f_n) of a loaded contact; one is the cone's surface.
+        Highest ||f_t|| / (mu f_n); one is the cone's surface. See `contact_use`.
     complementarity_max
         Largest f_n |gap|: force across a distance [N m].
+    separation_max
+        Widest gap of a loaded contact [m].
     dissipation_max
-        Largest lost friction power of a sliding contact over what its cone allows,
-        (mu f_n ||v_t|| + f_t . v_t) / (m g ||v_t||); zero when friction opposes the slip in full.
+        Largest friction power missing at an instant of a sliding contact,
+        (mu f_n ||v_t|| + f_t . v_t) / (m g ||v_t||); zero when friction opposes the slip in full. Not judged:
+        a foot that touches down is stopped with less than all its friction.
+    free_slide_max
+        Longest way that a contact slid in one stance as if without friction [m]: the friction's missing work
+        over the friction, see `surefoot.audit.slides`; NaN when the time between the measurements was not
+        given.
+    judged
+        Which of `LAWS` were judged: none for a motion without contacts, two without a time step.
+    not_finite
+        What was not finite, one line for each measurement.
     """
 
     penetration_max: float
     unilateral_min: float
     cone_use_max: float
     complementarity_max: float
+    separation_max: float
     dissipation_max: float
+    free_slide_max: float = math.nan
+    judged: tuple[str, ...] = LAWS[:2]
+    not_finite: tuple[str, ...] = ()
 
     def broken(self, weight: float) -> list[str]:
-        """Return one line per broken law, for a robot of the given weight m g [N]."""
-        out = []
+        """Return one line per broken law, for a robot of the given weight m g [N].
+
+        What is not finite is broken. Empty means that no law in `judged` was.
+        """
+        weight = _weight(weight)
+        out = list(self.not_finite)
         if self.penetration_max > PENETRATION_LIMIT:
             out.append(
                 f"penetration of {1e3 * self.penetration_max:.2f} mm (limit {1e3 * PENETRATION_LIMIT:g})"
@@ -61,22 +87,37 @@ class Laws:
             out.append(f"{self.cone_use_max:.3f} times the friction that the cone allows")
         if self.complementarity_max > PENETRATION_LIMIT * weight:
             out.append(f"force across a gap: {self.complementarity_max:.3g} N m")
+        if self.separation_max > PENETRATION_LIMIT:
+            limit = f"limit {1e3 * PENETRATION_LIMIT:g}"
+            out.append(f"a force {1e3 * self.separation_max:.2f} mm off the ground ({limit})")
+        if "dissipation" in self.judged and self.free_slide_max > SLIDE_LIMIT:
+            limit = f"limit {1e3 * SLIDE_LIMIT:g}"
+            out.append(f"a slide of {1e3 * self.free_slide_max:.2f} mm without friction ({limit})")
         return out
 
 
 def contact_use(forces: ArrayLike, mu: ArrayLike, threshold: float) -> FloatArray:
-    """Return ||f_t|| / (mu f_n) of (T, p, 3) forces, zero where f_n is at most `threshold` [N]: (T, p).
+    """Return ||f_t|| / (mu f_n) of (T, p, 3) forces: (T, p).
 
-    `mu` is (T,), the friction of the ground at each time, taken as `LEAST_FRICTION` at least.
+    A normal force below `threshold` [N] counts as that much: a contact with hardly any is allowed the noise
+    of its friction, and no more. `mu` is a number, (T,) or (T, p), taken as `LEAST_FRICTION` at least. NaN
+    where a force is.
     """
-    f = np.asarray(forces, dtype=np.float64)
-    limit = np.maximum(np.asarray(mu, dtype=np.float64), LEAST_FRICTION)[:, None] * f[..., 2]
-    loaded = f[..., 2] > max(threshold, 0.0)
-    return np.divide(np.hypot(f[..., 0], f[..., 1]), limit, out=np.zeros_like(limit), where=loaded)
+    f = _motion("forces", forces, 3)
+    friction = _friction(mu, f.shape[:2])
+    least = max(real_number("threshold", threshold), np.finfo(np.float64).tiny)
+    limit = np.maximum(friction, LEAST_FRICTION) * np.maximum(f[..., 2], least)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.asarray(np.hypot(f[..., 0], f[..., 1]) / limit)
 
 
 def check_laws(
-    forces: ArrayLike, gaps: ArrayLike, velocities: ArrayLike, mu: ArrayLike, weight: float
+    forces: ArrayLike,
+    gaps: ArrayLike,
+    velocities: ArrayLike,
+    mu: ArrayLike,
+    weight: float,
+    dt: ArrayLike | None = None,
 ) -> Laws:
     """Return the laws as numbers for a motion.
 
@@ -89,23 +130,120 @@ def check_laws(
     velocities
         (T, p, 3) velocities of the feet's material at the contacts [m/s].
     mu
-        (T,) friction of the ground.
+        Friction of the ground: a number, (T,) or (T, p), >= 0.
     weight
         m g of the robot [N]; says what is small.
+    dt
+        Time from each measurement to the next: a number or (T,), > 0 [s]. Without it the third law, that of
+        maximum dissipation, is not judged.
+
+    Raises
+    ------
+    ProblemError
+        For shapes that do not fit, negative friction, a weight or step that is not positive. Measurements
+        that are not finite are broken laws and no error, see `Laws.broken`.
     """
-    f, gap = np.asarray(forces, dtype=np.float64), np.asarray(gaps, dtype=np.float64)
+    weight = _weight(weight)
+    f = _motion("forces", forces, 3)
+    shape = f.shape[:2]
+    gap, v = _numbers("gaps", gaps, shape), _numbers("velocities", velocities, f.shape)
+    friction = _friction(mu, shape)
+    step = None if dt is None else _steps(dt, shape[0])
     if f.size == 0:
-        return Laws(0.0, 0.0, 0.0, 0.0, 0.0)
-    v = np.asarray(velocities, dtype=np.float64)
-    normal = f[..., 2]
+        return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
+    given = {"forces": f, "gaps": gap, "velocities": v, "friction": friction}
+    lost = tuple(text for text in (_not_finite(name, a) for name, a in given.items()) if text)
+    threshold = LOADED_SHARE * weight
+    slide = math.nan
+    with np.errstate(invalid="ignore", over="ignore"):
+        depth = max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan
+        least = float(f[..., 2].min())
+        use = float(contact_use(f, friction, threshold).max())
+        across = float(np.abs(f[..., 2] * gap).max())
+        apart = _apart(f[..., 2], gap, threshold)
+        power = _power_missing(f, v, friction, threshold) / weight
+    if step is not None and all(np.isfinite(a).all() for a in (f, v, friction)):
+        slide = float(free_slides(f, v, friction, step, threshold, weight).max())
+    figures = (depth, least, use, across, apart, power) + (() if step is None else (slide,))
+    if not lost and not all(map(math.isfinite, figures)):
+        lost = ("forces, gaps or velocities too large to multiply",)
+    judged = LAWS[:2] if step is None else LAWS
+    return Laws(depth, least, use, across, apart, power, slide, judged, lost)
+
+
+def _apart(normal: FloatArray, gap: FloatArray, threshold: float) -> float:
+    """Return the widest gap of a loaded contact, NaN where that is unknown [m]."""
+    unknown = ~(np.isfinite(normal) & np.isfinite(gap))
+    return float(np.where(unknown, np.nan, np.where(normal > threshold, np.maximum(gap, 0.0), 0.0)).max())
+
+
+def _power_missing(f: FloatArray, v: FloatArray, mu: FloatArray, threshold: float) -> float:
+    """Return the most friction missing against the slip of a loaded contact at an instant [N]."""
     speed = np.hypot(v[..., 0], v[..., 1])
-    limit = np.asarray(mu, dtype=np.float64)[:, None] * normal
-    lost = limit + (f[..., 0] * v[..., 0] + f[..., 1] * v[..., 1]) / np.maximum(speed, 1e-12)
-    sliding = (speed > SLIDING_SPEED) & (normal > LOADED_SHARE * weight)
-    return Laws(
-        penetration_max=float(max(0.0, -gap.min())),
-        unilateral_min=float(normal.min()),
-        cone_use_max=float(contact_use(f, mu, LOADED_SHARE * weight).max()),
-        complementarity_max=float(np.abs(normal * gap).max()),
-        dissipation_max=float(np.where(sliding, lost, 0.0).max() / weight),
-    )
+    along = (f[..., 0] * v[..., 0] + f[..., 1] * v[..., 1]) / np.maximum(speed, 1e-12)
+    missing = mu * f[..., 2] + along
+    unknown = ~np.isfinite(missing)
+    sliding = (speed > SLIDING_SPEED) & (f[..., 2] > threshold)
+    return float(np.where(unknown, np.nan, np.where(sliding, missing, 0.0)).max())
+
+
+def _weight(weight: float) -> float:
+    """Return a robot's weight, checked."""
+    number = real_number("weight", weight, low=0.0, high=1e300)
+    if number == 0.0:
+        raise ProblemError("weight must be positive, got 0")
+    return number
+
+
+def _numbers(name: str, value: ArrayLike, shape: tuple[int, ...] | None = None) -> FloatArray:
+    """Return a measurement as an array, NaN and infinity allowed, the shape checked."""
+    try:
+        if np.iscomplexobj(value):
+            raise TypeError
+        array = np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
+    if shape is not None and array.shape != shape:
+        raise ProblemError(f"{name} must have shape {shape} to fit the forces, got {array.shape}")
+    return array
+
+
+def _motion(name: str, value: ArrayLike, width: int) -> FloatArray:
+    """Return a measurement of shape (T, p, width)."""
+    array = _numbers(name, value)
+    if array.ndim != 3 or array.shape[2] != width:
+        raise ProblemError(f"{name} must have shape (T, p, {width}), got {array.shape}")
+    return array
+
+
+def _friction(mu: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """Return friction for every contact at every time: (T, p)."""
+    array = _numbers("mu", mu)
+    steps, contacts = shape
+    if array.shape not in ((), (steps,), (steps, contacts)):
+        raise ProblemError(
+            f"mu must be a number or have shape ({steps},) or ({steps}, {contacts}), got {array.shape}"
+        )
+    if (array < 0.0).any():
+        raise ProblemError(f"mu must be >= 0, got {array.min():g}")
+    column = array[:, None] if array.ndim == 1 else array
+    return np.ascontiguousarray(np.broadcast_to(column, shape))
+
+
+def _steps(dt: ArrayLike, count: int) -> FloatArray:
+    """Return the time of every step: (T,) [s]."""
+    array = _numbers("dt", dt)
+    if array.shape not in ((), (count,)):
+        raise ProblemError(f"dt must be a number or have shape ({count},), got {array.shape}")
+    if not ((array > 0.0) & np.isfinite(array)).all():
+        raise ProblemError("dt must be positive and finite")
+    return np.ascontiguousarray(np.broadcast_to(array, (count,)))
+
+
+def _not_finite(name: str, values: FloatArray) -> str:
+    """Return a line that says where a measurement is not finite, or an empty one."""
+    bad = ~np.isfinite(values)
+    if not bad.any():
+        return ""
+    first = np.argwhere(bad)[0]
+    return f"{name} not finite in {int(bad.sum())} places, first in row {first[0]} at contact {first[1]}"

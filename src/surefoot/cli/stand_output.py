@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT
+from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
 
 OUTCOMES = {
     "stood": "stood",
@@ -71,9 +71,9 @@ def law_rows(summary: dict[str, Any]) -> list[list[str]]:
         ],
         ["2 Coulomb: highest use of the cone", f"{laws['cone_use_max']:.3f}", f"{CONE_LIMIT:g}"],
         [
-            "3 dissipation: friction missing while sliding",
-            f"{100 * laws['dissipation_max']:.1f} % of m g",
-            "told only",
+            "3 dissipation: slide without friction",
+            f"{1e3 * laws['free_slide_max']:.3f} mm",
+            f"{1e3 * SLIDE_LIMIT:g} mm",
         ],
     ]
 

@@ -345,6 +345,11 @@ class ForceDistributor:
             raise ProblemError(f"reference must have shape {self._forces_shape}, got {wanted.shape}")
         self._work[: len(wanted), layout.REFERENCE : layout.REFERENCE + 3] = wanted
 
+    @property
+    def reference(self) -> FloatArray:
+        """The wanted forces: (n, 3) [N], to be written in place by loops that cannot wait."""
+        return self._work[: self._mu.size, layout.REFERENCE : layout.REFERENCE + 3]
+
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
         self._results[layout.WARM] = self._results[layout.ROWS_WARM] = 0.0
@@ -368,7 +373,8 @@ class ForceDistributor:
     def force_error(self) -> float:
         """Upper bound on the distance from the last forces to the optimum, over all contacts [N].
 
-        With a Jacobian or rows that bind it is an estimate, infinite if the optimum was not reached.
+        With a Jacobian or rows that bind it is an estimate, infinite if the optimum was not reached. Infinite
+        also where the input was not finite, and before the first `solve`.
         """
         return float(self._results[layout.FORCE_ERROR])
 
@@ -376,13 +382,13 @@ class ForceDistributor:
     def torque_excess(self) -> float:
         """By how much the worst joint torque of the last `solve` with a Jacobian exceeds its limit [N·m].
 
-        Negative or zero if all are within.
+        Negative or zero if all are within, infinite where the input was not finite.
         """
         return float(self._results[layout.ROW_VIOLATION])
 
     @property
     def wrench_error(self) -> float:
-        """``||A f - w||_W`` of the last forces; in newtons for unit weights."""
+        """``||A f - w||_W`` of the last forces; in newtons for unit weights. Infinite if that is unknown."""
         return float(self._results[layout.WRENCH_ERROR])
 
 

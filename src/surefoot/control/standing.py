@@ -15,11 +15,13 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control.allocation import Allocation, ExactAllocation
+from surefoot.control.damping import computable, damping_torques
 from surefoot.control.standing_kernels import (
     contact_torques,
     foot_impedance,
     grasp_map_of_points,
     pd_wrench,
+    within_limits,
 )
 from surefoot.control.standing_plan import StandingPlan, Target
 from surefoot.robot import Robot
@@ -136,6 +138,7 @@ class StandingController:
         self._integral = np.zeros(6)
         self._bounds_of: tuple[bytes, tuple[FloatArray, FloatArray]] = (b"", (np.zeros(0), np.zeros(0)))
         self._grasp = np.zeros((6, 3 * len(self.point_foot)))
+        self._limits = np.ascontiguousarray(robot.effort_limits, dtype=np.float64)
 
     def _set_points(self, q: FloatArray) -> None:
         """Collect the contact points, the joints that carry each, and the feet's places on the ground."""
@@ -173,27 +176,33 @@ class StandingController:
         self._tolerance = WRENCH_TOLERANCE * weight
 
     def reset(self) -> None:
-        """Forget the integral term."""
+        """Forget the integral term and the forces of the step before."""
         self._integral = np.zeros(6)
+        self.allocation.reset()
 
     def step(self, q: FloatArray, v: FloatArray, time: float) -> Command:
         """Return the command for the state (Pinocchio's order) at a time [s].
 
         Never raises on a hard instance: the forces stay inside every cone and bound, and `attained`
-        and `status` tell the rest.
+        and `status` tell the rest. A state that is not finite, or too large to compute with, gets a command
+        that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
+        if not computable(q, v):
+            return self._blind(v)
         target = self.plan.at(time)
         self._kinematics(q, v)
         wrench = self._wrench(target, q, v)
         low, high = self._bounds(target)
         forces = self.allocation.share(self._grasp, wrench, low, high)
+        if self.allocation.status is Status.INVALID:
+            return self._blind(v)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
-        self._integrate(attained)
         torques = self._torques(target, forces, q, v)
-        limits = self.robot.effort_limits
-        within = np.minimum(np.maximum(torques, -limits), limits)
-        saturated = bool((within != torques).any())
+        within, saturated, finite = within_limits(torques, self._limits)
+        if not finite:
+            return self._blind(v)
+        self._integrate(attained)
         return Command(
             within,
             forces,
@@ -205,6 +214,17 @@ class StandingController:
             saturated,
             self.allocation.status,
         )
+
+    def _blind(self, v: FloatArray) -> Command:
+        """Return the command when nothing can be computed: the weight is wanted, and no force given."""
+        count = len(self.point_foot)
+        weight = np.array([0.0, 0.0, self._weight, 0.0, 0.0, 0.0])
+        torques = damping_torques(self.robot, v, self._limits)
+        off = np.zeros(count, dtype=bool)
+        return Command(
+            torques, np.zeros((count, 3)), weight, -weight, np.zeros_like(self._grasp), off, False, False,
+            Status.INVALID,
+        )  # fmt: skip
 
     def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
         """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""

@@ -182,3 +182,14 @@ def pd_wrench(
     wrench[2] += mass * gravity
     wrench[3:] -= 2.0 * omega_turn * (inertia @ angular)
     return wrench, pull
+
+
+@kernel
+def within_limits(torques: FloatArray, limits: FloatArray) -> tuple[FloatArray, bool, bool]:
+    """Return (joints,) torques cut to their limits, whether one met its limit, and whether all are finite."""
+    out, saturated, finite = np.empty(torques.size), False, True
+    for j in range(torques.size):
+        out[j] = min(max(torques[j], -limits[j]), limits[j])
+        saturated = saturated or out[j] != torques[j]
+        finite = finite and np.isfinite(torques[j])
+    return out, saturated, finite

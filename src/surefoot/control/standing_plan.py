@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,10 +12,15 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY
 from surefoot.stance import Terrain
 
-SHIFT_TIME = 0.6
-"""Time to move the weight before a foot leaves the ground and after it returns [s]."""
+SHIFT_TIME = 4.0
+"""Time to move the weight before a foot leaves the ground and after it returns, in units of sqrt(height / g).
+
+A faster shift takes more of its braking from the foot that is to be lifted: over this time the centre of
+pressure runs ahead of the weight by at most 36 % of the way.
+"""
 UNLOAD_TIME = 0.15
 """Time over which a foot's largest normal force ramps down before lift-off, and up after touchdown [s]."""
 SHORTEST_SHIFT = 0.3
@@ -102,7 +108,9 @@ class StandingPlan:
         self._check()
         self._contacts = robot.stance(q, terrain=terrain).positions
         self._com = robot.com(q)
-        self._clearance = CLEARANCE * float(np.linalg.norm(self.start - self._contacts.mean(axis=0)))
+        height = float(np.linalg.norm(self.start - self._contacts.mean(axis=0)))
+        self._clearance = CLEARANCE * height
+        self._shift_time = SHIFT_TIME * math.sqrt(height / GRAVITY)
         self._keys = self._key_frames()
         n = len(robot.feet)
         still = np.zeros(3)
@@ -144,12 +152,12 @@ class StandingPlan:
         for k, (lift, foot) in enumerate(zip(self.lifts, self._feet, strict=True)):
             place = self.shifted(foot)
             arrive = lift.start - min(UNLOAD_TIME, 0.25 * (lift.start - free))
-            keys.append((max(free, arrive - SHIFT_TIME), keys[-1][1]))
+            keys.append((max(free, arrive - self._shift_time), keys[-1][1]))
             keys.append((arrive, place))
             leave = lift.end + UNLOAD_TIME
             keys.append((leave, place))
             following = self.lifts[k + 1].start if k + 1 < len(self.lifts) else np.inf
-            free = min(leave + SHIFT_TIME, 0.5 * (leave + following))
+            free = min(leave + self._shift_time, 0.5 * (leave + following))
             keys.append((free, self.start))
         return keys
 

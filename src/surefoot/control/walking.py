@@ -15,6 +15,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
+from surefoot.control.damping import computable
 from surefoot.control.foothold import raibert
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
@@ -210,10 +211,10 @@ class WalkingController:
     def step(self, q: FloatArray, v: FloatArray, felt: BoolArray, time: float) -> WalkCommand:
         """Return the command for a state (Pinocchio's order) and which feet feel the ground, at a time [s].
 
-        Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite gets
-        a command that slows the joints, and changes nothing else.
+        Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
+        large to compute with, gets a command that slows the joints, and changes nothing else.
         """
-        if not (np.isfinite(q).all() and np.isfinite(v).all()):
+        if not computable(q, v):
             return self._blind(v)
         now = self.whole_body.update(q, v)
         if self.feet is None:

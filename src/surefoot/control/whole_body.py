@@ -27,6 +27,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
+from surefoot.control.damping import computable, damping_torques
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
@@ -35,8 +36,6 @@ from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
 """How often torques may be pinned in a step, and by which share of its limit a torque exceeds it."""
-DAMPING_RATE = 10.0
-"""Rate at which joints are slowed when nothing else can be done [1/s]."""
 TORQUE_SLACK = 0.01
 """Torques beyond their limit by more than this share of it make a step infeasible."""
 
@@ -250,6 +249,14 @@ class WholeBodyController:
 
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
         """Compute everything that depends on the state alone and return the part that tasks need."""
+        self._known = computable(q, v)
+        if self._known:
+            return self._update(q, v)
+        with np.errstate(all="ignore"):
+            return self._update(q, v)
+
+    def _update(self, q: FloatArray, v: FloatArray) -> Kinematics:
+        """See `update`."""
         pin, model, data = self._pin, self._model, self._data
         pin.crba(model, data, q)
         pin.nonLinearEffects(model, data, q, v)
@@ -276,6 +283,8 @@ class WholeBodyController:
 
         Never raises on a hard instance and never returns NaN: see `WholeBodyCommand.feasible`.
         """
+        if not self._known:
+            return self.damping(self._v)
         rows = self._assemble(tasks)
         self._set_stance(tasks.stance)
         # joints that no contact force loads
@@ -289,13 +298,11 @@ class WholeBodyController:
                 break
             rows = self._pin_torques(rows, over, torques)
         violation = float((np.abs(torques) - self.limits).max())
-        if not np.isfinite(torques).all():
+        if self._status is Status.INVALID or not np.isfinite(torques).all():
             return self.damping(self._v)
         feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
         clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
-        return WholeBodyCommand(
-            clipped, accelerations, forces, feasible, max(violation, 0.0), self._distributor.status
-        )
+        return WholeBodyCommand(clipped, accelerations, forces, feasible, max(violation, 0.0), self._status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for a state: `update`, then `solve`."""
@@ -353,9 +360,11 @@ class WholeBodyController:
         """Return forces, torques and accelerations, the torques of loaded joints within their limits."""
         A = self._root.T @ self._map[:6]
         forces = self._distributor.solve(A, self._target, tasks.forces)
+        self._status = self._distributor.status
         torques, accelerations = self._recover(forces)
         if (~loose & (np.abs(torques) > self.limits)).any():
             forces = self._within_limits(A, tasks, loose)
+            self._status = self._limited.status
             torques, accelerations = self._recover(forces)
         return forces, torques, accelerations
 
@@ -401,10 +410,4 @@ class WholeBodyController:
 
         Joints whose speed in (nv,) `v` is not finite get no torque.
         """
-        rates = DAMPING_RATE * self._joint_inertia() * np.where(np.isfinite(v), v, 0.0)[6:]
-        return replace(self._failed, torques=np.clip(-rates, -self.limits, self.limits))
-
-    def _joint_inertia(self) -> FloatArray:
-        """Return a typical inertia at every joint [kg m²], from the nominal pose."""
-        M = self._pin.crba(self._model, self._model.createData(), self.robot.nominal)
-        return np.array(np.diag(M)[6:])
+        return replace(self._failed, torques=damping_torques(self.robot, v, self.limits))

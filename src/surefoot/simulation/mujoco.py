@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
-from surefoot.errors import MissingExtra, ModelError
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.errors import MissingExtra, ModelError, SimulationError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import frames_along, read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
@@ -35,6 +35,8 @@ IMPEDANCE = (0.97, 0.99, 0.001, 0.5, 2.0)
 FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
 FLOOR_HALF_SIZE = 50.0
+LARGEST = 1e10
+"""Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
 
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
@@ -99,8 +101,10 @@ class MujocoWorld:
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0))
         spec.option.timestep = self.dt
         self._mujoco = mujoco
+        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is told, not hidden
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
+        self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
         self.contact_foot = np.array(
             [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
         )
@@ -126,6 +130,8 @@ class MujocoWorld:
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        q = self.robot.configuration(q)
+        v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
         self._mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:] = q
         self.data.qvel[:] = 0.0 if v is None else v
@@ -150,11 +156,35 @@ class MujocoWorld:
         return q, v
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
-        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes."""
-        self.data.qfrc_applied[self.robot.base_dof :] = torques
+        """Advance by `dt` under (joints,) torques [N m] and a (3,) force on the base [N], world axes.
+
+        Raises
+        ------
+        ProblemError
+            For torques or a push of the wrong shape, or not finite. Nothing has moved.
+        SimulationError
+            Where the state stops being finite, or exceeds MuJoCo's own largest number, 1e10. The world stays
+            in the state before the step.
+        """
+        data = self.data
+        data.qfrc_applied[self.robot.base_dof :] = _finite("torques", torques, self.robot.joints)
         if self._base:
-            self.data.xfrc_applied[self._base, :3] = 0.0 if push is None else push
-        self._mujoco.mj_step(self.model, self.data)
+            data.xfrc_applied[self._base, :3] = 0.0 if push is None else _finite("push", push, 3)
+        self._before[0][:], self._before[1][:] = data.qpos, data.qvel
+        self._mujoco.mj_step(self.model, data)
+        if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
+            raise self._lost()
+
+    def _lost(self) -> SimulationError:
+        """Go back to the state before the last step and return the error that says what was lost."""
+        data, (qpos, qvel) = self.data, self._before
+        time = data.time - self.dt
+        self._mujoco.mj_resetData(self.model, data)
+        data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
+        self._mujoco.mj_forward(self.model, data)
+        fastest = int(np.argmax(np.abs(qvel)))
+        joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
+        return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground, from the next step on."""
@@ -173,6 +203,13 @@ class MujocoWorld:
             contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
         return ContactReading(forces, gaps, velocities, positions)
+
+
+def _finite(name: str, value: FloatArray, size: int) -> FloatArray:
+    """Return a finite (size,) array, quickly where it is one already."""
+    if isinstance(value, np.ndarray) and value.shape == (size,) and np.isfinite(value).all():
+        return value
+    return finite_array(name, value, (size,))
 
 
 def robot_spec(robot: Robot, payload: float = 0.0) -> Any:

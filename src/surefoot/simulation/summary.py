@@ -43,7 +43,7 @@ def _loaded(log: Log) -> BoolArray:
 def summarise(log: Log) -> dict[str, Any]:
     """Return the summary of a standing run, ready for JSON.
 
-    Keys: robot, mass, duration (simulated) [s], outcome, stood, laws_broken, feet (name,
+    Keys: robot, mass, duration (simulated) [s], outcome, stood, laws_judged, laws_broken, feet (name,
     normal_force_mean [N], weight_share, cone_use_max, slip [m]), normal_force_total_mean [N], laws
     (see `surefoot.audit.Laws`), torque_use_max, saturated_share, attained_share, base (position and
     tilt: largest and last deviation from the start [m, deg]), controller_step_us, real_time_factor.
@@ -68,7 +68,7 @@ def summarise(log: Log) -> dict[str, Any]:
         )
     for sole in sole_pressures(log):
         feet[sole.foot]["pressure_margin"] = sole.margin
-    laws = check_laws(forces, log["gaps"], log["contact_velocities"], mu, weight)
+    laws = check_laws(forces, log["gaps"], log["contact_velocities"], mu, weight, facts["dt"])
     base = _base(log)
     outcome = _outcome(log, max(foot["slip"] for foot in feet), base)
     step = 1e6 * np.asarray(log["controller_time"])
@@ -79,6 +79,7 @@ def summarise(log: Log) -> dict[str, Any]:
         "duration": len(log) * facts["dt"],
         "outcome": outcome,
         "stood": outcome == "stood",
+        "laws_judged": list(laws.judged),
         "laws_broken": laws.broken(weight),
         "feet": feet,
         "normal_force_total_mean": float(forces[..., 2].sum(axis=1).mean()),
@@ -87,7 +88,9 @@ def summarise(log: Log) -> dict[str, Any]:
             "unilateral_min": laws.unilateral_min,
             "cone_use_max": laws.cone_use_max,
             "complementarity_max": laws.complementarity_max,
+            "separation_max": laws.separation_max,
             "dissipation_max": laws.dissipation_max,
+            "free_slide_max": laws.free_slide_max,
         },
         "torque_use_max": float((np.abs(log["torques"]) / limits).max()),
         "torque_use_joint": facts["joints"][int((np.abs(log["torques"]) / limits).max(axis=0).argmax())],
@@ -98,6 +101,12 @@ def summarise(log: Log) -> dict[str, Any]:
         "real_time_factor": len(log) * facts["dt"] / facts["wall_time"],
         "wall_time": facts["wall_time"],
     }
+
+
+def measured(log: Log) -> bool:
+    """Return whether every state, torque and contact of a run is a finite number."""
+    names = ("q", "v", "torques", "forces", "gaps", "contact_velocities", "contact_positions")
+    return all(bool(np.isfinite(log[name]).all()) for name in names)
 
 
 def tilt_angles(q: FloatArray) -> FloatArray:
@@ -124,7 +133,9 @@ def _base(log: Log) -> dict[str, float]:
 def _outcome(log: Log, slip: float, base: dict[str, float]) -> str:
     """Return "stood", or why it did not: "interrupted", "invalid", "slipped", "fell" or "displaced"."""
     ended = str(log.facts["outcome"])
-    if ended in ("interrupted", "invalid"):
+    if ended == "invalid" or not measured(log):
+        return "invalid"
+    if ended == "interrupted":
         return ended
     if slip > SLIP_LIMIT:
         return "slipped"

@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.simulation.log import Log
-from surefoot.simulation.summary import summarise
+from surefoot.simulation.summary import measured, summarise
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 SETTLED = 2.0
@@ -58,7 +58,7 @@ def summarise_walk(log: Log) -> dict[str, Any]:
     out = summarise(log)
     for key in ("stood", "base", "attained_share", "normal_force_total_mean"):
         out.pop(key)
-    ended = str(log.facts["outcome"])
+    ended = str(log.facts["outcome"]) if measured(log) else "invalid"
     out["outcome"] = "walked" if ended == "done" else ended
     out["walked"] = ended == "done"
     out["gait"] = log.facts["gait"]

@@ -284,14 +284,23 @@ def distribute_with_rows(
             break
         margin = 4.0 * violation  # rounding allows no better: stay inside by more than that
     solved = settled
+    if empty:
+        error = math.inf  # there is no optimum to be near
     for _ in range(3):
         if not settled and not empty:
             error = math.inf
             used, settled = restore(columns, sets, points, duals, H, rows, tol, limit, contacts)
             iterations += used
+    check = 0.0
     for k in range(contacts):
         for i in range(3):
             work[k, base.FORCE + i] = points[VALUE, 3 * k + i]
+            check += 0.0 * points[VALUE, 3 * k + i]
+    if check != 0.0:  # too large for double precision
+        work[results, base.WARM] = work[results, base.ROWS_WARM] = 0.0
+        base.hold(work, contacts, forces)
+        work[results, base.ROW_VIOLATION] = row_violation(jacobian, forces, low, high)
+        return base.INVALID
     base.unload(work, contacts, forces)
     missing = base.remainder(work, contacts, base.weigh(wrench, work, contacts))
     left = base.measure(work, contacts, missing, error)

@@ -43,8 +43,10 @@ TREND_HELPS = 0.25  # share of a squared change that the one before may have lef
 
 
 def new_work(contacts: int) -> FloatArray:
-    """Return the work space for a number of contacts, all of them off."""
-    return np.zeros((4 * contacts + 2, WIDTH))
+    """Return the work space for a number of contacts, all of them off; nothing is known of any forces."""
+    work = np.zeros((4 * contacts + 2, WIDTH))
+    work[contacts + 1, [FORCE_ERROR, GAP, WRENCH_ERROR, ROW_VIOLATION]] = math.inf
+    return work
 
 
 @inline_kernel
@@ -126,7 +128,13 @@ def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
 
 @kernel
 def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
-    """Write the last command, brought into today's cones; without one, the least normal forces."""
+    """Write the last command, brought into today's cones; without one, the least normal forces.
+
+    How far that is from an optimum is unknown, and said to be infinite.
+    """
+    results = contacts + 1
+    work[results, GAP] = work[results, FORCE_ERROR] = work[results, WRENCH_ERROR] = math.inf
+    work[results, ROW_VIOLATION] = math.inf
     keep = work[contacts + 1, HAS_LAST] > 0.0
     for k in range(contacts):
         x, y, z = (work[k, LAST], work[k, LAST + 1], work[k, LAST + 2]) if keep else (0.0, 0.0, 0.0)
