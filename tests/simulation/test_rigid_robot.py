@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio
 import pytest
 
 import surefoot as sf
@@ -29,8 +28,8 @@ def dropped(name, height, seconds, terrain=None, **settings):
         q, v = world.state()
         torques = controller.step(q, v, k * world.dt).torques
         world.step(torques)
-        reading, after = world.contacts(), world.state()[1]
-        given += world.dt * torques @ (v[6:] + after[6:]) / 2
+        reading, (moved, after) = world.contacts(), world.state()
+        given += torques @ (moved - q)[7:]
         rows["normal"].append(reading.forces[:, 2].sum())
         rows["gap"].append(reading.gaps.min())
         rows["excess"].append(world.energy() - begin - given)
@@ -82,28 +81,3 @@ def test_go2_stands_on_uneven_ground(terrain):
     assert rows["gap"].min() > -5e-5
     assert rows["speed"][-1] < 0.05
     assert world.unsolved == 0
-
-
-def flailing_gain(name: str, dt: float) -> float:
-    """Largest energy gain of a limp robot tumbling for 0.5 s, as a share of its kinetic energy."""
-    robot, rng = sf.load_robot(name), np.random.default_rng(0)
-    world = RigidWorld(robot, dt=dt)
-    turn = np.concatenate([[0, 0, 3.0], rng.normal(size=3), 0.3 * rng.normal(size=robot.joints)])
-    q, v = pinocchio.integrate(robot.model, robot.nominal, turn), 3.0 * rng.normal(size=robot.model.nv)
-    world.reset(q, v)
-    start, energies = world.energy(), []
-    for _ in range(round(0.5 / dt)):
-        world.step(np.zeros(robot.joints))
-        energies.append(world.energy())
-    return (max(energies) - start) / (start - robot.mass * GRAVITY * robot.com(q)[2])
-
-
-def test_limp_go2_in_the_air_gains_no_energy():
-    assert flailing_gain("go2", 1e-3) <= 0.0
-
-
-def test_limp_g1_in_the_air_gains_at_first_order_only():
-    """Its limbs whirl at 30 rad/s; the mass matrix is that of the start of each step."""
-    coarse, fine = flailing_gain("g1", 1e-3), flailing_gain("g1", 5e-4)
-    assert 0.0 < coarse < 0.01
-    assert fine < 0.6 * coarse

@@ -11,7 +11,7 @@ from surefoot.robot.dynamics import delassus_dense, mass_matrix
 from surefoot.robot.jacobians import contact_jacobian
 from surefoot.simulation import rigid_step
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.spatial import rotation_about, rotation_from_normal, rotation_from_quaternion
+from surefoot.spatial import rotation_from_normal, rotation_from_quaternion
 
 
 @pytest.fixture
@@ -65,7 +65,8 @@ def test_problem_is_the_delassus_operator_with_the_shifted_free_velocity(state):
     robot, dt, gaps = world.robot, 1e-3, np.array([0.003, -0.002, 0.001, 0.2])
     effort = rng.normal(size=18)
     M = mass_matrix(robot, q)
-    free = rigid_step.free_velocity(world._L, effort, v, v, dt)
+    world._weigh()
+    free = rigid_step.free_velocity(world._L, effort, v, dt)
     assert np.allclose(free, v + dt * np.linalg.solve(M, effort), rtol=1e-10)
     near = np.array([0, 1, 2])
     Y, G, g = rigid_step.assemble(world._J, world._L, v, free, gaps, near, dt, 0.0, 0.02, 0.2)
@@ -108,45 +109,15 @@ def test_contacts_that_the_others_push_down_join_in():
     assert list(more) == [0, 1]
 
 
-def test_mean_velocity_keeps_a_spinning_body_on_a_straight_line():
-    v = np.array([1.0, 2.0, 3.0, 4.0, -5.0, 6.0])
-    middle = v.copy()
-    pull = np.concatenate([np.cross(v[3:], v[:3]), np.zeros(3)])  # Coriolis term of a free unit point mass
-    change = rigid_step.mean_velocity(np.eye(6), pull, v, middle, 1e-3, True)
-    assert change < 1e-15
-    assert np.allclose(rigid_step.free_velocity(np.eye(6), np.zeros(6), v, middle, 1e-3), v, atol=1e-15)
-
-
-def test_mean_velocity_is_the_implicit_midpoint_rule():
-    rng = np.random.default_rng(1)
-    M, v, dt = spd(rng, 4), rng.normal(size=4), 0.05
-    L, middle = np.linalg.cholesky(M), v.copy()
-    spin = rng.normal(size=(4, 4))
-    spin -= spin.T  # forces that do no work
-    for _ in range(100):
-        change = rigid_step.mean_velocity(L, spin @ middle, v, middle, dt, False)
-    after = rigid_step.free_velocity(L, np.zeros(4), v, middle, dt)
-    assert change < 1e-14
-    assert np.allclose(M @ (after - v), -dt * spin @ (0.5 * (v + after)), atol=1e-12)
-    assert after @ M @ after == pytest.approx(v @ M @ v, rel=1e-12)
-
-
-@pytest.mark.parametrize("spin", [[1e-6, 0, 0], [2.0, -3.0, 5.0], [400.0, 900.0, -300.0]])
-def test_turn_base_is_a_rotation_of_axes(spin):
-    dt = 1e-3
-    start = rotation_about([0.6, 0.0, 0.8], 1.1)
-    v = np.array([1.0, -2.0, 0.5, *spin])
-    turned = v.copy()
-    path = rigid_step.turn_base(start, turned, dt)
-    angle = float(np.linalg.norm(spin))
-    end = start @ rotation_about(np.array(spin) / angle, angle * dt)
-    assert np.allclose(path, dt * start @ v[:3], rtol=1e-12)
-    assert np.allclose(end @ turned[:3], start @ v[:3], rtol=1e-12)
-    assert np.array_equal(turned[3:], v[3:])
+def test_largest_magnitude():
+    assert rigid_step.largest(np.zeros(0)) == 0.0
+    assert rigid_step.largest(np.array([1.0, -3.0, 2.0])) == 3.0
+    for bad in (np.nan, np.inf, -np.inf):
+        assert rigid_step.largest(np.array([1.0, bad, 2.0])) == np.inf
 
 
 def test_flight_of_a_robot_without_gravity_keeps_its_centre_on_course(state):
-    """Linear momentum of a robot with waving legs over 0.2 s, to first order in dt."""
+    """Momentum of a robot with waving legs over 0.2 s."""
     world, _ = state
     q, v = world.state()
     q[2] += 5.0
@@ -160,5 +131,5 @@ def test_flight_of_a_robot_without_gravity_keeps_its_centre_on_course(state):
         world.step(np.zeros(12))
     after = momentum(world.robot, *world.state())
     fall = np.array([0, 0, -9.81 * 0.2 * world.robot.mass])
-    assert np.abs(after.linear - before.linear - fall).max() < 0.02 * np.abs(fall).max()
-    assert np.abs(after.angular - before.angular).max() < 0.05
+    assert np.abs(after.linear - before.linear - fall).max() < 1e-7 * np.abs(fall).max()
+    assert np.abs(after.angular - before.angular).max() < 1e-7

@@ -116,12 +116,12 @@ def _watched(
         state, v = made.state()
         torques = controller.step(state, v, k * made.dt).torques
         made.step(torques)
-        reading, after = made.contacts(), made.state()[1]
+        reading, moved = made.contacts(), made.state()[0]
         normals.append(reading.forces[:, 2].sum())
         deepest = min(deepest, float(reading.gaps.min()))
         contacts = max(contacts, int((reading.forces[:, 2] > 0.0).sum()))
         if rigid:
-            given += made.dt * float(torques @ (v[6:] + after[6:])) / 2.0
+            given += float(torques @ (moved - state)[7:])
             excess = max(excess, made.energy() - begin - given)
     resting = np.array(normals[-SETTLED:]) / (robot.mass * GRAVITY)
     return DropResult(

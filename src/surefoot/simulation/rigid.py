@@ -1,15 +1,20 @@
 """A rigid world: hard contacts with exact Coulomb friction, one contact problem per time step.
 
-Semi-implicit Euler on velocities with impulses, after Moreau and Jean [1]_::
+Near the ground a step is free motion for half of it, all forces at once, free motion for the other half::
 
-    v⁺ = v + M⁻¹ (dt (τ - h) + Jᵀ λ),      u = J v⁺,      q⁺ = q ⊕ dt v⁺
+    (q, v) moves dt/2 under no forces;    v⁺ = v + M⁻¹ (dt (τ - g) + Jᵀ λ),    u = J v⁺;    (q, v⁺) moves dt/2
 
-with a floating base's linear velocity in world axes, whatever axes v has, and with (λ, u) obeying Signorini,
-Coulomb and maximum dissipation exactly (`surefoot.solve`). The order in dt is one. An open contact enters
-with u_n + gap / dt >= 0, so that a foot that would hit the ground within the step stops at the surface and
-does not go below it. Impulses never do positive work where the restitution is zero and positions are not
-pulled by velocities. Coriolis terms are taken at the mean velocity of the step (implicit midpoint), so that a
-spinning body keeps its energy.
+with M, J and gravity g at the middle, and with (λ, u) obeying Signorini, Coulomb and maximum dissipation
+exactly (`surefoot.solve`), after Moreau and Jean [1]_. Motion under no forces, with all that whirling limbs
+do to each other, is integrated to a tolerance (`rigid_motion`): it keeps momentum and kinetic energy. Forces
+change momentum by just what they carry, and kinetic energy by their work on the mean of v and v⁺. A robot at
+rest does not move. Far from the ground the whole step is free motion under gravity and torques.
+
+The order in dt is two where forces are smooth, one where contacts close, open or move on with the body.
+
+An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit the ground before the next
+impulses stops at the surface and does not go below it. Impulses never do positive work where the restitution
+is zero and positions are not pulled by velocities.
 
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
 the ground; a sphere on curved ground sees the tangent plane below its centre.
@@ -22,17 +27,18 @@ References
 
 from __future__ import annotations
 
-import math
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.problem import LAWS, Law
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError, SimulationError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
+from surefoot.simulation.rigid_feet import add_spheres, loaded_model
+from surefoot.simulation.rigid_motion import FreeMotion
 from surefoot.simulation.world import ContactReading
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
@@ -47,8 +53,8 @@ SLOP = 1e-6
 """Penetration that the projection leaves alone [m]."""
 PULL = 0.2
 """Share of a penetration that Baumgarte's term takes back per step."""
-SPIN_ITERATIONS, SPIN_TOLERANCE = 6, 1e-6
-"""Most evaluations of the Coriolis terms per step, and the change of the mean velocity that ends them."""
+FASTEST = 1e12
+"""Velocities beyond this count as lost [m/s, rad/s]."""
 PROJECTIONS = 3
 """Most projections of one step; each is a Newton step on the gaps."""
 
@@ -118,8 +124,8 @@ class RigidWorld:
         self.restitution = real_number("restitution", restitution, low=0.0, high=1.0)
         self.stabilisation, self.law, self.solver, self.tol = stabilisation, law, solver, tol
         self.set_friction(mu)
-        self.model = _loaded_model(robot, real_number("payload", payload, low=0.0))
-        self._place_feet()
+        self.model = loaded_model(robot, real_number("payload", payload, low=0.0))
+        self._prepare()
         self.reset(robot.nominal)
 
     @property
@@ -135,7 +141,10 @@ class RigidWorld:
         self.worst_residual = 0.0
         self.solution: ContactSolution | None = None
         self._impulses = np.zeros((self._count, 3))
-        self._kinematics()
+        self._before = self._q, self._v
+        self._place()
+        self._airborne = True
+        self._seen = self._gaps, self._points
         self._velocities = (self._J @ self._v).reshape(-1, 3)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
@@ -150,26 +159,38 @@ class RigidWorld:
         """Advance by `dt` under (joints,) torques [N m] and a (3,) push on the base [N], world axes.
 
         The push goes through the centre of mass of the base's own link.
+
+        Raises
+        ------
+        ProblemError
+            For torques or a push of the wrong shape, or not finite. Nothing has moved.
+        SimulationError
+            Where the motion cannot be resolved or stops being finite. The world stays in the state before
+            the step.
         """
-        self._kinematics()
-        if self.stabilisation == "projection":
-            self._project()
-        free = self._free_velocity(self._applied(torques, push))
-        near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
-        self._collide(free, near)
-        self._advance()
+        effort = self._effort(torques)
+        if push is not None:
+            push = _finite("push", push, 3)
+        before = self._q, self._v, self._impulses.copy(), self._velocities, self._seen, self.solution
+        self._before = before[:2]
+        try:
+            if not (self._airborne and push is None and self._fly(effort)):
+                self._meet_ground(effort, push)
+        except SimulationError:
+            self._q, self._v, self._impulses, self._velocities, self._seen, self.solution = before
+            self._airborne = self._placed = False
+            raise
         self._steps += 1
 
     def contacts(self) -> ContactReading:
         """Return what the ground did during the last step.
 
-        Forces are impulses over dt; velocities are those at the end of the step, which the contact laws
-        tie to the impulses (and with which the contacts move during it); gaps and positions are those
-        at its start.
+        Forces are impulses over dt; velocities are those after the impulses, which the contact laws tie to
+        them; gaps and positions are those at that moment, the middle of the step. For a step without
+        contacts velocities, gaps and positions are those at its start.
         """
-        return ContactReading(
-            self._impulses / self.dt, self._gaps.copy(), self._velocities.copy(), self._points.copy()
-        )
+        gaps, points = self._seen
+        return ContactReading(self._impulses / self.dt, gaps.copy(), self._velocities.copy(), points.copy())
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0."""
@@ -189,85 +210,119 @@ class RigidWorld:
         power = float(np.sum(self._impulses * self._velocities))
         return power - 0.5 * float(impulses @ self.solution.problem.G @ impulses)
 
-    def _applied(self, torques: FloatArray, push: FloatArray | None) -> FloatArray:
-        """Return the generalised forces of motors and push: (nv,)."""
+    def _effort(self, torques: FloatArray) -> FloatArray:
+        """Return the motors' generalised forces (nv,)."""
         base, out = self.robot.base_dof, np.zeros(self.model.nv)
-        out[base:] = torques
-        if push is not None and base:
-            local = self.data.oMi[1].rotation.T @ push
-            out[:3] = local
-            out[3:6] = np.cross(self.robot.model.inertias[1].lever, local)
+        out[base:] = _finite("torques", torques, self.robot.joints)
         return out
 
-    def _free_velocity(self, applied: FloatArray) -> FloatArray:
-        """Return the velocity after the step without contacts; Coriolis terms at the mean velocity.
+    def _fly(self, effort: FloatArray) -> bool:
+        """Take the step through the air; False, with nothing changed, if a foot may touch the ground."""
+        if not self._placed:
+            self._place()
+        v = self._v
+        if rigid_step.near_ground(self._J, v, v, self._gaps, 2.0 * self.dt, REACH).size:
+            return False
+        start, seen, velocities = self._q, (self._gaps, self._points), (self._J @ v).reshape(-1, 3)
+        self._move(self._flight, self.dt, effort)
+        self._place()
+        still = np.zeros_like(v)
+        if rigid_step.near_ground(self._J, self._v, still, self._gaps, 0.5 * self.dt, 0.0).size:
+            self._q, self._v, self._placed = start, v, False
+            return False
+        self._seen, self._velocities, self.solution = seen, velocities, None
+        self._impulses[:] = 0.0
+        return True
 
-        The mean is that of the motion under no forces: what motors and gravity would add without the
-        ground's reaction is no part of a standing robot's motion.
-        """
-        gravity, middle = self._gravity(self.model, self.data, self._q), self._v.copy()
-        for _ in range(SPIN_ITERATIONS):
-            coriolis = self._bias(self.model, self.data, self._q, middle) - gravity
-            change = rigid_step.mean_velocity(self._L, coriolis, self._v, middle, self.dt, self._floating)
-            if not change > SPIN_TOLERANCE:
-                break
-        return rigid_step.free_velocity(self._L, applied - gravity, self._v, middle, self.dt)
+    def _meet_ground(self, effort: FloatArray, push: FloatArray | None) -> None:
+        """Take the step with the forces of gravity, motors, push and ground in its middle."""
+        self._move(self._coasting, 0.5 * self.dt)
+        self._place()
+        self._weigh()
+        if self.stabilisation == "projection":
+            self._project()
+        free = self._free_velocity(effort, push)
+        near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
+        self._collide(free, near)
+        self._seen, self._airborne = (self._gaps, self._points), not near.size
+        self._move(self._coasting, 0.5 * self.dt)
 
-    def _kinematics(self) -> None:
-        """Bring placements, mass matrix, gaps and contact Jacobian up to the present configuration."""
+    def _move(self, motion: FreeMotion, seconds: float, effort: FloatArray | None = None) -> None:
+        """Move without contacts."""
+        ahead = motion.advance(self._q, self._v, seconds, effort)
+        if ahead is None or not rigid_step.largest(ahead[0]) < np.inf:
+            raise self._lost("motion")
+        self._q, self._v = ahead
+        self._placed = False
+
+    def _free_velocity(self, effort: FloatArray, push: FloatArray | None) -> FloatArray:
+        """Return the velocity after all forces but the ground's."""
+        if push is not None and self._floating:
+            effort, local = effort.copy(), self.data.oMi[1].rotation.T @ push
+            effort[:3] += local
+            effort[3:6] += np.cross(self.robot.model.inertias[1].lever, local)
+        free = rigid_step.free_velocity(
+            self._L, effort - self._gravity(self.model, self.data, self._q), self._v, self.dt
+        )
+        if not rigid_step.largest(free) < FASTEST:
+            raise self._lost("velocity under the given torques")
+        return free
+
+    def _place(self) -> None:
+        """Bring placements, gaps and the contact Jacobian up to the present configuration."""
         data = self.data
         self._jacobians(self.model, data, self._q)
-        rigid_step.factorise(self._crba(self.model, data, self._q), self._L)
         self._update_frames(self.model, data)
         places = data.oMf
-        centres = np.array([places[k].translation for k in self._sphere_frames]).reshape(-1, 3)
+        centres = np.array([places[k].translation for k in self._spheres.frame]).reshape(-1, 3)
         if self._plane is not None:
             self._gaps = centres @ self._plane[:, 2] - self._radii
         else:
             self._gaps = self.terrain.gap(centres) - self._radii
             rigid_step.surface_frames(self.terrain.normal(centres[:, :2]), self._frames)
+        if not rigid_step.largest(self._gaps) < np.inf:
+            raise self._lost("gap between feet and ground")
         self._points = centres - self._radii[:, None] * self._frames[:, :, 2]
-        rigid_step.contact_rows(data.J, self._support, self._points, self._frames, self._J)
+        rigid_step.contact_rows(data.J, self._spheres.support, self._points, self._frames, self._J)
+        self._placed = True
+
+    def _weigh(self) -> None:
+        """Bring the factor of the mass matrix up to the present configuration."""
+        rigid_step.factorise(self._crba(self.model, self.data, self._q), self._L)
 
     def _collide(self, free: FloatArray, near: IntArray) -> None:
         """Set v⁺, impulses and contact velocities; contacts that impulses push into the ground join in."""
+        before = self._v
         while True:
-            self._v = self._after_impulses(free, near)
+            self._v = self._after_impulses(before, free, near)
             self._velocities = (self._J @ self._v).reshape(-1, 3)
             more = rigid_step.with_missed(self._velocities, self._gaps, self.dt, near)
             if more.size == near.size:
                 return
             near = more
 
-    def _after_impulses(self, free: FloatArray, near: IntArray) -> FloatArray:
+    def _after_impulses(self, before: FloatArray, free: FloatArray, near: IntArray) -> FloatArray:
         """Return v⁺ after the impulses of the near contacts, all others without."""
         warm = self._impulses[near]
         self._impulses[:] = 0.0
-        if not near.size or not math.isfinite(float(free.sum())):  # a state that is lost stays so
+        if not near.size:
             self.solution = None
             return free
         pull = PULL if self.stabilisation == "baumgarte" else 0.0
         Y, G, g = rigid_step.assemble(
-            self._J, self._L, self._v, free, self._gaps, near, self.dt, self.restitution,
+            self._J, self._L, before, free, self._gaps, near, self.dt, self.restitution,
             2.0 * self.dt * GRAVITY, pull,
         )  # fmt: skip
-        problem = ContactProblem(G, g, self.mu, law=self.law)
+        problem = self._problem(G, g, self.mu, self.law)
         self.solution = solve(problem, self.solver, self.tol, warm_start=warm)
         residual = self.solution.residuals.natural_map
         self.unsolved += not self.solution.solved
         self.worst_residual = max(self.worst_residual, residual)
         self._impulses[near] = self.solution.forces
-        return rigid_step.apply_impulses(self._L, Y, self.solution.forces.ravel(), free)
-
-    def _advance(self) -> None:
-        """Move along v⁺: the base straight on in the world while it turns, the joints by their own steps."""
-        step, start = self.dt * self._v, self._q[:3]
-        if self._floating:
-            path = rigid_step.turn_base(self.data.oMi[1].rotation, self._v, self.dt)
-            step[:3] = 0.0
-        self._q = np.array(self._integrate(self.model, self._q, step))
-        if self._floating:
-            self._q[:3] = start + path
+        after = rigid_step.apply_impulses(self._L, Y, self.solution.forces.ravel(), free)
+        if not rigid_step.largest(after) < FASTEST:
+            raise self._lost("velocity under the ground's impulses")
+        return after
 
     def _project(self) -> None:
         """Move the robot out of the ground where it is in by more than `SLOP`.
@@ -282,42 +337,45 @@ class RigidWorld:
             Y, G, g = rigid_step.assemble(
                 self._J, self._L, rest, rest, self._gaps, near, 1.0, 0.0, np.inf, 1.0
             )
-            pushes = solve(ContactProblem(G, g, 0.0), self.solver, 1e-6).forces
+            pushes = solve(self._problem(G, g, 0.0), self.solver, 1e-6).forces
             step = rigid_step.apply_impulses(self._L, Y, pushes.ravel(), rest)
             self._q = np.array(self._integrate(self.model, self._q, step))
-            self._kinematics()
+            self._place()
+            self._weigh()
 
-    def _place_feet(self) -> None:
-        """Lay out the contact spheres: who carries them, and the arrays that every step reuses."""
+    def _problem(self, G: FloatArray, g: FloatArray, mu: float, law: Law = "coulomb") -> ContactProblem:
+        """Return the contact problem of finite numbers."""
+        if not max(rigid_step.largest(g), rigid_step.largest(G.ravel())) < np.inf:
+            raise self._lost("contact problem")
+        return ContactProblem(G, g, mu, law=law)
+
+    def _lost(self, what: str) -> SimulationError:
+        """Return the error for a state that cannot go on; it names the joint that moved fastest before."""
+        fastest = int(np.argmax(np.abs(self._before[1]))) if self.model.nv else 0
+        joint = next(
+            k for k in range(1, self.model.njoints) if fastest < self.model.idx_vs[k] + self.model.nvs[k]
+        )
+        return SimulationError(
+            what, self.time, self.dt, self.model.names[joint], float(abs(self._before[1][fastest]))
+        )
+
+    def _prepare(self) -> None:
+        """Build the model with its contact spheres, and the arrays that every step reuses."""
         import pinocchio
 
-        robot, model = self.robot, self.model
+        model, robot = self.model, self.robot
         self._floating = robot.floating
         self._jacobians, self._crba = pinocchio.computeJointJacobians, pinocchio.crba
         self._update_frames = pinocchio.updateFramePlacements
-        self._bias, self._integrate = pinocchio.nonLinearEffects, pinocchio.integrate
-        self._gravity = pinocchio.computeGeneralizedGravity
-        self.contact_foot = np.array(
-            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
-        )
+        self._integrate, self._gravity = pinocchio.integrate, pinocchio.computeGeneralizedGravity
+        self._spheres = add_spheres(model, robot)
+        self.contact_foot, self._radii = self._spheres.foot, self._spheres.radius
         self._count = n = len(self.contact_foot)
-        self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
-        self._sphere_frames: list[int] = []
-        self._support = np.zeros((n, model.nv), dtype=np.bool_)
-        spheres = [(foot, centre) for foot in robot.feet for centre in foot.centres]
-        for k, (foot, centre) in enumerate(spheres):
-            frame = model.frames[foot.frame]
-            joint = int(frame.parentJoint)
-            place = frame.placement * pinocchio.SE3(np.eye(3), centre)
-            sphere = pinocchio.Frame(
-                f"{foot.name}:sphere{k}", joint, foot.frame, place, pinocchio.FrameType.OP_FRAME
-            )
-            self._sphere_frames.append(model.addFrame(sphere))
-            while joint > 0:
-                first = model.joints[joint].idx_v
-                self._support[k, first : first + model.joints[joint].nv] = True
-                joint = int(model.parents[joint])
         self.data = model.createData()
+        weightless = model.copy()
+        weightless.gravity.setZero()
+        self._flight = FreeMotion(model, robot.floating)
+        self._coasting = FreeMotion(weightless, robot.floating)
         self._frames = np.zeros((n, 3, 3))
         self._plane = self.terrain.frame([0.0, 0.0]) if isinstance(self.terrain, SlopeTerrain) else None
         if self._plane is not None:
@@ -325,12 +383,13 @@ class RigidWorld:
         self._J, self._L = np.zeros((3 * n, model.nv)), np.zeros((model.nv, model.nv))
 
 
-def _loaded_model(robot: Robot, payload: float) -> Any:
-    """Return a copy of the robot's model with a point mass at the base's origin."""
-    import pinocchio
-
-    model = robot.model.copy()
-    if payload > 0.0 and robot.floating:
-        load = pinocchio.Inertia(payload, np.zeros(3), 1e-3 * payload * np.eye(3))
-        model.inertias[1] = model.inertias[1] + load
-    return model
+def _finite(name: str, value: FloatArray, size: int) -> FloatArray:
+    """Return a finite (size,) array; the fast way in for what is one already."""
+    if (
+        isinstance(value, np.ndarray)
+        and value.dtype == np.float64
+        and value.shape == (size,)
+        and rigid_step.largest(value) < np.inf
+    ):
+        return value
+    return finite_array(name, value, (size,))

@@ -46,70 +46,24 @@ def solve_upper(L: FloatArray, x: FloatArray) -> None:
 
 
 @kernel
-def mean_velocity(
-    L: FloatArray, coriolis: FloatArray, v: FloatArray, middle: FloatArray, dt: float, floating: bool
-) -> float:
-    """Move `middle` to the mean velocity of a step under no forces; return how far it moved.
-
-    `coriolis` (nv,) are the Coriolis terms of M v̇ + h = τ at the velocity `middle`. Repeating until it
-    stands still is the implicit midpoint rule, under which a spinning body neither gains nor loses energy.
-
-    A floating base's velocity keeps the axes that the base has now: v̇ is the rate of the components in
-    axes that turn along, so ω x v is added to it. Otherwise a spinning body would gain (ω dt)² / 2 of its
-    speed per step.
-    """
-    rate = -coriolis
-    solve_lower(L, rate)
-    solve_upper(L, rate)
-    if floating:
-        a, b, c, x, y, z = middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]
-        rate[0] += y * c - z * b
-        rate[1] += z * a - x * c
-        rate[2] += x * b - y * a
-    change = 0.0
-    for i in range(v.size):
-        mean = v[i] + 0.5 * dt * rate[i]
-        change = max(change, abs(mean - middle[i]))
-        middle[i] = mean
-    return change
-
-
-@kernel
-def free_velocity(
-    L: FloatArray, effort: FloatArray, v: FloatArray, middle: FloatArray, dt: float
-) -> FloatArray:
-    """Return the velocity after dt without contacts.
-
-    `middle` is what `mean_velocity` ended with, `effort` (nv,) the motors', push's and gravity's forces.
-    """
+def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    """Return v + dt M⁻¹ effort, for (nv,) generalised forces of motors, push and gravity."""
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
     for i in range(out.size):
-        out[i] = 2.0 * middle[i] - v[i] + dt * out[i]
+        out[i] = v[i] + dt * out[i]
     return out
 
 
 @kernel
-def turn_base(rotation: FloatArray, v: FloatArray, dt: float) -> FloatArray:
-    """Return the (3,) path of the base over dt in world axes, and turn v's linear part to the new base axes.
-
-    `rotation` (3, 3) is the base's orientation at the start, in whose axes v comes; the base turns by
-    exp(dt ω).
-    """
-    path = np.empty(3)
-    for i in range(3):
-        path[i] = dt * (rotation[i, 0] * v[0] + rotation[i, 1] * v[1] + rotation[i, 2] * v[2])
-    x, y, z = -dt * v[3], -dt * v[4], -dt * v[5]
-    angle = math.sqrt(x * x + y * y + z * z)
-    s = 1.0 - angle * angle / 6.0 if angle < 1e-4 else math.sin(angle) / angle
-    c = 0.5 - angle * angle / 24.0 if angle < 1e-4 else (1.0 - math.cos(angle)) / (angle * angle)
-    a, b, d = v[0], v[1], v[2]
-    p, q, r = y * d - z * b, z * a - x * d, x * b - y * a
-    v[0] = a + s * p + c * (y * r - z * q)
-    v[1] = b + s * q + c * (z * p - x * r)
-    v[2] = d + s * r + c * (x * q - y * p)
-    return path
+def largest(x: FloatArray) -> float:
+    """Return the largest magnitude in x (n,), infinity where an entry is not a number."""
+    out = 0.0
+    for i in range(x.size):
+        if not abs(x[i]) <= out:
+            out = abs(x[i]) if abs(x[i]) < np.inf else np.inf
+    return out
 
 
 @kernel
