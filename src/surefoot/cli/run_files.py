@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.cli.output import to_json
-from surefoot.errors import SurefootError
+from surefoot.errors import SurefootError, WriteError
 from surefoot.robot import Robot
 from surefoot.simulation.log import Log
 from surefoot.stance import Terrain
 
+PARTS = "log.parts"
+"""Folder that the log's rows go to during a run; log.npz takes its place at the end."""
 CAPTIONS = {
     "normal_forces": "Normal forces",
     "cone_use": "Every force inside the cross-section of its cone",
@@ -26,6 +28,32 @@ CAPTIONS = {
 }
 
 
+class Written:
+    """What a run leaves, file by file; a full disk costs the files that do not fit, and no others.
+
+    Attributes
+    ----------
+    notes
+        One line for each file that could not be written.
+    """
+
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+
+    def attempt(self, path: Path, write: Callable[[], object]) -> bool:
+        """Write a file and return True, or note why it is not there; no half file stays."""
+        try:
+            write()
+        except WriteError as error:
+            self.notes.append(str(error))
+        except OSError as error:
+            self.notes.append(str(WriteError(path, error)))
+            path.unlink(missing_ok=True)
+        else:
+            return True
+        return False
+
+
 def write_film(
     log: Log, robot: Robot, terrain: Terrain, folder: Path, progress: Callable[[float], None] | None
 ) -> tuple[Path | None, str]:
@@ -35,10 +63,14 @@ def write_film(
     """
     from surefoot.viz.video import write_video
 
+    path = folder / "film.mp4"
     try:
-        return write_video(log, robot, terrain, folder / "film.mp4", progress=progress), ""
+        return write_video(log, robot, terrain, path, progress=progress), ""
     except SurefootError as error:
         return None, str(error)
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        return None, str(WriteError(path, error))
     except KeyboardInterrupt:
         return None, "no video: interrupted"
 
@@ -53,6 +85,8 @@ def write_plots(
         return (draw or draw_run)(log, folder), ""
     except SurefootError as error:
         return [], str(error)
+    except OSError as error:
+        return [], str(WriteError(folder, error))
 
 
 def write_summary(summary: dict[str, Any], folder: Path) -> Path:

@@ -12,10 +12,10 @@ import typer
 from surefoot.arrays import real_number
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
+from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
 
 WORLDS = ("mujoco", "rigid")
-INTERRUPTED = 130
 
 
 def stand(
@@ -50,6 +50,7 @@ def stand(
     from rich.console import Console
 
     from surefoot.cli import parsing
+    from surefoot.cli.run_files import PARTS
     from surefoot.simulation.run import Scenario
     from surefoot.simulation.standing import run_standing
 
@@ -81,14 +82,16 @@ def stand(
         return 1
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
     controller = setup.controller(mu, allocation)
-    with progress_bar(console.is_terminal and not as_json, "standing", duration) as tell:
-        log = run_standing(setup.world(world, mu, payload), controller, setup.q, scenario, tell)
-    summary = _write(setup, log, statics, folder, video, console)
-    if as_json:
-        print(to_json(summary))
+    physics = setup.world(world, mu, payload)
+    with ends_softly() as stop:
+        with progress_bar(console.is_terminal and not as_json, "standing", duration) as tell:
+            log = run_standing(physics, controller, setup.q, scenario, tell, folder / PARTS)
+        summary = _write(setup, log, statics, folder, video, console)
+        if as_json:
+            print(to_json(summary))
     if summary["outcome"] == "interrupted":
-        return INTERRUPTED
-    return 0 if summary["stood"] and not summary["laws_broken"] else 1
+        return stop.code
+    return 0 if summary["stood"] and not summary["laws_broken"] and not summary["unwritten"] else 1
 
 
 class _Setup:
@@ -183,10 +186,11 @@ def _write(
     from surefoot.simulation.summary import summarise
     from surefoot.viz.report import write_report
 
-    log.save(folder / "log.npz")
+    written, report = run_files.Written(), folder / "report.html"
+    written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
     summary = summarise(log)
-    summary["statics"] = statics
-    run_files.write_summary(summary, folder)
+    summary["statics"], summary["unwritten"] = statics, written.notes
+    written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
     plots, note = run_files.write_plots(log, folder)
     film = None
     if video and summary["outcome"] != "interrupted":
@@ -197,15 +201,11 @@ def _write(
     headline = stand_output.headline(summary)
     good = summary["stood"] and not summary["laws_broken"]
     sections = stand_output.report_sections(summary, [phase["text"] for phase in statics])
-    write_report(
-        folder / "report.html",
-        f"{setup.robot.name} standing",
-        (headline, good),
-        sections + run_files.picture_sections(plots, film),
-        shlex.join(["surefoot", *sys.argv[1:]]),
-    )
-    if note:
-        console.print(note, soft_wrap=True, highlight=False)
+    title, command = f"{setup.robot.name} standing", shlex.join(["surefoot", *sys.argv[1:]])
+    sections += run_files.picture_sections(plots, film)
+    written.attempt(report, lambda: write_report(report, title, (headline, good), sections, command))
+    for text in filter(None, [note, *written.notes]):
+        console.print(text, soft_wrap=True, highlight=False)
     console.print(headline, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    console.print(f"report: {folder / 'report.html'}", soft_wrap=True, highlight=False)
+    console.print(f"report: {report if report.exists() else folder}", soft_wrap=True, highlight=False)
     return summary

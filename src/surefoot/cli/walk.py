@@ -12,9 +12,8 @@ import typer
 from surefoot.arrays import real_number
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
+from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
-
-INTERRUPTED = 130
 
 
 def walk(
@@ -62,6 +61,7 @@ def walk(
     from rich.console import Console
 
     from surefoot.cli import parsing
+    from surefoot.cli.run_files import PARTS
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.walking import WalkScenario, run_walking
 
@@ -79,14 +79,15 @@ def walk(
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
-    with progress_bar(console.is_terminal and not as_json, "walking", duration) as tell:
-        log = run_walking(world, controller, q, scenario, tell)
-    summary = _write(model, ground, log, folder, video, report, console)
-    if as_json:
-        print(to_json(summary))
+    with ends_softly() as stop:
+        with progress_bar(console.is_terminal and not as_json, "walking", duration) as tell:
+            log = run_walking(world, controller, q, scenario, tell, folder / PARTS)
+        summary = _write(model, ground, log, folder, video, report, console)
+        if as_json:
+            print(to_json(summary))
     if summary["outcome"] == "interrupted":
-        return INTERRUPTED
-    return 0 if summary["walked"] and not summary["laws_broken"] else 1
+        return stop.code
+    return 0 if summary["walked"] and not summary["laws_broken"] and not summary["unwritten"] else 1
 
 
 def _check_numbers(
@@ -161,9 +162,11 @@ def _write(
     from surefoot.viz.report import write_report
     from surefoot.viz.walk_plots import draw_walk
 
-    log.save(folder / "log.npz")
+    written, page = run_files.Written(), folder / "report.html"
+    written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
     summary = summarise_walk(log)
-    run_files.write_summary(summary, folder)
+    summary["unwritten"] = written.notes
+    written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
     film, notes = None, []
     if video and summary["outcome"] != "interrupted":
         with progress_bar(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
@@ -176,16 +179,11 @@ def _write(
         plots, note = run_files.write_plots(log, folder, draw_walk)
         notes.append(note)
         sections = walk_output.report_sections(summary) + run_files.picture_sections(plots, film)
-        write_report(
-            folder / "report.html",
-            f"{robot.name} walking",
-            (line, good),
-            sections,
-            shlex.join(["surefoot", *sys.argv[1:]]),
-        )
-    for note in filter(None, notes):
+        title, command = f"{robot.name} walking", shlex.join(["surefoot", *sys.argv[1:]])
+        written.attempt(page, lambda: write_report(page, title, (line, good), sections, command))
+    for note in filter(None, [*notes, *written.notes]):
         console.print(note, soft_wrap=True, highlight=False)
     console.print(line, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    where = folder / "report.html" if report else folder
+    where = page if page.exists() else folder
     console.print(f"report: {where}", soft_wrap=True, highlight=False)
     return summary
