@@ -80,9 +80,9 @@ def stand(
             }
             print(to_json({**facts, "statics": statics}))
         return 1
-    folder = new_run_folder(out, f"stand-{setup.robot.name}")
     controller = setup.controller(mu, allocation)
     physics = setup.world(world, mu, payload)
+    folder = new_run_folder(out, f"stand-{setup.robot.name}")
     with ends_softly() as stop:
         with progress_bar(console.is_terminal and not as_json, "standing", duration) as tell:
             log = run_standing(physics, controller, setup.q, scenario, tell, folder / PARTS)
@@ -128,6 +128,9 @@ def _set_up(
     if urdf is not None and not feet:
         raise ProblemError("--urdf needs --feet, the frames that touch the ground, e.g. --feet FL,FR,RL,RR")
     robot = load_robot(Path(urdf).absolute() if urdf is not None else name or "go2", feet)
+    if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
+        count = len(robot.feet)
+        raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
     real_number("--slope", slope, low=-80.0, high=80.0)
     terrain = SlopeTerrain(slope) if slope else FlatTerrain()
     q = place(robot, terrain)
