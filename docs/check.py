@@ -1,6 +1,10 @@
 """Check the docs: every relative link leads somewhere, every shown `surefoot` command is one.
 
-Run: python docs/check.py (exit code 1 and a line per fault if something is wrong).
+Run: python docs/check.py (exit code 1 and a line per fault if something is wrong). A command is shown if it
+stands in a code block, in a code span (a command's name alone is only a name), or in the rows of a table
+whose first heading is a command and "...".
+It is promised to end with exit code 0, unless a comment beside it says "exit code N". The tests run them all
+(tests/cli/test_shown_commands.py).
 """
 
 from __future__ import annotations
@@ -8,6 +12,8 @@ from __future__ import annotations
 import re
 import shlex
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +29,55 @@ PAGES = [
     *sorted((ROOT / "docs").glob("*.md")),
 ]
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
-BLOCK = re.compile(r"```(?:bash|sh|console)\n(.*?)```", re.DOTALL)
+BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.DOTALL)
+SHELLS = ("", "bash", "sh", "console")
+SPAN = re.compile(r"`surefoot ([^`]*)`")
+ROW = re.compile(r"`([^`]+)`")
+EXIT_CODE = re.compile(r"exit code (\d+)")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A command of a page: its words after `surefoot`, and the exit code that the page promises."""
+
+    page: str
+    words: tuple[str, ...]
+    code: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.page}: surefoot {shlex.join(self.words)}"
+
+
+def shown_commands(page: Path) -> list[Shown]:
+    """Return the commands that a page shows, each once, in their order; "..." stands for no command."""
+    text, name = page.read_text(encoding="utf-8"), page.name
+    found = [*_of_blocks(name, text), *_of_text(name, BLOCK.sub("", text))]
+    return [shown for shown in dict.fromkeys(found) if "..." not in " ".join(shown.words)]
+
+
+def _of_blocks(name: str, text: str) -> Iterator[Shown]:
+    """Yield the commands of the blocks, with what the comments behind them promise."""
+    for language, block in BLOCK.findall(text):
+        for line in block.replace("\\\n", " ").splitlines():
+            if language in SHELLS and line.startswith("surefoot "):
+                promised = EXIT_CODE.search(line.partition("#")[2])
+                words = shlex.split(line, comments=True)[1:]
+                yield Shown(name, tuple(words), int(promised[1]) if promised else 0)
+
+
+def _of_text(name: str, text: str) -> Iterator[Shown]:
+    """Yield the commands of code spans, and of tables whose first heading is `surefoot NAME ...`."""
+    start: list[str] | None = None
+    for line in text.splitlines():
+        first = line.split("|")[1].strip() if line.startswith("|") and line.count("|") > 2 else None
+        if first is None:
+            start = None
+        elif first.startswith("`surefoot ") and first.endswith("...`"):
+            start = shlex.split(first.strip("`"))[1:-1]
+        elif start is not None:
+            yield from (Shown(name, (*start, *shlex.split(row))) for row in ROW.findall(first))
+        spans = [tuple(shlex.split(span)) for span in SPAN.findall(line)]
+        yield from (Shown(name, words) for words in spans if len(words) > 1)
 
 
 def broken_links(page: Path) -> list[str]:
@@ -33,15 +87,12 @@ def broken_links(page: Path) -> list[str]:
 
 
 def wrong_commands(page: Path) -> list[str]:
-    """Return a line for every shown `surefoot` command that the command line would refuse to parse."""
+    """Return a line for every shown command that the command line would refuse to parse."""
     out = []
-    for block in BLOCK.findall(page.read_text(encoding="utf-8")):
-        for line in block.replace("\\\n", " ").splitlines():
-            words = shlex.split(line, comments=True)
-            if words[:1] == ["surefoot"]:
-                fault = parse(typer.main.get_command(app), words[1:])
-                if fault:
-                    out.append(f"{page.relative_to(ROOT)}: {line.strip()}: {fault}")
+    for shown in shown_commands(page):
+        fault = parse(typer.main.get_command(app), list(shown.words))
+        if fault:
+            out.append(f"{shown}: {fault}")
     return out
 
 
@@ -51,7 +102,7 @@ def parse(command: Any, words: list[str]) -> str | None:
         if not words or words[0] not in command.commands:
             return None if words == ["--help"] else f"no such command {' '.join(words[:1])}"
         command, words = command.commands[words[0]], words[1:]
-    if "--help" in words or "..." in words:
+    if "--help" in words:
         return None
     try:
         command.make_context(command.name, list(words))

@@ -25,6 +25,26 @@ def test_the_check_finds_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(CHECK["wrong_commands"](page)) == 2
 
 
+def test_what_counts_as_a_shown_command(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "```python\nimport surefoot\n```\n`surefoot stand`, `surefoot bench walk --quick`, `surefoot.x`\n"
+        "```bash\nsurefoot cone --mu 0.5   # as numbers\n"
+        "surefoot check a.yaml \\\n  --mu 0.1  # exit code 1\nls\n```\n"
+        "| `surefoot walk ...` | said |\n| --- | --- |\n| `go2 --seed 1` | x |\n| `a1`, `go1` | `y` |\n\n"
+        "| other | z |\n| --- | --- |\n| `go2` | x |\n"
+    )
+    found = [(" ".join(shown.words), shown.code) for shown in CHECK["shown_commands"](page)]
+    assert found == [
+        ("cone --mu 0.5", 0),
+        ("check a.yaml --mu 0.1", 1),
+        ("bench walk --quick", 0),
+        ("walk go2 --seed 1", 0),
+        ("walk a1", 0),
+        ("walk go1", 0),
+    ]
+
+
 def test_every_page_is_in_the_index() -> None:
     index = (ROOT / "docs" / "README.md").read_text()
     for page in (ROOT / "docs").glob("*.md"):

@@ -23,10 +23,35 @@ class SolverNotFound(SurefootError, LookupError):
 
 
 class MissingExtra(SurefootError, ImportError):
-    """An optional package is needed; the message says which extra installs it."""
+    """Optional packages are needed; the message names them all and the extras that install them.
 
-    def __init__(self, package: str, extra: str) -> None:
-        super().__init__(f"{package} is not installed; run: pip install 'surefoot[{extra}]'")
+    Attributes
+    ----------
+    packages, extras
+        What is missing, and the extras of Surefoot that bring it.
+
+    Examples
+    --------
+    >>> print(MissingExtra(["pin", "mujoco"], ["robot", "sim"]))
+    pin and mujoco are not installed; run: pip install 'surefoot[robot,sim]'
+    """
+
+    def __init__(self, packages: str | Iterable[str], extras: str | Iterable[str]) -> None:
+        self.packages, self.extras = _unique(packages), _unique(extras)
+        *most, last = self.packages
+        named = f"{', '.join(most)} and {last} are" if most else f"{last} is"
+        super().__init__(f"{named} not installed; run: pip install 'surefoot[{','.join(self.extras)}]'")
+
+    @classmethod
+    def of(cls, errors: Iterable[MissingExtra]) -> MissingExtra:
+        """Return one error that names what several name."""
+        listed = list(errors)
+        return cls([p for e in listed for p in e.packages], [x for e in listed for x in e.extras])
+
+
+def _unique(names: str | Iterable[str]) -> tuple[str, ...]:
+    """Return the names without repetition, in their order."""
+    return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
 
 
 class WriteError(SurefootError, OSError):

@@ -7,8 +7,11 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
 
+from surefoot.compilation import Kernel
+
 MATRIX, VECTOR = numba.float64[:, ::1], numba.float64[::1]
 REAL, INTEGER, BOOLEAN = numba.float64, numba.int64, numba.boolean
+OPTIONS = {"nopython": True, "boundscheck": None, "error_model": "numpy", "no_cfunc_wrapper": True}
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -17,14 +20,15 @@ def kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function with Numba: nopython, cached on disk, IEEE division.
 
     No fast-math: kernels must see NaN and infinity as they are. The plain Python function stays
-    reachable as `kernel.py_func`; tests compare a kernel with a NumPy twin.
+    reachable as `kernel.py_func`; tests compare a kernel with a NumPy twin. Where Numba is switched off
+    (NUMBA_DISABLE_JIT=1) it is that function.
     """
-    return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy")(function))
+    return _compiled(function, OPTIONS)
 
 
 def releasing_kernel(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a kernel that releases the interpreter's lock while it runs: other threads go on."""
-    return cast("Callable[P, R]", numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+    return _compiled(function, {**OPTIONS, "nogil": True})
 
 
 def entry_point(function: Callable[P, R], *types: Any) -> Callable[P, R]:
@@ -43,7 +47,11 @@ def inline_kernel(function: Callable[P, R]) -> Callable[P, R]:
     For small ones (3x3 algebra, projections), and for the parts of a kernel that runs for a microsecond: a
     call that is not folded in counts references to every array it is given, about 10 ns each.
     """
-    return cast(
-        "Callable[P, R]",
-        numba.njit(cache=True, error_model="numpy", inline="never", forceinline=True)(function),
-    )
+    return _compiled(function, {**OPTIONS, "inline": "never", "forceinline": True})
+
+
+def _compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
+    if numba.config.DISABLE_JIT:
+        function.py_func = function  # type: ignore[attr-defined]
+        return function
+    return cast("Callable[P, R]", Kernel(function, {}, options))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from surefoot.bench.contact import Comparison, Run, compare, copies_of, performance_profile, problems_in
-from surefoot.bench.contact_ours import our_calls
-from surefoot.bench.contact_rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix
+from surefoot.bench.contact_ours import CONTACT_SOLVER, our_calls
+from surefoot.bench.contact_rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
 from surefoot.bench.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 from surefoot.bench.problems import families, problem_set
 from surefoot.bench.siconos_rival import siconos_best, siconos_installed
@@ -111,10 +111,20 @@ def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
     assert judge(problem, tight.ready()) <= 1e-8  # the operator has kept nothing of the other problem
 
 
+def test_sparse_problems_get_sparse_rivals() -> None:
+    large = {p.family: p.problem for p in problem_set("large", copies=0.01)}
+    few, full, sparse = (settings(large[name]) for name in ("stack-40", "platform-225", "wall-100"))
+    assert few == full == DENSE
+    assert {name for name, s in sparse.items() if s.method == "admm"} == set(SPARSE)
+    assert sum(s.method == "pgs" for s in sparse.values()) == 3
+
+
 def test_our_calls_solve_the_matrix_they_are_given() -> None:
     for named in problem_set("robot", copies=0.01)[:4]:
         copies = copies_of(named.problem)
-        for ready, fresh in our_calls(named.problem, copies, ("auto", "newton"), 1e-8, 10.0).values():
+        calls = our_calls(named.problem, copies, ("auto", "newton"), 1e-8, 10.0)
+        assert set(calls) == {"auto", "newton", CONTACT_SOLVER}
+        for ready, fresh in calls.values():
             assert judge(named.problem, ready(0)) <= 1e-8
             assert all(judge(p, fresh(k)) <= 1e-8 for k, p in enumerate(copies))
 
@@ -133,14 +143,15 @@ def test_siconos_in_its_own_process() -> None:
     assert {"siconos nsgs", "siconos newton", "siconos admm"} == set(found)
     best, least = found["siconos nsgs"][0]
     assert best is not None
-    assert least <= judge(problem, best.forces) <= 1e-8
+    assert least == judge(problem, best.forces) <= 1e-8
     assert 0.0 < best.solve < best.fresh
 
 
 def test_compare_certifies_everybody() -> None:
     problems = problem_set("robot", copies=0.01)[:3]
     found = compare(problems, 1e-8, ("auto", "nsgs"), rivals=False)
-    assert found.solvers == ("auto", "nsgs")
+    assert found.solvers == ("auto", "nsgs", CONTACT_SOLVER)
+    assert found.ours_fresh == CONTACT_SOLVER
     assert all(r.solved and r.residual <= 1e-8 and r.seconds > 0 for r in found.runs if r.solver == "auto")
 
 

@@ -11,7 +11,7 @@ from surefoot.bench.forces_accuracy import measure_accuracy
 from surefoot.bench.forces_clarabel import fixed_point_residual, refined_clarabel, turned_cones
 from surefoot.bench.forces_digits import DIGITS, exact_forces, exactly, project, solve_exactly
 from surefoot.bench.forces_instances import WRENCH_WEIGHTS, four_feet, random_instances
-from surefoot.bench.forces_rivals import cone_violation, contact_problem, objective, program
+from surefoot.bench.forces_program import cone_violation, contact_problem, objective, program
 
 
 @pytest.mark.parametrize("force_weight", [1e-1, 1e-2, 1e-4])

@@ -1,6 +1,7 @@
 """The forces benchmark: its instances, its judgement of rivals, its table, picture and log reader."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,8 +9,10 @@ import pytest
 import surefoot as sf
 from surefoot.bench.forces import best_known, judge, run_all, run_ours
 from surefoot.bench.forces_instances import CLASSES, four_feet, pushed_stance, read_log
-from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, available, objective, program
+from surefoot.bench.forces_program import objective, program
+from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, available
 from surefoot.bench.forces_torques import time_torque_limits
+from surefoot.bench.judge import judge as judge_problem
 from surefoot.cli.main import main
 from surefoot.viz.forces_bench import plot_accuracy
 
@@ -30,6 +33,19 @@ def test_rivals_solve_their_program(rival, kind):
             if rival.name == "HiGHS" and x is None:
                 continue
             assert sf.residuals(problem, p.forces(x)).natural_map < 1e-3
+
+
+@pytest.mark.parametrize("rival", [r for r in ALL if r.can_warm], ids=lambda r: r.name)
+def test_warm_rivals_follow_a_change_of_friction(rival):
+    """One solver for all, its data untouched, its cones those of the instance at hand."""
+    solver, checked = rival(), []
+    for k, instance in enumerate(four_feet("near-boundary", 4, seed=3)):
+        changed = replace(instance, mu=instance.mu * (1.0 - 0.2 * k))
+        p = program(changed, None if rival.exact else 8)
+        x = solver.warm(p)()
+        problem = sf.ContactProblem(p.H, p.h, p.mu, p.low[2::3], p.high[2::3], law="convex")
+        checked.append(judge_problem(problem if rival.exact else problem.polyhedral(8), p.forces(x)))
+    assert max(checked) < 1e-3
 
 
 def test_classes_are_what_they_are_called():

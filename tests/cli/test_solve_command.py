@@ -72,11 +72,11 @@ def test_complementarity_problems(lcp_files: list[Path], capsys: pytest.CaptureF
     solved, failed = json.loads(capsys.readouterr().out)
     assert np.allclose(solved["z"], [4 / 3, 7 / 3])
     assert (solved["kind"], solved["status"], failed["status"]) == ("lcp", "solved", "infeasible")
-    v = np.array(failed["ray"])
+    v = np.array(failed["proof"])
     assert (v >= 0).all()
     assert v @ [-1.0, -1.0] < 0.0
     assert main(["solve", bad]) == 1
-    assert "ray" in capsys.readouterr().out
+    assert "proof v 1 " in capsys.readouterr().out
 
 
 def test_both_kinds_at_once(file: Path, lcp_files: list[Path], capsys: pytest.CaptureFixture[str]) -> None:

@@ -65,7 +65,9 @@ def velocity_error(problem: sf.ContactProblem, forces: np.ndarray) -> float:
         i = slice(3 * k, 3 * k + 3)
         mu, shifted = float(problem.mu[k]), u[k].copy()
         cone = sf.FrictionCone(mu)
-        nearest = cone.project if problem.facets is None else cone.polyhedral(problem.facets, problem.fit).project
+        nearest = (
+            cone.project if problem.facets is None else cone.polyhedral(problem.facets, problem.fit).project
+        )
         if problem.law == "coulomb" and problem.facets is None:
             shifted[2] += mu * np.hypot(*u[k, :2])
         elif problem.law == "coulomb":
@@ -97,7 +99,9 @@ def test_solves_its_share_and_claims_no_more(name: str, law: str, cones: str) ->
             assert gap <= 1.01 * TOL + 1e-13, (label, gap)
         else:
             worst = found.residuals.worst
-            assert not worst <= 0.99 * TOL, f"{label}: solved to {worst:.1e}, but the status is {found.status}"
+            assert not worst <= 0.99 * TOL, (
+                f"{label}: solved to {worst:.1e}, but the status is {found.status}"
+            )
         assert found.residuals.velocity_error == pytest.approx(gap, rel=0.01, abs=1e-11), label
         assert np.isfinite(found.forces).all()
         assert np.allclose(found.velocities, problem.velocity(found.forces), atol=1e-12, equal_nan=True)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import scipy.sparse as sp
 
 import surefoot as sf
 from surefoot.contact import blocks
+from surefoot.contact.spectral import spectral_norm, spectral_norm_blocks
 
 
 def random_matrix(seed: int, contacts: int, dof: int) -> np.ndarray:
@@ -82,13 +84,20 @@ def test_compliance_goes_on_the_diagonal(kind: str) -> None:
         assert np.allclose(problem.G, G + np.diag(full))
 
 
+def norm_of(G: np.ndarray) -> float:
+    """The spectral norm of a matrix that need not be semidefinite, as `ContactProblem.norm` finds it."""
+    return spectral_norm(G) if G.shape[0] <= 180 else spectral_norm_blocks(*blocks.dense_blocks(G))
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_norm_is_the_spectral_norm(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 80))
     J = rng.normal(size=(3 * n, int(rng.integers(1, 4 * n + 2)))) * 10 ** rng.uniform(-3, 3, size=(3 * n, 1))
     G = (J @ J.T) * (-1.0 if seed % 3 == 0 else 1.0)
-    assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == pytest.approx(np.linalg.norm(G, 2), rel=1e-8)
+    assert norm_of(0.5 * (G + G.T)) == pytest.approx(np.linalg.norm(G, 2), rel=1e-8)
+    if seed % 3:
+        assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == norm_of(0.5 * (G + G.T))
 
 
 @pytest.mark.parametrize("kind", ["clustered", "two-sided", "diagonal", "low-rank"])
@@ -104,7 +113,7 @@ def test_norm_of_awkward_matrices(kind: str) -> None:
             "low-rank": np.where(np.arange(3 * n) < 2, 1.0 + np.arange(3 * n), 0.0),
         }[kind]
         G = np.diag(d) if kind == "diagonal" else (q * d) @ q.T
-        assert sf.ContactProblem(G, np.ones(3 * n), 0.5).norm == pytest.approx(np.abs(d).max(), rel=1e-8)
+        assert norm_of(0.5 * (G + G.T)) == pytest.approx(np.abs(d).max(), rel=1e-8)
 
 
 @pytest.mark.parametrize("sparse", [False, True])
@@ -135,3 +144,68 @@ def test_replace_keeps_what_it_is_not_told() -> None:
     assert np.array_equal(other.G, problem.G)
     assert np.array_equal(other.normal_min, [0.0, -np.inf])
     assert other.polyhedral(6, "outer").facets == 6
+
+
+def robot_like(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A Jacobian and a mass matrix with a condition number of 1e5, as a humanoid's."""
+    rng = np.random.default_rng(seed)
+    Q, _ = np.linalg.qr(rng.normal(size=(18, 18)))
+    return rng.normal(size=(12, 18)), (Q * np.geomspace(1e-3, 1e2, 18)) @ Q.T
+
+
+@pytest.mark.parametrize("form", ["single", "double", "sparse"])
+def test_products_of_single_precision_are_symmetric_enough(form: str) -> None:
+    """J M⁻¹ Jᵀ computed in single precision, also where it was turned to double precision afterwards."""
+    asymmetries = []
+    for seed in range(20):
+        J, M = (x.astype(np.float32) for x in robot_like(seed))
+        G = J @ np.linalg.inv(M) @ J.T
+        asymmetries.append(np.abs(G - G.T).max() / np.abs(G).max())
+        given = {"single": G, "double": G.astype(float), "sparse": sp.csr_matrix(G)}[form]
+        problem = sf.ContactProblem(given, np.zeros(12), 0.5)
+        assert np.array_equal(problem.G, 0.5 * (G.astype(float) + G.T.astype(float)))
+        crooked = G.copy()
+        crooked[0, 5] += 1e-3 * np.abs(G).max()
+        with pytest.raises(sf.ProblemError, match=r"G must be symmetric.*up to 1e-05 of the largest"):
+            sf.ContactProblem(crooked, np.zeros(12), 0.5)
+    assert 1e-8 < max(asymmetries) < 1e-5
+    G = np.random.default_rng(0).normal(size=(6, 6))
+    G = G @ G.T
+    G[0, 1] += 1e-6 * np.abs(G).max()  # not of single precision: no excuse
+    with pytest.raises(sf.ProblemError, match=r"up to 1e-08 of the largest"):
+        sf.ContactProblem(G, np.zeros(6), 0.5)
+
+
+@pytest.mark.parametrize("form", [np.asarray, sp.csr_matrix])
+def test_what_is_visibly_indefinite_is_refused(form: Callable[[np.ndarray], object]) -> None:
+    J, M = robot_like(0)
+    G = J @ np.linalg.solve(M, J.T)
+    G = 0.5 * (G + G.T)
+    with pytest.raises(sf.ProblemError, match=r"semidefinite, but G\[0, 0\] = -"):
+        sf.ContactProblem(form(-G), np.zeros(12), 0.5)
+    crossed = np.eye(12)
+    crossed[7, 2] = crossed[2, 7] = -1.5
+    with pytest.raises(sf.ProblemError, match=r"G\[7, 2\] = -1.5 with G\[7, 7\] = 1 and G\[2, 2\] = 1"):
+        sf.ContactProblem(form(crossed), np.zeros(12), 0.5)
+
+
+def test_a_diagonal_block_that_is_indefinite_is_refused() -> None:
+    G = np.eye(6)
+    G[3:, 3:] = [[1.0, -0.9, -0.9], [-0.9, 1.0, -0.9], [-0.9, -0.9, 1.0]]  # minors of pairs are fine
+    with pytest.raises(
+        sf.ProblemError, match=r"block of contact 1 \(rows 3 to 5\) has a negative eigenvalue"
+    ):
+        sf.ContactProblem(G, np.zeros(6), 0.5)
+
+
+def test_semidefinite_matrices_are_never_refused() -> None:
+    """Low rank, repeated contacts, mass ratios of 1e12, tiny and huge units, zero: all are taken."""
+    for seed in range(300):
+        rng = np.random.default_rng(seed)
+        n, rank = int(rng.integers(1, 6)), int(rng.integers(0, 7))
+        J = rng.normal(size=(3 * n, rank)) * 10.0 ** rng.uniform(-6, 6, size=rank)
+        J[3 * (n - 1) :] = J[:3] * rng.choice([1.0, -1.0, 1.0 + 1e-15])
+        G = (J @ J.T) * 10.0 ** rng.uniform(-100, 100)
+        sf.ContactProblem(G, np.zeros(3 * n), 0.5)
+        sf.ContactProblem(sp.csr_matrix(G), np.zeros(3 * n), 0.5)
+        sf.ContactProblem((J.astype(np.float32) @ J.T.astype(np.float32)), np.zeros(3 * n), 0.5)

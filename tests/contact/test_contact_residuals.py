@@ -106,7 +106,7 @@ def test_runaway_forces_do_not_look_like_a_solution() -> None:
 
 
 def test_forces_too_large_to_tell_prove_nothing() -> None:
-    """Two walls squeeze a mass: huge forces whose velocities are rounding, whatever they happen to come to."""
+    """Two walls squeeze a mass: huge forces whose velocities are rounding, whatever they come to."""
     J = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0], [0, -1, 0], [0, 0, -1]])
     problem = sf.ContactProblem(J @ J.T, [0, 0, -1.0, 0, 0, -1.0], 0.5)
     found = sf.residuals(problem, [[0.0, 0.0, 1e16], [0.0, 0.0, 1e16]])

@@ -47,3 +47,28 @@ def test_switched_off_contacts_are_left_out() -> None:
     force = friction.forces(sf.solve_lcp(friction.lcp).raise_if_failed().z)
     assert np.array_equal(force[0], np.zeros(3))
     assert force[1, 2] == pytest.approx(1.0)
+
+
+def test_numbers_cannot_be_changed_under_what_was_measured() -> None:
+    M, q = np.eye(2), np.array([-1.0, -1.0])
+    lcp = sf.LCP(M, q)
+    assert lcp.residual([1.0, 1.0]) == 0.0
+    q[0] = -1e12  # the problem has its own copy
+    assert lcp.residual([1.0, 1.0]) == 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        lcp.q[0] = 2.0
+
+
+def test_parts_are_what_no_entry_couples() -> None:
+    M = np.zeros((5, 5))
+    M[0, 3] = 1.0
+    M[4, 2] = -2.0
+    lcp = sf.LCP(M + np.eye(5), -np.ones(5))
+    assert [part.tolist() for part in lcp.parts] == [[0, 3], [1], [2, 4]]
+    assert lcp.part(lcp.parts[2]).M.tolist() == [[1.0, 0.0], [-2.0, 1.0]]
+
+
+def test_residual_does_not_depend_on_the_units_of_rows() -> None:
+    """A row in millimetres beside one in metres: its whole violation is not a small part of the other's q."""
+    lcp = sf.LCP([[1e-10, -1e-6], [-1e-6, 1.0]], [-1e-9, 1.0])
+    assert lcp.residual([0.0, 0.0]) > 1e-5

@@ -19,7 +19,7 @@ from surefoot.bench.forces_instances import (
     random_rotation,
 )
 from surefoot.bench.forces_instances import grasp_map as grasp_map_of
-from surefoot.bench.forces_rivals import cone_violation, contact_problem
+from surefoot.bench.forces_program import cone_violation, contact_problem
 from surefoot.solvers import distribution_work, distribution_wrench
 
 SOLVED = sf.Status.SOLVED

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 import surefoot as sf
-from surefoot.control.allocation import SolverAllocation
+from surefoot.control.allocation import ExactAllocation, SolverAllocation, draw_to_parallel
 from surefoot.control.standing import (
     FORCE_WEIGHT,
     StandingController,
@@ -17,6 +17,7 @@ from surefoot.control.standing_kernels import (
     foot_impedance,
     grasp_map_of_points,
     pd_wrench,
+    within_limits,
 )
 from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.spatial import GRAVITY, rotation_about, rotation_log
@@ -35,6 +36,7 @@ def random_state(robot: sf.Robot, q: np.ndarray, rng: np.random.Generator, size:
     )
 
 
+FEET = [[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]]
 EXACT = ["distribution", "clarabel"]
 PYRAMIDS = ["daqp", "quadprog", "osqp", "proxqp", "piqp", "highs"]
 
@@ -42,8 +44,7 @@ PYRAMIDS = ["daqp", "quadprog", "osqp", "proxqp", "piqp", "highs"]
 @pytest.mark.parametrize(("solver", "facets"), [(s, None) for s in EXACT] + [(s, 8) for s in PYRAMIDS])
 def test_symmetric_stance_shares_the_weight(solver: str, facets: int | None) -> None:
     """The textbook case: each leg m g / 4, tangential near zero, inside the cone; with every solver."""
-    feet = [[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]]
-    stance = sf.Stance([sf.PointContact(p, mu=0.6) for p in feet])
+    stance = sf.Stance([sf.PointContact(p, mu=0.6) for p in FEET])
     mass = 15.0
     A = stance.grasp_map(about=[0.0, 0.0, 0.3])
     wrench = np.array([0.0, 0.0, mass * GRAVITY, 0.0, 0.0, 0.0])
@@ -213,3 +214,81 @@ def test_foot_impedance_kernel_against_plain_numpy() -> None:
     force = np.linalg.solve(mobility, omega**2 * miss + 2 * omega * (velocity - J @ v))
     np.testing.assert_allclose(got[3:6], J[:, legs].T @ force, rtol=1e-8)
     assert np.all(np.delete(got, [3, 4, 5]) == 0.0)
+
+
+# margin to the cones, and states that no command can be computed for
+
+
+def test_forces_use_the_same_share_of_every_foots_friction() -> None:
+    """A slope of 20 degrees takes 61 % of friction 0.6; a foot with little weight on it takes no more."""
+    robot, terrain = sf.load_robot("go2"), sf.SlopeTerrain(20.0)
+    q = sf.place(robot, terrain)
+    plan = StandingPlan(robot, terrain, q, [Lift("FL", 1.0, 2.0)])
+    controller = StandingController(robot, plan, terrain, q, 0.6)
+    v = np.zeros(robot.model.nv)
+    late = q.copy()
+    late[:3] = plan.at(0.97).position  # the weight has moved, FL is about to leave
+    for _ in range(3):
+        command = controller.step(late, v, 0.99)
+    use = np.hypot(command.forces[:, 0], command.forces[:, 1]) / (0.6 * command.forces[:, 2])
+    assert command.attained
+    assert command.forces[0, 2] < 0.15 * command.forces[:, 2].sum()
+    np.testing.assert_allclose(use, np.tan(np.radians(20.0)) / 0.6, rtol=0.03)
+
+
+@pytest.mark.parametrize("solver", [None, "distribution"])
+def test_a_tenth_of_the_friction_is_kept_as_long_as_the_rest_gives_the_wrench(solver: str | None) -> None:
+    weights = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
+    mu = np.full(4, 0.6)
+    allocation = (
+        ExactAllocation(mu, weights, 1e-3) if solver is None else SolverAllocation(mu, weights, 1e-3, solver)
+    )
+    A = sf.Stance([sf.PointContact(p) for p in FEET]).grasp_map(about=[0.0, 0.0, 0.3])
+    low, high = np.full(4, 5.0), np.full(4, 250.0)
+    for friction, most in ((0.3, 0.51), (0.5, 0.85), (0.53, 0.9), (0.58, 1.0), (0.9, 1.0)):
+        wrench = np.array([friction * 160.0, 0.0, 160.0, 0.0, 0.0, 0.0])
+        for _ in range(3):
+            forces = allocation.share(A, wrench, low, high)
+        use = np.hypot(forces[:, 0], forces[:, 1]) / (0.6 * forces[:, 2])
+        assert use.max() <= most + 1e-6, friction
+        left = np.linalg.norm(np.sqrt(weights) * (A @ forces.ravel() - wrench))
+        assert (left <= 5e-3 * np.linalg.norm(np.sqrt(weights) * wrench)) == (friction < 0.6)
+
+
+def test_draw_to_parallel_kernel_against_plain_numpy() -> None:
+    rng = np.random.default_rng(6)
+    A, w, weights = rng.normal(size=(6, 12)), rng.normal(size=6), rng.uniform(size=6)
+    last, high = np.abs(rng.normal(size=(4, 3))), np.array([1.0, 0.0, 2.0, 3.0])
+    for before in (last, np.zeros((4, 3))):
+        out = np.full((4, 3), np.nan)
+        size = draw_to_parallel(A, w, weights, before, high, out)
+        on = high > 0.0
+        shares = np.where(on, before[:, 2] if before.any() else 1.0, 0.0)
+        want = (shares / shares.sum())[:, None] * (A[:3].T @ w[:3]).reshape(4, 3)
+        np.testing.assert_allclose(out[:, :2], want[:, :2], rtol=1e-12)
+        assert (out[:, 2] == 0.0).all()
+        assert size == pytest.approx(float(weights @ w**2))
+
+
+def test_within_limits_kernel() -> None:
+    out, saturated, finite = within_limits(np.array([3.0, -5.0, 0.5]), np.array([2.0, 5.0, 1.0]))
+    np.testing.assert_array_equal(out, [2.0, -5.0, 0.5])
+    assert (saturated, finite) == (True, True)
+    assert within_limits(np.array([1.0, np.nan]), np.ones(2))[2] is False
+
+
+def test_a_lost_state_changes_nothing_that_comes_after() -> None:
+    robot, q, controller = standing()
+    _, _, other = standing()
+    low, v = q.copy(), np.zeros(robot.model.nv)
+    low[2] -= 0.01
+    for k in range(20):
+        kept = controller.step(low, v, 0.0)
+        want = other.step(low, v, 0.0)
+        bad = low.copy()
+        bad[k % len(bad)] = np.nan
+        lost = controller.step(bad, v, 0.0)
+        assert lost.status is sf.Status.INVALID
+        assert not lost.attained
+        np.testing.assert_array_equal(lost.wrench_error, -lost.wrench_desired)
+        np.testing.assert_array_equal(kept.torques, want.torques)

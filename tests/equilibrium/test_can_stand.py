@@ -75,7 +75,7 @@ def test_friction_needed_is_the_boundary_of_can_stand():
     checked = 0
     for k in range(60):
         case = random_case(rng, KINDS[k % 5])
-        needed = sf.friction_needed(case.stance, case.com, case.mass, case.external_wrench)
+        needed = sf.friction_needed(case.stance, case.com, case.mass, case.external_wrench, math.inf)
         if math.isinf(needed):
             assert not sf.can_stand(case.stance.with_friction(9e3), case.com, case.mass, case.external_wrench)
             continue

@@ -11,7 +11,8 @@ from surefoot.bench.statics_rivals import highs_region
 from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
 from surefoot.equilibrium.faces import smallest_face
 from surefoot.equilibrium.limits import squeeze_limit
-from surefoot.equilibrium.region import convex_hull, polygon_area, without_flat_corners
+from surefoot.equilibrium.polygons import without_flat_corners
+from surefoot.equilibrium.region import convex_hull, polygon_area
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 

@@ -81,6 +81,34 @@ def test_go2_stands_through(case: dict[str, object]) -> None:
     assert summary["laws_broken"] == []
 
 
+@pytest.mark.parametrize(
+    ("name", "degrees", "foot", "seed"),
+    [("go2", 20.0, "FL", None), ("go2", 20.0, "RR", 4), ("anymal_c", 20.0, "LF", 1), ("b1", 15.0, "FR", 2)],
+)
+def test_robots_stand_through_a_push_and_a_lift_on_a_slope(
+    name: str, degrees: float, foot: str, seed: int | None
+) -> None:
+    """README's first command (two seconds sooner), and others like it: no foot slides, no law is broken."""
+    force = 60.0 / 16.085 * sf.load_robot(name).mass
+    pushes = [Push(0.3, (force, 0.0, 0.0), 0.2)]
+    summary = summarise(stand(name, degrees, 3.2, lifts=(Lift(foot, 1.6, 2.3),), pushes=pushes, seed=seed))
+    assert summary["stood"], summary["outcome"]
+    assert summary["laws_judged"] == ["unilateral", "Coulomb", "dissipation"]
+    assert summary["laws_broken"] == []
+    assert max(f["slip"] for f in summary["feet"]) < 5e-4
+
+
+@pytest.mark.parametrize("field", ["q", "v", "torques", "forces", "gaps", "contact_velocities"])
+def test_a_log_with_a_number_that_is_none_did_not_stand(field: str) -> None:
+    log = stand(duration=0.1)
+    assert summarise(log)["stood"]
+    log.arrays[field].flat[50] = np.nan
+    summary = summarise(log)
+    assert summary["outcome"] == "invalid"
+    assert not summary["stood"]
+    assert bool(summary["laws_broken"]) == (field in ("forces", "gaps", "contact_velocities"))
+
+
 def test_slope_shares_the_weight_between_normal_and_friction() -> None:
     log = stand(degrees=20.0)
     total = log["forces"][-500:].mean(axis=0).sum(axis=0)

@@ -77,14 +77,20 @@ def test_infeasible_problems_are_proved_so() -> None:
     lcp = sf.LCP([[0.0, 1.0], [-1.0, 0.0]], [1.0, -2.0])  # w_2 = -z_1 - 2
     found = sf.solve_lcp(lcp)
     assert found.status is sf.Status.INFEASIBLE
-    v = found.ray
+    v = found.proof
     assert v is not None
-    assert (lcp.M.T @ v <= 1e-12).all()
+    assert (lcp.M.T @ v <= 0.0).all()
     assert lcp.q @ v < 0
     with pytest.raises(sf.NoSolution, match="along a ray"):
         found.raise_if_failed()
     for name in ("newton", "interior_point", "pgs"):
         assert not sf.solve_lcp(lcp, name).solved
+    if "qp" in lcp_solver_names():
+        pytest.importorskip("clarabel")
+        for problem in (lcp, sf.LCP([[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0])):  # not symmetric, symmetric
+            found = sf.solve_lcp(problem, "qp")
+            assert found.status is sf.Status.INFEASIBLE
+            assert found.proof is not None
 
 
 def test_a_ray_without_proof_is_not_called_infeasible() -> None:
@@ -94,6 +100,8 @@ def test_a_ray_without_proof_is_not_called_infeasible() -> None:
     found = sf.solve_lcp(lcp)
     assert found.status is sf.Status.STALLED
     assert "ray" in found.message
+    assert found.ray is not None
+    assert found.proof is None
 
 
 def test_what_is_no_lcp_for_a_method_is_said() -> None:

@@ -61,7 +61,7 @@ def test_projection_and_errors() -> None:
     assert natural_map.project(1.0, 2.0, -3.0, 0.1, -np.inf, np.inf) == (1.0, 2.0, -3.0)
     p = problem(1)
     force, u = rng.normal(size=12), rng.normal(size=12)
-    w, s, _ = p.scales
+    w, s = p.scales[:2]
     gaps = []
     for k in range(4):
         i = slice(3 * k, 3 * k + 3)
@@ -108,13 +108,13 @@ def test_block_kernels() -> None:
     nsgs.refresh_dense(p.G, p.g, x, u)
     assert np.allclose(u, p.G @ x + p.g)
     crooked = p.G + np.triu(np.full((18, 18), 1e-3), 1)
-    scale, gap, i, j = blocks.checked_mirror(crooked)
+    scale, gap, i, j = blocks.checked_mirror(crooked, 1e-8)
     assert (scale, gap) == pytest.approx(
         (np.abs(p.G + 1e-3 * np.triu(np.ones((18, 18)), 1)).max(), 1e-3), rel=1e-6
     )
     assert i != j
     assert np.array_equal(crooked, crooked.T)
-    assert not np.isfinite(blocks.checked_mirror(np.array([[1.0, np.nan], [np.nan, 1.0]]))[0])
+    assert not np.isfinite(blocks.checked_mirror(np.array([[1.0, np.nan], [np.nan, 1.0]]), 1e-8)[0])
 
 
 @pytest.mark.parametrize("law", ["coulomb", "convex"])

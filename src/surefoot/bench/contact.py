@@ -266,7 +266,7 @@ def _runs(
         gaps[name] = max(judge(p, f) for p, f in zip([problem, *copies], answers, strict=True))
         if gaps[name] <= tol:
             calls[name, "ready"], calls[name, "fresh"] = ready, fresh
-    for name, setting in contact_rivals.settings(problem.contacts).items() if rivals else ():
+    for name, setting in contact_rivals.settings(problem).items() if rivals else ():
         found, gaps[name] = contact_rivals.best_call(problem, setting, tol, copies)
         if found is not None:
             calls |= _rival_calls(name, found, [(contact_rivals.matrix(p, setting), p.g) for p in copies])

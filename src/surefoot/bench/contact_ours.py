@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-import surefoot
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
 from surefoot.contact.problem import COMPILED_CONTACTS
-from surefoot.solvers import solve
+from surefoot.solvers import ContactSolver, solve
 
 CONTACT_SOLVER = "contact solver"
 """Name of the real-time path in the tables."""
@@ -44,28 +43,25 @@ def matrix_of(problem: ContactProblem) -> Any:
 
 
 def real_time_path(problem: ContactProblem, tol: float) -> Callable[[Any, FloatArray], FloatArray] | None:
-    """Return `ContactSolver` as a function of raw G and g, from a cold start; None if it is not for these.
-
-    G must already hold the problem's compliance, as `ContactProblem.G` does.
-    """
-    maker = getattr(surefoot, "ContactSolver", None)
-    if maker is None or problem.contacts > COMPILED_CONTACTS:
+    """Return `ContactSolver` as a function of raw G and g, from a cold start; None above its contacts."""
+    if problem.contacts > COMPILED_CONTACTS:
         return None
-    low = (
-        problem.normal_min
-        if problem.bilateral is None
-        else np.where(problem.bilateral, 0.0, problem.normal_min)
-    )
-    solver = maker(
-        problem.contacts, problem.mu, law=problem.law, normal_min=low, normal_max=problem.normal_max,
-        facets=problem.facets, bilateral=problem.bilateral, tol=tol,
+    solver = ContactSolver(  # G already holds the compliance
+        problem.contacts, problem.mu, problem.law, _lower_bounds(problem), problem.normal_max,
+        problem.facets, problem.fit, bilateral=problem.bilateral, tol=tol, warm_start=False,
     )  # fmt: skip
 
     def forces(G: Any, g: FloatArray) -> FloatArray:
-        solver.reset()
         return np.asarray(solver.solve(G, g).forces)
 
     return forces
+
+
+def _lower_bounds(problem: ContactProblem) -> FloatArray:
+    """Return the lower normal bounds as they were given: a bilateral contact's read -inf."""
+    if problem.bilateral is None:
+        return np.asarray(problem.normal_min)
+    return np.asarray(np.where(problem.bilateral, 0.0, problem.normal_min))
 
 
 def _in_turn(
@@ -80,11 +76,7 @@ def _by_solve(
     problem: ContactProblem, raw: Sequence[tuple[Any, FloatArray]], name: str, tol: float, max_time: float
 ) -> tuple[Call, Call]:
     """Return the calls of `solve`, the second with a new `ContactProblem` each."""
-    low = (
-        problem.normal_min
-        if problem.bilateral is None
-        else np.where(problem.bilateral, 0.0, problem.normal_min)
-    )
+    low = _lower_bounds(problem)
     mu, high, law, facets, fit, mask = (
         problem.mu, problem.normal_max, problem.law, problem.facets, problem.fit, problem.bilateral
     )  # fmt: skip

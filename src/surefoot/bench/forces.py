@@ -18,19 +18,17 @@ from surefoot.bench.forces_instances import (
     four_feet,
     pushed_stance,
 )
-from surefoot.bench.forces_rivals import (
-    EXACT_RIVALS,
-    FACET_RIVALS,
+from surefoot.bench.forces_program import (
     Fit,
     Program,
-    Rival,
-    available,
     cone_violation,
     facet_violation,
     objective,
     program,
     shortfall,
 )
+from surefoot.bench.forces_rivals import EXACT_RIVALS, FACET_RIVALS, Rival, available
+from surefoot.bench.judge import coarsest
 from surefoot.bench.timing import Timing, one_core
 from surefoot.cones import FrictionCone
 from surefoot.contact import Status
@@ -44,7 +42,9 @@ REPEATS = 5
 """Every instance is solved this often and its least time counts: what is left is the solver's own spread."""
 GAP, BROKEN = 1e-4, 1e-3
 """A rival has solved a program if its objective is within GAP, relative, of the best known and its own
-constraints are broken by less than BROKEN newtons."""
+constraints are broken by less than BROKEN newtons. It is asked for the loosest tolerance that does this."""
+DECADES = tuple(range(-1, -11, -1))
+"""Powers of ten that a rival's tolerance is tried at; eighths of a decade follow."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,8 @@ class Row:
         the error bound that it gives.
     shortfall
         Mean weighted wrench error above that of the exact optimum (below it for outer facets).
+    tolerance
+        That it was asked for, the loosest with which it solves all instances; NaN if it knows none.
     """
 
     solver: str
@@ -87,6 +89,7 @@ class Row:
     distance: float
     distance_worst: float
     shortfall: float
+    tolerance: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -171,8 +174,7 @@ def judge(
         if x is None or not np.isfinite(x).all():
             continue
         f = p.forces(x)
-        gap = (objective(p, x) - least) / max(least, 1e-9)
-        broken = facet_violation(p, x) if p.C is not None else cone_violation(p.instance, f)
+        gap, broken = excess(p, x, least)
         if gap > GAP or broken > BROKEN:
             continue
         solved += 1
@@ -187,6 +189,34 @@ def judge(
         np.nan if empty else float(np.median(distances)), np.nan if empty else max(distances),
         np.nan if empty else float(np.mean(short)),
     )  # fmt: skip
+
+
+def excess(p: Program, x: FloatArray, least: float) -> tuple[float, float]:
+    """Return the objective above the best known, relative, and by how much its own limits are broken [N]."""
+    gap = (objective(p, x) - least) / max(least, 1e-9)
+    return gap, facet_violation(p, x) if p.C is not None else cone_violation(p.instance, p.forces(x))
+
+
+def tuned(kind: type[Rival], programs: Sequence[Program], best: FloatArray, warm: bool) -> Rival:
+    """Return a rival with the loosest tolerance that solves all programs, its default if none does."""
+
+    def attempt(tol: float) -> float | None:
+        rival = kind()
+        rival.tol = tol
+        for p, least in zip(programs, best, strict=True):
+            x = (rival.warm if warm else rival.cold)(p)()
+            if x is None or not np.isfinite(x).all():
+                return None
+            gap, broken = excess(p, x, least)
+            if gap > GAP or broken > BROKEN:
+                return None
+        return tol
+
+    rival = kind()
+    found = coarsest(attempt, decades=DECADES) if kind.has_tol else None
+    if found is not None:
+        rival.tol = found
+    return rival
 
 
 def best_known(programs: Sequence[Program], answers: Sequence[Sequence[FloatArray | None]]) -> FloatArray:
@@ -223,15 +253,20 @@ def run_class(kind: str, instances: Sequence[Instance], say: Callable[[str], Non
             runs.append((OURS, False, exact.cold, ours))
             if along:
                 runs.append((OURS, True, exact.warm, ours))
-        for rival in rivals:
+        tolerances: dict[tuple[str, bool], float] = {}
+        for rival in sorted(rivals, key=lambda r: r.has_tol):  # those that are exact are what others aim at
             say(f"{kind}: {cone}: {rival.name}")
-            runs.append((rival.name, False, *run_rival(rival(), programs, warm=False)))
-            if along and rival.can_warm:
-                runs.append((rival.name, True, *run_rival(rival(), programs, warm=True)))
+            for warm in (False, True) if along and rival.can_warm else (False,):
+                best = best_known(programs, [answers for *_, answers in runs])
+                known = bool(np.isfinite(best).all())
+                solver = tuned(rival, programs, best, warm) if known else rival()
+                tolerances[rival.name, warm] = solver.tol if rival.has_tol else np.nan
+                runs.append((rival.name, warm, *run_rival(solver, programs, warm)))
         best = best_known(programs, [answers for *_, answers in runs])
         lost = 0.0 if facets is None else lost_friction(facets, fit)
         for name, warm, times, answers in runs:
             row = judge(name, cone, kind, warm, times, programs, answers, best, exact, lost)
+            row = replace(row, tolerance=tolerances.get((name, warm), np.nan))
             if name == OURS:  # no distance to itself: the bound that comes with every answer
                 middle, worst = float(np.median(exact.errors)), float(exact.errors.max())
                 row = replace(row, distance=middle, distance_worst=worst)

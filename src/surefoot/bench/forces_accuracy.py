@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.bench.forces_clarabel import refined_clarabel
 from surefoot.bench.forces_digits import exact_forces
 from surefoot.bench.forces_instances import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.bench.forces_rivals import cone_violation, objective, program
+from surefoot.bench.forces_program import cone_violation, objective, program
 from surefoot.contact import Status
 from surefoot.control.force_distribution import ForceDistributor
 

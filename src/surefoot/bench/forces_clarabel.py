@@ -22,7 +22,7 @@ import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
 from surefoot.bench.forces_instances import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.bench.forces_rivals import cone_rows, program
+from surefoot.bench.forces_program import cone_rows, program
 from surefoot.cones.projection import project_truncated
 from surefoot.errors import MissingExtra
 

@@ -7,105 +7,29 @@ a wrapper. `cold` solves from nothing; `warm`, where the rival can, goes on from
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
-from surefoot.bench.forces_instances import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
-from surefoot.cones import FrictionPyramid
-from surefoot.contact import ContactProblem
+from surefoot.bench.forces_program import Program, cone_rows
 
 Call = Callable[[], FloatArray | None]
-Fit = Literal["inner", "outer"]
 TOLERANCE = 1e-6
-"""Asked of the first-order solvers; interior-point and active-set solvers keep their own, tighter one."""
-
-
-@dataclass(frozen=True)
-class Program:
-    """min 1/2 xᵀHx + hᵀx over the feet that carry: exact cones, or rows C x <= 0 and bounds on x.
-
-    Attributes
-    ----------
-    instance
-        Where it comes from.
-    H, h
-        (3a, 3a) and (3a,) for the a active feet.
-    C
-        Rows of the facets, or None for exact cones.
-    low, high
-        (3a,) bounds on x, infinite for tangential components.
-    """
-
-    instance: Instance
-    H: FloatArray
-    h: FloatArray
-    C: FloatArray | None
-    low: FloatArray
-    high: FloatArray
-    mu: FloatArray
-    columns: Any = field(repr=False)
-
-    def forces(self, x: FloatArray | None) -> FloatArray:
-        """Return the (n, 3) forces of a solution; NaN where there is none."""
-        out = np.zeros(self.instance.grasp_map.shape[1])
-        out[self.columns] = np.nan if x is None else x
-        return out.reshape(-1, 3)
-
-
-def program(
-    instance: Instance, facets: int | None = None, fit: Fit = "inner", force_weight: float = FORCE_WEIGHT
-) -> Program:
-    """Return the program of an instance, exact or with facets."""
-    on = np.flatnonzero(instance.active)
-    columns = (3 * on[:, None] + np.arange(3)).ravel()
-    A = instance.grasp_map[:, columns]
-    H = A.T @ (WRENCH_WEIGHTS[:, None] * A) + force_weight * np.eye(columns.size)
-    low, high = np.full(columns.size, -np.inf), np.full(columns.size, np.inf)
-    low[2::3], high[2::3] = instance.normal_min[on], instance.normal_max[on]
-    C = None
-    if facets is not None:
-        rows = [
-            FrictionPyramid(float(m), facets, "inner" if fit == "inner" else "outer") for m in instance.mu[on]
-        ]
-        C = np.zeros((facets * on.size, columns.size))
-        for k, pyramid in enumerate(rows):
-            C[facets * k : facets * (k + 1), 3 * k : 3 * k + 3] = pyramid.halfspaces[:facets]
-    h = -A.T @ (WRENCH_WEIGHTS * instance.wrench)
-    return Program(instance, 0.5 * (H + H.T), h, C, low, high, instance.mu[on], columns)
-
-
-def contact_problem(instance: Instance, force_weight: float = FORCE_WEIGHT) -> ContactProblem:
-    """Return the same allocation as a contact problem with exact cones, for an independent certificate."""
-    A = instance.grasp_map
-    G = A.T @ (WRENCH_WEIGHTS[:, None] * A) + force_weight * np.eye(A.shape[1])
-    g = -A.T @ (WRENCH_WEIGHTS * instance.wrench)
-    return ContactProblem(G, g, instance.mu, instance.normal_min, instance.normal_max, law="convex")
-
-
-def cone_rows(p: Program) -> tuple[FloatArray, FloatArray]:
-    """Return M and b with b - M x in (non-negative, then one second-order cone per foot)."""
-    a = p.mu.size
-    Z = np.zeros((a, 3 * a))
-    Z[np.arange(a), 3 * np.arange(a) + 2] = 1.0
-    S = np.zeros((3 * a, 3 * a))
-    for k in range(a):
-        S[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = [[0.0, 0.0, p.mu[k]], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
-    return np.vstack([-Z, Z, -S]), np.concatenate([-p.low[2::3], p.high[2::3], np.zeros(3 * a)])
+"""Asked of solvers that stop by a tolerance, unless the benchmark finds that a looser one will do."""
 
 
 class Rival(ABC):
-    """A solver on one kind of program."""
+    """A solver on one kind of program; `tol` is its stopping tolerance, where it has one."""
 
     name = ""
     exact = False
     can_warm = False
+    has_tol = False
+    tol = TOLERANCE
 
     def cold(self, p: Program) -> Call:
         """Return the call that sets up and solves."""
@@ -127,7 +51,7 @@ class Rival(ABC):
 class Clarabel(Rival):
     """Interior point on exact cones."""
 
-    name, exact = "Clarabel", True
+    name, exact, has_tol = "Clarabel", True, True
 
     def _cold(self, p: Program) -> Call:
         import clarabel
@@ -138,6 +62,7 @@ class Clarabel(Rival):
         cones = [clarabel.NonnegativeConeT(2 * a)] + [clarabel.SecondOrderConeT(3)] * a
         options = clarabel.DefaultSettings()
         options.verbose = options.presolve_enable = False
+        options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = self.tol
 
         def solve() -> FloatArray | None:
             found = clarabel.DefaultSolver(P, p.h, rows, b, cones, options).solve()
@@ -149,7 +74,7 @@ class Clarabel(Rival):
 class Ecos(Rival):
     """Interior point on exact cones; the quadratic objective becomes one more cone."""
 
-    name, exact = "ECOS", True
+    name, exact, has_tol = "ECOS", True, True
 
     def _cold(self, p: Program) -> Call:
         import ecos
@@ -169,7 +94,9 @@ class Ecos(Rival):
         dims = {"l": 2 * a, "q": [3] * a + [m + 1]}
 
         def solve() -> FloatArray | None:
-            found = ecos.solve(objective, G, right, dims, verbose=False)
+            found = ecos.solve(
+                objective, G, right, dims, verbose=False, abstol=self.tol, reltol=self.tol, feastol=self.tol
+            )
             return np.asarray(found["x"][:m]) if found["info"]["exitFlag"] in (0, 10) else None
 
         return solve
@@ -178,7 +105,7 @@ class Ecos(Rival):
 class Scs(Rival):
     """ADMM on exact cones."""
 
-    name, exact, can_warm = "SCS", True, True
+    name, exact, can_warm, has_tol = "SCS", True, True, True
 
     def __init__(self) -> None:
         self._last: Any = None
@@ -190,7 +117,7 @@ class Scs(Rival):
         a = p.mu.size
         data = {"P": sp.csc_matrix(np.triu(p.H)), "A": sp.csc_matrix(M), "b": b, "c": p.h}
         cone = {"l": 2 * a, "q": [3] * a}
-        options = {"verbose": False, "eps_abs": TOLERANCE, "eps_rel": TOLERANCE, "max_iters": 20_000}
+        options = {"verbose": False, "eps_abs": self.tol, "eps_rel": self.tol, "max_iters": 20_000}
         return lambda: scs.SCS(data, cone, **options)
 
     def _cold(self, p: Program) -> Call:
@@ -285,11 +212,11 @@ class Quadprog(Rival):
 class Osqp(Rival):
     """ADMM on facets."""
 
-    name, can_warm = "OSQP", True
+    name, can_warm, has_tol = "OSQP", True, True
 
     def __init__(self) -> None:
         self._solver: Any = None
-        self._shape: tuple[int, ...] = ()
+        self._rows: Any = None
 
     def _data(self, p: Program) -> tuple[Any, ...]:
         assert p.C is not None
@@ -308,8 +235,18 @@ class Osqp(Rival):
         import osqp
 
         solver = osqp.OSQP()
+        P, h, rows, low, high = data  # on copies: its updates write into the matrices that it was set up with
         solver.setup(
-            *data, verbose=False, eps_abs=TOLERANCE, eps_rel=TOLERANCE, max_iter=20_000, polishing=False
+            P.copy(),
+            h,
+            rows.copy(),
+            low,
+            high,
+            verbose=False,
+            eps_abs=self.tol,
+            eps_rel=self.tol,
+            max_iter=20_000,
+            polishing=False,
         )
         return solver
 
@@ -323,11 +260,17 @@ class Osqp(Rival):
 
     def _warm(self, p: Program) -> Call:
         data = self._data(p)
-        if self._solver is None or self._shape != data[2].shape:
-            self._solver, self._shape = self._setup(data), data[2].shape
+        rows, last = data[2], self._rows
+        if last is None or last.shape != rows.shape or not np.array_equal(last.indices, rows.indices):
+            self._solver = self._setup(data)
+            last = rows
+        change = {"Px": data[0].data, "q": data[1], "l": data[3], "u": data[4]}
+        if not np.array_equal(last.data, rows.data):  # the friction is new
+            change["Ax"] = rows.data
+        self._rows = rows
 
         def solve() -> FloatArray | None:
-            self._solver.update(Px=data[0].data, q=data[1], l=data[3], u=data[4])
+            self._solver.update(**change)
             return self._answer(self._solver.solve(raise_error=False))
 
         return solve
@@ -336,11 +279,11 @@ class Osqp(Rival):
 class ProxQp(Rival):
     """Proximal augmented Lagrangian on facets."""
 
-    name, can_warm = "ProxQP", True
+    name, can_warm, has_tol = "ProxQP", True, True
 
     def __init__(self) -> None:
         self._qp: Any = None
-        self._shape: tuple[int, ...] = ()
+        self._rows: FloatArray = np.zeros((0, 0))
 
     def _data(self, p: Program) -> tuple[Any, ...]:
         assert p.C is not None
@@ -354,7 +297,7 @@ class ProxQp(Rival):
         import proxsuite
 
         qp = proxsuite.proxqp.dense.QP(data[1].size, 0, len(data[4]))
-        qp.settings.eps_abs, qp.settings.eps_rel = TOLERANCE, 0.0
+        qp.settings.eps_abs, qp.settings.eps_rel = self.tol, 0.0
         qp.init(*data)
         return qp
 
@@ -371,13 +314,17 @@ class ProxQp(Rival):
         import proxsuite
 
         data = self._data(p)
-        if self._qp is None or self._shape != data[4].shape:
-            self._qp, self._shape = self._setup(data), data[4].shape
+        if self._qp is None or self._rows.shape != data[4].shape:
+            self._qp, self._rows = self._setup(data), data[4]
             guess = proxsuite.proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
             self._qp.settings.initial_guess = guess
+        change = {"H": data[0], "g": data[1], "l": data[5], "u": data[6]}
+        if not np.array_equal(self._rows, data[4]):  # the friction is new
+            change["C"] = data[4]
+        self._rows = data[4]
 
         def solve() -> FloatArray | None:
-            self._qp.update(H=data[0], g=data[1], l=data[5], u=data[6])
+            self._qp.update(**change)
             return self._answer(self._qp)
 
         return solve
@@ -386,7 +333,7 @@ class ProxQp(Rival):
 class Piqp(Rival):
     """Proximal interior point on facets."""
 
-    name = "PIQP"
+    name, has_tol = "PIQP", True
 
     def _cold(self, p: Program) -> Call:
         import piqp
@@ -398,6 +345,8 @@ class Piqp(Rival):
 
         def solve() -> FloatArray | None:
             solver = piqp.DenseSolver()
+            solver.settings.eps_abs = solver.settings.eps_rel = self.tol
+            solver.settings.eps_duality_gap_abs = solver.settings.eps_duality_gap_rel = self.tol
             solver.setup(H, p.h, None, None, C, below, zero, p.low, p.high)
             status = solver.solve()
             return np.array(solver.result.x) if status == piqp.PIQP_SOLVED else None
@@ -435,30 +384,3 @@ def available(rivals: tuple[type[Rival], ...]) -> list[type[Rival]]:
 
     packages = {"Clarabel": "clarabel", "ProxQP": "proxsuite", "HiGHS": "highspy"}
     return [r for r in rivals if importlib.util.find_spec(packages.get(r.name, r.name.lower())) is not None]
-
-
-def objective(p: Program, x: FloatArray) -> float:
-    """Return ||A f - w||²_W + r ||f||², which is zero at best."""
-    w = p.instance.wrench
-    return float(x @ p.H @ x + 2.0 * p.h @ x + w @ (WRENCH_WEIGHTS * w))
-
-
-def facet_violation(p: Program, x: FloatArray) -> float:
-    """Return by how much x breaks the program's own facets and bounds [N]."""
-    worst = max(float((p.low - x).max()), float((x - p.high).max()), 0.0)
-    return worst if p.C is None else max(worst, float((p.C @ x).max()))
-
-
-def cone_violation(instance: Instance, forces: FloatArray) -> float:
-    """Return the largest distance of a force to its exact truncated cone [N]; NaN if a force is NaN."""
-    f = forces[instance.active]
-    mu, low, high = (v[instance.active] for v in (instance.mu, instance.normal_min, instance.normal_max))
-    t = np.hypot(f[:, 0], f[:, 1])
-    over = np.maximum(t - mu * f[:, 2], 0.0) / np.sqrt(1.0 + mu**2)
-    return float(np.max([over, low - f[:, 2], f[:, 2] - high, np.zeros(mu.size)]))
-
-
-def shortfall(instance: Instance, forces: FloatArray) -> float:
-    """Return the weighted wrench error ||A f - w||_W."""
-    e = instance.grasp_map @ forces.ravel() - instance.wrench
-    return math.sqrt(float(e @ (WRENCH_WEIGHTS * e)))

@@ -11,7 +11,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.bench.forces import distributor_for, run_ours, run_rival
 from surefoot.bench.forces_instances import Instance
-from surefoot.bench.forces_rivals import Daqp, available, program
+from surefoot.bench.forces_program import program
+from surefoot.bench.forces_rivals import Daqp, available
 from surefoot.bench.timing import Timing, one_core
 from surefoot.contact import Status
 from surefoot.kernels import kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from surefoot.arrays import FloatArray
@@ -17,8 +17,7 @@ Kept = TypeVar("Kept")
 
 def judge(problem: ContactProblem, forces: FloatArray) -> float:
     """Return how far (n, 3) forces are from a solution, as `Status.SOLVED` is judged; infinite for NaN."""
-    found = residuals(problem, forces)
-    error = float(getattr(found, "velocity_error", found.natural_map))
+    error = residuals(problem, forces).worst
     return error if error >= 0.0 else float("inf")
 
 
@@ -27,7 +26,11 @@ def finer(decade: int) -> tuple[float, ...]:
     return tuple(decade + k / STEPS_PER_DECADE for k in range(STEPS_PER_DECADE - 1, 0, -1))
 
 
-def coarsest(attempt: Callable[[float], Kept | None], more_time: Callable[[], bool]) -> Kept | None:
+def coarsest(
+    attempt: Callable[[float], Kept | None],
+    more_time: Callable[[], bool] = lambda: True,
+    decades: Sequence[int] = DECADES,
+) -> Kept | None:
     """Return the answer of the loosest tolerance that is accurate enough, None if no decade is.
 
     Parameters
@@ -36,8 +39,10 @@ def coarsest(attempt: Callable[[float], Kept | None], more_time: Callable[[], bo
         Is given a tolerance as a multiple of the wanted residual; None where it misses that residual.
     more_time
         Whether a tighter decade may be tried.
+    decades
+        Powers of ten to try, loosest first.
     """
-    for decade in DECADES:
+    for decade in decades:
         best = attempt(10.0**decade)
         if best is not None:
             break
@@ -45,7 +50,7 @@ def coarsest(attempt: Callable[[float], Kept | None], more_time: Callable[[], bo
             return None
     else:
         return None
-    if decade == DECADES[0]:
+    if decade == decades[0]:
         return best
     steps = finer(decade)
     low, high = 0, len(steps)  # the loosest that reaches it is steps[low..high], the last being the decade

@@ -16,12 +16,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
+from surefoot.bench import mpc_hpipm
 from surefoot.cones import FrictionPyramid
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
 from surefoot.errors import MissingExtra
 
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
-"""What a rival may be set to; it runs at the loosest with which it is accurate enough."""
+DECADES = tuple(range(-2, -12, -1))
+"""Powers of ten that a rival's tolerance is tried at; it runs at the loosest eighth of a decade that does."""
 
 
 class Matrices(NamedTuple):
@@ -52,7 +53,7 @@ class Variant:
     tol: float
 
     def __str__(self) -> str:
-        return f"{self.form}, {'warm' if self.warm else 'cold'}, {self.tol:.0e}"
+        return f"{self.form}, {'warm' if self.warm else 'cold'}, {self.tol:.1e}"
 
 
 @dataclass
@@ -71,17 +72,14 @@ class Rival:
         """What a table says."""
         return f"{self.solver}, {'exact cones' if self.facets is None else f'{self.facets} facets'}"
 
-    def variants(self) -> list[Variant]:
-        """Return all ways to run it."""
-        return [Variant(f, w, t) for f in self.forms for w in self.warm for t in TOLERANCES]
-
     def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Any:
         """Return the program in this rival's format (not timed)."""
-        return self.ready(matrices(mpc, program, self.facets, sparse=form == "sparse", dense=form == "dense"))
+        sparse, dense = form.startswith("sparse"), form == "dense"
+        return self.ready(matrices(mpc, program, self.facets, sparse=sparse, dense=dense))
 
 
 def rivals() -> list[Rival]:
-    """Return all rivals, fresh.
+    """Return all rivals, fresh; HPIPM only where CasADi's wheel brings it.
 
     Raises
     ------
@@ -96,6 +94,9 @@ def rivals() -> list[Rival]:
             Rival("PIQP", facets, ("dense", "sparse"), (False,), _as_is, _piqp),
             Rival("DAQP", facets, ("dense",), (True, False), _daqp_ready, _daqp),
         ]
+        if mpc_hpipm.hpipm_installed():
+            forms = ("sparse", "sparse, balanced")
+            out.append(Rival("HPIPM", facets, forms, (True, False), mpc_hpipm.stages, mpc_hpipm.solver))
     out.append(Rival("Clarabel", None, ("condensed", "sparse"), (False,), clarabel_ready, _clarabel))
     return out
 
@@ -211,9 +212,10 @@ def _osqp(variant: Variant) -> Callable[[Any], FloatArray]:
             solver.update(q=m.q, l=low, u=high, Px=upper.data, Ax=rows.data)
         else:
             solver = osqp.OSQP()
-            solver.setup(
-                upper, m.q, rows, low, high, verbose=False, eps_abs=variant.tol, eps_rel=variant.tol,
-                warm_starting=variant.warm, max_iter=20_000, polishing=False, check_termination=10,
+            solver.setup(  # on copies: its updates write into the matrices that it was set up with
+                upper.copy(), m.q, rows.copy(), low, high, verbose=False, eps_abs=variant.tol,
+                eps_rel=variant.tol, warm_starting=variant.warm, max_iter=20_000, polishing=False,
+                check_termination=10,
             )  # fmt: skip
             kept[m.structure] = solver
         return _forces(solver.solve(raise_error=False).x, m)

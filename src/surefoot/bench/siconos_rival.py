@@ -40,8 +40,8 @@ def siconos_best(
 ) -> dict[str, list[tuple[SiconosRun | None, float]]]:
     """Return, by method ("siconos nsgs", ...) and problem, the loosest run that satisfies our judge.
 
-    With it the least residual of all runs; None where no run is accurate enough. Runs in a process of its
-    own on one core: first by decades, then between the two decades that matter.
+    With it its residual; None, and the least residual of all runs, where no run is accurate enough. Runs in
+    a process of its own on one core: first by decades, then between the two decades that matter.
     """
     every = {(m, k): [tol * 10.0**d for d in DECADES] for m in METHODS for k in range(len(problems))}
     rough = _run(problems, every, timeout)
@@ -57,8 +57,10 @@ def siconos_best(
         for k, problem in enumerate(problems):
             runs = fine.get((method, k), []) + rough.get((method, k), [])
             gaps = [judge(problem, r.forces) for r in runs]
-            first = next((r for r, gap in zip(runs, gaps, strict=True) if gap <= tol), None)
-            rows.append((first, min(gaps, default=float("inf"))))
+            first = next((j for j, gap in enumerate(gaps) if gap <= tol), None)
+            rows.append(
+                (None, min(gaps, default=float("inf"))) if first is None else (runs[first], gaps[first])
+            )
         table[f"siconos {method}"] = rows
     return table
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,7 @@ def races(count: int = 200, seed: int = 1) -> list[Race]:
     out: list[Race] = []
     with one_core():
         out += _race(f"can it stand, 4 points ({possible} of {count} can)", _stand_racers(feet))
+        out += _race("can it stand, 4 points: what is new in each call", _novelty_racers(feet))
         out += _race("CoM region to 1 mm, 4 points", _region_racers(wide))
         out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
         out += _race("wrench cone, 4 points on rough ground, 8 facets", _cone_racers(wide))
@@ -116,7 +118,7 @@ def _stand_racers(cases: list[StanceCase]) -> _Racers:
         return solve()
 
     return [
-        ("surefoot, exact cones", lambda c: can_stand(c.stance, c.com, c.mass, c.external_wrench), cases),
+        ("surefoot, exact cones, a stance asked before", _ask, cases),
         (
             "surefoot, 8 facets",
             lambda c: can_stand(c.stance, c.com, c.mass, c.external_wrench, facets=8),
@@ -124,6 +126,29 @@ def _stand_racers(cases: list[StanceCase]) -> _Racers:
         ),
         ("Clarabel, exact cones", call, [rivals.clarabel_margin(c) for c in cases]),
         ("SciPy HiGHS, 8 facets", call, [rivals.highs_feasible(c) for c in cases]),
+    ]
+
+
+def _ask(case: StanceCase) -> Any:
+    return can_stand(case.stance, case.com, case.mass, case.external_wrench)
+
+
+def _novelty_racers(cases: list[StanceCase]) -> _Racers:
+    """Return the question to the same stance again, to a new one of old contacts, and with all built anew."""
+
+    def fresh(case: StanceCase) -> Any:
+        return can_stand(Stance(case.stance.contacts), case.com, case.mass, case.external_wrench)
+
+    def built(data: tuple[StanceCase, list[tuple[Any, Any, float]]]) -> Any:
+        case, feet = data
+        stance = Stance([PointContact(position, normal, mu) for position, normal, mu in feet])
+        return can_stand(stance, case.com, case.mass, case.external_wrench)
+
+    data = [(case, [(c.position, c.normal, c.mu) for c in case.stance]) for case in cases]
+    return [
+        ("surefoot, a stance asked before", _ask, cases),
+        ("surefoot, a fresh stance of the same contacts", fresh, cases),
+        ("surefoot, contacts and stance built too", built, data),
     ]
 
 
@@ -142,10 +167,13 @@ def _cone_racers(cases: list[StanceCase]) -> _Racers:
         return solve()
 
     rays = [wrench_cone(c.stance, c.com, facets=8).rays for c in cases]
+    cddlib: _Racers = []
+    if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
+        cddlib = [("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays])]
     return [
         ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
         ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),
-        ("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays]),
+        *cddlib,
         ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
     ]
 

@@ -3,8 +3,8 @@
 Every method is given the same recorded inputs (`mpc_scenes`). Our time is the whole call from Python,
 building the model included; a rival's time is its own update and solve, its matrices being ready. Each rival
 first runs a stretch of the inputs in all its forms (condensed and sparse, warm and cold) from loose to tight
-tolerances; the fastest form whose forces come within `ACCURACY` of its own exact optimum is then measured on
-all inputs, at a tighter tolerance if it needs one there.
+tolerances, by eighths of a decade; the fastest form whose forces come within `ACCURACY` of its own exact
+optimum is then measured on all inputs, at a tighter tolerance if it needs one there.
 """
 
 from __future__ import annotations
@@ -12,12 +12,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.bench import mpc_rivals
+from surefoot.bench.judge import STEPS_PER_DECADE, coarsest
 from surefoot.bench.mpc_rivals import Rival, Variant
 from surefoot.bench.mpc_scenes import TICK, MpcInput, MpcScene, choose_scenes, controller, record
 from surefoot.bench.timing import Timing, one_core
@@ -168,30 +170,52 @@ def _best(
     """Return the fastest accurate way to run a rival, its time and its forces."""
     first = max(len(programs) // 2 - TUNING_INPUTS // 2, 0)
     some = slice(first, first + TUNING_INPUTS)
-    trials: list[tuple[bool, float, Variant]] = []
+    trials: list[Trial] = []
     for form in rival.forms:
         packed = [rival.pack(mpc, program, form) for program in programs[some]]
         for warm in rival.warm:
-            for tol in mpc_rivals.TOLERANCES:
-                variant = Variant(form, warm, tol)
-                timing, forces = _time(rival.make(variant), packed, passes=1)
-                poor = _error(forces, optima[some]) > ACCURACY
-                trials.append((poor, timing.median, variant))
-                if not poor:
-                    break
-    tried: list[tuple[bool, float, Variant, Timing, list[FloatArray]]] = []
-    for _, _, found in sorted(trials, key=lambda trial: trial[:2]):
-        if (found.form, found.warm) in {(v.form, v.warm) for _, _, v, _, _ in tried}:
-            continue
-        packed = [rival.pack(mpc, program, found.form) for program in programs]
-        for tol in mpc_rivals.TOLERANCES[mpc_rivals.TOLERANCES.index(found.tol) :]:
-            variant = Variant(found.form, found.warm, tol)
-            timing, forces = _time(rival.make(variant), packed)
-            error = _error(forces, optima)
-            tried.append((error > ACCURACY, error, variant, timing, forces))
-            if error <= ACCURACY:
-                return variant, timing, forces
-    return min(tried, key=lambda trial: trial[:2])[2:]
+            tried = partial(_try, rival, form, warm, packed, optima[some], 1)
+            trials.append(_loosest(tried))
+    finals: list[Trial] = []
+    for trial in sorted(trials, key=lambda t: (t.error > ACCURACY, t.timing.median)):
+        form, warm, tol = trial.variant.form, trial.variant.warm, trial.variant.tol
+        packed = [rival.pack(mpc, program, form) for program in programs]
+        while tol >= 0.99 * 10.0 ** mpc_rivals.DECADES[-1]:
+            finals.append(_try(rival, form, warm, packed, optima, PASSES, tol))
+            if finals[-1].error <= ACCURACY:
+                return finals[-1].variant, finals[-1].timing, finals[-1].forces
+            tol *= 10.0 ** (-1.0 / STEPS_PER_DECADE)
+    best = min(finals, key=lambda t: t.error)
+    return best.variant, best.timing, best.forces
+
+
+class Trial(NamedTuple):
+    """One way to run a rival, and what came of it."""
+
+    error: float
+    variant: Variant
+    timing: Timing
+    forces: list[FloatArray]
+
+
+def _try(
+    rival: Rival, form: str, warm: bool, packed: list[Any], optima: list[FloatArray], passes: int, tol: float
+) -> Trial:
+    """Run a rival on packed programs."""
+    variant = Variant(form, warm, tol)
+    timing, forces = _time(rival.make(variant), packed, passes)
+    return Trial(_error(forces, optima), variant, timing, forces)
+
+
+def _loosest(tried: Callable[[float], Trial]) -> Trial:
+    """Return the trial of the loosest tolerance that is accurate, or the most accurate one."""
+    seen: list[Trial] = []
+
+    def attempt(tol: float) -> Trial | None:
+        seen.append(tried(tol))
+        return seen[-1] if seen[-1].error <= ACCURACY else None
+
+    return coarsest(attempt, decades=mpc_rivals.DECADES) or min(seen, key=lambda t: t.error)
 
 
 def _error(forces: list[FloatArray], optima: list[FloatArray]) -> float:

@@ -13,6 +13,7 @@ from surefoot.cli import (
     bench_statics,
     bench_walk,
 )
+from surefoot.cli.literal_help import LiteralHelpCommand
 
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
 
@@ -22,10 +23,8 @@ def bench() -> None:
     """Measure Surefoot against its rivals in the same run."""
 
 
-app.command("momentum")(bench_momentum.momentum)
-app.command("statics")(bench_statics.statics)
-app.command("walk")(bench_walk.walk)
-app.command("faults")(bench_faults.faults)
-app.command("contact")(bench_contact.contact)
-app.command("rigid")(bench_rigid.rigid)
-app.command("forces")(bench_forces.forces)
+for _command in (
+    bench_momentum.momentum, bench_statics.statics, bench_walk.walk, bench_faults.faults,
+    bench_contact.contact, bench_rigid.rigid, bench_forces.forces,
+):  # fmt: skip
+    app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

@@ -11,12 +11,18 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.arrays import real_number
+from surefoot.cli import extras, parsing
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
 
 if TYPE_CHECKING:
     from surefoot.bench.contact import Comparison, Kind
+    from surefoot.bench.problems import NamedProblem
 
 SCALES = ("robot", "large")
+QUICK_COPIES, QUICK_CONTACTS = 0.01, 60
+"""Of --quick: share of the problems of each family (one at least), and contacts of the largest one."""
 
 
 def contact(
@@ -28,6 +34,9 @@ def contact(
     ] = None,
     rivals: Annotated[bool, typer.Option(help="Run Pinocchio, and Siconos if installed.")] = True,
     copies: Annotated[float, typer.Option(min=0.01, help="Times the usual number of problems.")] = 1.0,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only the smallest problem of each family, and no huge ones.")
+    ] = False,
     seed: Annotated[int, typer.Option(help="Seed of the generated problems.")] = 0,
     out: Annotated[Path, typer.Option(help="Write JSON and pictures to a new folder here.")] = Path("runs"),
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
@@ -41,13 +50,21 @@ def contact(
     from surefoot.bench.contact import OURS, ROBOT_SCALE, compare, problems_in
     from surefoot.bench.problems import problem_set
 
-    problems = problem_set(scale, seed, copies)
+    check_out(out)
+    extras.require(["pin"] if rivals else [])
+    parsing.seed(seed)
+    real_number("--copies", copies, low=0.01, high=1e3)
+    if tol is not None:
+        real_number("--tol", tol, low=1e-15, high=1.0)
+    problems = problem_set(scale, seed, QUICK_COPIES if quick else copies)
     if folder is not None:
         given = problems_in(folder)
         problems += [p for p in given if (p.problem.contacts <= ROBOT_SCALE) == (scale == "robot")]
+    if quick:
+        problems = _smallest(problems)
     wanted = tol if tol is not None else (1e-9 if scale == "robot" else 1e-6)
     chosen = tuple(solver) if solver else OURS
-    console = Console(stderr=json)
+    console = plain_console(stderr=json)
     with console.status("solving") as status:
         found = compare(
             problems, wanted, chosen, rivals, progress=lambda name: status.update(f"solving {name}")
@@ -58,10 +75,22 @@ def contact(
         _print(console, found)
     target = new_run_folder(out, f"contact-{scale}")
     (target / "contact.json").write_text(to_json(_record(found)) + "\n", encoding="utf-8")
-    _draw(found, scale, target, chosen)
+    error = extras.missing(["matplotlib"])
+    if error is None:
+        _draw(found, scale, target, chosen)
     if not json:
-        console.print(f"written to {target}")
+        note = "" if error is None else f"; no pictures: {error}"
+        console.print(f"written to {target}{note}", soft_wrap=True)
     return 0 if np.isfinite(found.times()[chosen[0]]).all() else 1
+
+
+def _smallest(problems: list[NamedProblem]) -> list[NamedProblem]:
+    """Return the smallest problem of every family that has one of at most `QUICK_CONTACTS` contacts."""
+    least: dict[str, NamedProblem] = {}
+    for named in sorted(problems, key=lambda p: p.problem.contacts):
+        if named.problem.contacts <= QUICK_CONTACTS:
+            least.setdefault(named.family, named)
+    return list(least.values())
 
 
 def _rivals(found: Comparison) -> list[str]:
@@ -83,12 +112,12 @@ def _kinds(found: Comparison) -> tuple[tuple[Kind, str], tuple[Kind, str]]:
 def _print(console: Console, found: Comparison) -> None:
     """Print both times of every solver, then ours by family against Pinocchio's best."""
     table = Table(
-        title=f"Contact problems solved to {found.tol:g}: one ready problem, and a new G each call [µs]",
+        title=f"Contact problems solved to {found.tol:g}: one ready problem, and a new G each call [µs]; "
+        "mean: geometric",
         title_justify="left",
     )
-    columns = ("geometric mean", "median", "p99")
-    for name in ("solver", "solved", "of", *(f"{k}: {c}" for k in ("ready", "new G") for c in columns)):
-        table.add_column(name, justify="left" if name == "solver" else "right")
+    for name in ("solver", "solved", "of", "ready: mean", "median", "p99", "new G: mean", "median", "p99"):
+        table.add_column(name, justify="left" if name == "solver" else "right", no_wrap=True)
     for name in found.solvers:
         ready, fresh = found.families(name, "ready")[-1], found.families(name, "fresh")[-1]
         numbers = (ready.mean, ready.median, ready.p99, fresh.mean, fresh.median, fresh.p99)

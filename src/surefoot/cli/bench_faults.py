@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
+
+QUICK_FAULTS = ("payload", "delay")
 
 if TYPE_CHECKING:
     from surefoot.bench.faults import FaultRow
@@ -21,6 +24,7 @@ def faults(
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Trials per level.")] = 20,
     duration: Annotated[float, typer.Option(min=2.5, max=60.0, help="Length of a trial [s].")] = 5.0,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes.")] = 1,
+    quick: Annotated[bool, typer.Option("--quick", help="Two faults, one short trial per level.")] = False,
     out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
@@ -29,7 +33,12 @@ def faults(
     A level counts as survived when the robot falls in none of the seeds.
     """
     from surefoot.bench.faults import measure
+    from surefoot.cli import extras
 
+    check_out(out)
+    extras.require((*extras.robot_packages(robot), "mujoco"))
+    if quick:
+        fault, seeds, duration = fault or list(QUICK_FAULTS), 1, 2.5
     with progress_bar(not as_json, "bench faults", 1.0) as show:
         rows = measure(robot, fault, seeds, duration, jobs, show)
     record = {"robot": robot, "seeds": seeds, "duration": duration, "faults": [asdict(row) for row in rows]}
@@ -44,7 +53,6 @@ def faults(
 
 
 def _print(robot: str, seeds: int, rows: list[FaultRow]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(title=f"{robot} trotting at 0.5 m/s: largest level survived by all of {seeds} seeds")
@@ -54,4 +62,4 @@ def _print(robot: str, seeds: int, rows: list[FaultRow]) -> None:
         tried = ", ".join(f"{level:g}: {ok}/{count}" for level, ok, count in row.tried)
         values = ["none" if v is None else f"{v:g}" for v in (row.survived, row.next_level)]
         table.add_row(row.title, values[0], values[1] if row.next_level is not None else "-", row.unit, tried)
-    Console().print(table)
+    plain_console().print(table)

@@ -11,18 +11,22 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import MissingExtra
 
-WIDTH = 118
+WIDTH = 126
 """Columns that the table needs; a narrower terminal wraps its lines."""
+QUICK_COUNT, QUICK_INSTANCES, QUICK_STAND = 10, 6, 1.5
+"""Of --quick: allocations of each class, instances checked, length of the stand [s]."""
 WEIGHTS = (1e-1, 1e-2, 1e-4)
 """Force weights of the check against Clarabel."""
 
 
 def forces(
     out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="A fifth of the instances.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Few instances, one short stand: seconds.")] = False,
     count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
     instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
     log: Annotated[
@@ -40,13 +44,16 @@ def forces(
     from surefoot.bench.forces_torques import time_torque_limits
     from surefoot.bench.forces_warm import measure_all
 
-    count = max(2, count // 5) if quick else count
+    check_out(out)
+    extras.require(["pin", "clarabel", "qpsolvers"], ["matplotlib"] if out is not None else [])
+    if quick:
+        count, instances = min(count, QUICK_COUNT), min(instances, QUICK_INSTANCES)
     steps = 5 * count // 2
-    progress = Console(stderr=True)
+    progress = plain_console(stderr=True)
     logged = None if log is None else busiest(read_log(log), steps)
     with progress.status("timing") as status:
         rows = run_all(count, steps, logged, status.update)
-        warm = list(measure_all(_trajectories(steps, logged, stands, progress), status.update))
+        warm = list(measure_all(_trajectories(steps, logged, stands, quick, progress), status.update))
         torques = time_torque_limits(count)
         status.update("checking against Clarabel")
         checks = {
@@ -59,8 +66,8 @@ def forces(
         accuracy = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
         print(to_json({**found, "accuracy": accuracy}))
     else:
-        console = Console()
-        console = console if console.width >= WIDTH else Console(width=WIDTH)
+        console = plain_console()
+        console = console if console.width >= WIDTH else plain_console(width=WIDTH)
         _print(console, rows, checks)
         _print_warm(console, warm)
         _print_torques(console, torques)
@@ -73,7 +80,7 @@ def forces(
 
 
 def _trajectories(
-    steps: int, logged: list[Any] | None, stands: bool, progress: Console
+    steps: int, logged: list[Any] | None, stands: bool, quick: bool, progress: Console
 ) -> Iterator[tuple[str, list[Any]]]:
     """Yield the made trajectory, the log's and the busiest stretches of simulated stands."""
     from surefoot.bench.forces_instances import busiest, pushed_stance
@@ -82,9 +89,9 @@ def _trajectories(
     yield "made", pushed_stance(steps, 1.0 / steps)
     if logged is not None:
         yield "log", logged
-    for scene in SCENES if stands else ():
+    for scene in SCENES[: 1 if quick else None] if stands else ():
         try:
-            yield scene.name, busiest(simulate(scene), steps)
+            yield scene.name, busiest(simulate(scene, QUICK_STAND) if quick else simulate(scene), steps)
         except MissingExtra as error:
             progress.print(f"no simulated stands: {error}")
             return
@@ -94,14 +101,15 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
     """Print one table per class of instances, then the check against Clarabel."""
     for kind in dict.fromkeys(row.instances for row in rows):
         table = Table(
-            "cone", "solver", "median [µs]", "p99", "worst", "solved", "off the cone [N]", "lost friction",
-            "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
+            "cone", "solver", "tol", "median [µs]", "p99", "worst", "solved", "off the cone [N]",
+            "lost friction", "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
         )  # fmt: skip
         for row in rows:
             if row.instances == kind:
                 t = row.timing
                 table.add_row(
                     row.cone, row.solver + (" warm" if row.warm else ""),
+                    f"{row.tolerance:.0e}" if row.tolerance == row.tolerance else "",
                     *(f"{1e6 * s:.1f}" for s in (t.median, t.p99, t.worst)),
                     f"{row.solved:.0%}", f"{row.cone_violation:.1e}", f"{row.lost_friction:+.1%}",
                     f"{row.distance:.1e}", f"{row.distance_worst:.1e}", f"{row.shortfall:+.1e}",

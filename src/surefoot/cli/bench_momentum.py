@@ -6,21 +6,26 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
 
 
 def momentum(
     out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
     longest: Annotated[int, typer.Option(min=20, help="Links of the longest chain.")] = 1000,
+    quick: Annotated[bool, typer.Option("--quick", help="Chains of up to 20 links.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Time the momentum matrix of chains of 10 to 1000 links: Pinocchio, our CCRBA, brute force."""
     from surefoot.bench.momentum import LINKS, PINOCCHIO_LINKS, WAYS, time_momentum
 
-    timing = time_momentum([n for n in LINKS if n < longest] + [longest])
+    check_out(out)
+    extras.require(["pin"], ["matplotlib"] if out is not None else [])
+    longest = 20 if quick else longest
+    timing = time_momentum([n for n in LINKS if n < longest] + [longest], *([0.02] if quick else []))
     if json:
         print(
             to_json(
@@ -33,7 +38,7 @@ def momentum(
             )
         )
     else:
-        console = Console()
+        console = plain_console()
         table = Table("links", *(f"{way} [µs]" for way in WAYS), "summed / composite", title="A_G of a chain")
         for k, count in enumerate(timing.links):
             times = [timing.seconds[way][k] for way in WAYS]

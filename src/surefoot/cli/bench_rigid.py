@@ -6,9 +6,11 @@ from dataclasses import asdict
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from surefoot.arrays import real_number
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
 
 
@@ -16,11 +18,15 @@ def rigid(
     robot: Annotated[str, typer.Argument(help="A known robot.")] = "go2",
     height: Annotated[float, typer.Option(min=0.0, help="Height of the drop [m].")] = 0.3,
     seconds: Annotated[float, typer.Option(min=1.0, help="Simulated time until rest is judged [s].")] = 4.0,
+    quick: Annotated[bool, typer.Option("--quick", help="Judge rest after one second.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Drop a robot with the standing controller: cost of a simulated second, resting force, energy."""
     from surefoot.bench.rigid_world import drop
 
+    extras.require((*extras.robot_packages(robot), "mujoco"))
+    seconds = 1.0 if quick else real_number("--seconds", seconds, low=1.0, high=3600.0)
+    real_number("--height", height, low=0.0, high=100.0)
     results = [drop(world, robot, height, seconds) for world in ("rigid", "mujoco")]
     if json:
         print(to_json([asdict(r) for r in results]))
@@ -44,6 +50,6 @@ def rigid(
     }
     for name, cells in rows.items():
         table.add_row(name, *cells)
-    console = Console()
+    console = plain_console()
     console.print(table)
     console.print(f"rigid / mujoco wall time: {results[0].wall / results[1].wall:.2f}")

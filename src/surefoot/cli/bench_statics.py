@@ -6,9 +6,10 @@ from dataclasses import asdict
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from surefoot.cli import extras, parsing
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
 
 
@@ -16,6 +17,7 @@ def statics(
     cases: Annotated[int, typer.Option(min=6, help="Random stances whose verdicts are compared.")] = 5000,
     calls: Annotated[int, typer.Option(min=20, help="Instances that are timed.")] = 300,
     seed: Annotated[int, typer.Option(help="Seed of the random stances.")] = 0,
+    quick: Annotated[bool, typer.Option("--quick", help="Sixty stances, twenty calls.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
     """Compare verdicts on random stances, then time each question on the same instances.
@@ -24,6 +26,10 @@ def statics(
     """
     from surefoot.bench.statics import BAND, agreement, races, random_cases
 
+    extras.require(["clarabel"])
+    parsing.seed(seed)
+    if quick:
+        cases, calls = min(cases, 60), min(calls, 20)
     questions = random_cases(cases, seed)
     checks = [agreement(questions), agreement(questions, facets=8)]
     timed = races(calls, seed + 1)
@@ -32,7 +38,7 @@ def statics(
         speed = [{**asdict(r), "timing": asdict(r.timing)} for r in timed]
         print(to_json({"agreement": [asdict(c) for c in checks], "speed": speed}))
         return 0 if good else 1
-    console = Console()
+    console = plain_console()
     table = Table(title=f"Verdicts on {cases} random stances, 2 to 12 contacts", title_justify="left")
     for name in ("against", "possible", "agree", f"differ within {BAND:g} of the load", "differ", "verified"):
         table.add_column(name, justify="left" if name == "against" else "right")

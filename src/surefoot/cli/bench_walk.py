@@ -8,16 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from surefoot.bench.walk import MpcRow, WalkBench
 
-QUICK_SCENES, QUICK_CALLS = ("trot", "limit"), 40
+QUICK_SCENES, QUICK_CALLS = ("trot", "limit"), 10
 PAGE_WIDTH = 150
 """Width of tables that do not go to a terminal."""
 
@@ -37,7 +38,12 @@ def walk(
 ) -> None:
     """Time the MPC step (ours, four QP solvers with pyramids, Clarabel) and a walk's whole-body step."""
     from surefoot.bench.walk import measure
+    from surefoot.robot import load_robot
 
+    check_out(out)
+    for name in robot or ["go2"]:
+        extras.require((*extras.robot_packages(name), "mujoco", "clarabel", "qpsolvers"))
+        load_robot(name)  # unknown ones before long work
     names = scene or (list(QUICK_SCENES) if quick else None)
     with progress_bar(not json, "bench walk", 1.0) as show:
         bench = measure(names, QUICK_CALLS if quick else calls, horizon, robot or ["go2"], show)
@@ -58,7 +64,7 @@ def _print(bench: WalkBench) -> None:
     from surefoot.bench.mpc_scenes import choose_scenes
     from surefoot.bench.walk import ACCURACY
 
-    console = Console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
+    console = plain_console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
     for scene in choose_scenes(list(dict.fromkeys(row.scene for row in bench.rows))):
         table = Table(
             "method", "run as", "median [µs]", "p99", "worst", "ratio", "error [N]", "to exact [N]",

@@ -8,7 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.console import plain_console
+from surefoot.cli.extras import picture_folder
+from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY
 
@@ -50,11 +52,11 @@ def check(
     given = asked(file, robot, urdf, feet, slope, mu, lift)
     sides = parsing.facets(facets)
     facts, ground, motor = _facts(given, sides, fit, motors)
-    if picture:
+    folder, facts["note"] = picture_folder(out, "check") if picture else (None, "")
+    if folder is not None:
         from surefoot.viz.stance_plots import draw_check
 
         verdict = motor if ground.feasible and motor is not None else ground
-        folder = new_run_folder(out, "check")
         facts["picture"] = str(draw_check(given.question, verdict, facts["verdict"], folder / "stance.png"))
     if as_json:
         print(to_json(facts))
@@ -115,6 +117,8 @@ def _sentence(asked: Any, ground: Any, motor: Any, needed: float) -> str:
         margin = "without limit" if math.isinf(best.margin) else f"{best.margin:.3g} N"
         margin = "none, on the very edge" if edge else margin
         return f"possible: margin {margin}; friction needed {needed:.3f}, least friction here {least:g}"
+    if "undecided" in (ground.status, "" if motor is None else motor.status):
+        return "undecided: rounding leaves neither forces nor a proof that there are none"
     if not ground.feasible:
         if math.isinf(needed):
             return "impossible: no friction would be enough"
@@ -154,16 +158,14 @@ def _numbers(values: Any, digits: int) -> str:
 
 
 def _print(facts: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
-    console = Console()
+    console = plain_console()
     style = "bold green" if facts["possible"] else "bold red"
     console.print(f"{facts['name']}: {facts['verdict']}", style=style, soft_wrap=True, highlight=False)
     table = Table()
     for name in ("contact", "position [m]", "tilt [deg]", "mu", "force x, y, z [N]", "friction used"):
-        table.add_column(escape(name), no_wrap=name in ("position [m]", "force x, y, z [N]"))
+        table.add_column(name, no_wrap=name in ("position [m]", "force x, y, z [N]"))
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)
         used = "-" if row["friction_used"] is None else f"{100 * row['friction_used']:.0f} %"
@@ -171,7 +173,7 @@ def _print(facts: dict[str, Any]) -> None:
         table.add_row(row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, used)
     console.print(table)
     if facts["largest_push"]:
-        table = Table("push at the centre of mass", escape("largest [N]"))
+        table = Table("push at the centre of mass", "largest [N]")
         for name, size in facts["largest_push"].items():
             table.add_row(name, "any" if math.isinf(size) else f"{size:.1f}")
         console.print(table)
@@ -185,3 +187,5 @@ def _print(facts: dict[str, Any]) -> None:
         )
     if facts["picture"]:
         console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
+    if facts["note"]:
+        console.print(facts["note"], soft_wrap=True, highlight=False)

@@ -8,10 +8,15 @@ from typing import Annotated, Any
 
 import typer
 
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.arrays import real_number
+from surefoot.cli.console import plain_console
+from surefoot.cli.extras import picture_folder
+from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError, unknown_name
 
 PICTURE_FACETS = (3, 4, 8, 16)
+MOST_ROWS = 32
+"""Rows of a table; with more facets the rest is left to --json."""
 
 
 def cone(
@@ -24,16 +29,22 @@ def cone(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
     """Print the half-spaces, the rays and the exact fit errors of a friction pyramid, and draw it."""
+    from surefoot.cli import parsing
     from surefoot.cones import FrictionCone
 
+    parsing.friction("--mu", mu)
+    parsing.facet_count(facets)
+    real_number("--phase", phase, low=-360.0, high=360.0)
     if fit not in ("inner", "outer"):
         raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
     pyramid = FrictionCone(mu).polyhedral(facets, fit, math.radians(phase))  # type: ignore[arg-type]
-    drawn: Path | None = None
+    drawn, note = None, ""
+    folder: Path | None = None
     if picture and mu > 0.0:
+        folder, note = picture_folder(out, "cone")
+    if folder is not None:
         from surefoot.viz.cone_plots import draw_pyramids
 
-        folder = new_run_folder(out, "cone")
         chosen = sorted({*PICTURE_FACETS, facets} if facets <= 64 else set(PICTURE_FACETS))
         drawn = draw_pyramids(mu, chosen, math.radians(phase), folder / "pyramids.png")
     error = pyramid.fit_error
@@ -46,6 +57,7 @@ def cone(
         "rays": pyramid.rays,
         "fit_error": {"radial": error.radial, "area": error.area},
         "picture": str(drawn) if drawn else None,
+        "note": note,
     }
     if as_json:
         print(to_json(facts))
@@ -55,10 +67,9 @@ def cone(
 
 
 def _print(facts: dict[str, Any]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
-    console = Console()
+    console = plain_console()
     console.print(
         f"Friction cone of mu = {facts['mu']:g} as an {facts['fit']} pyramid with {facts['facets']} sides."
     )
@@ -70,8 +81,10 @@ def _print(facts: dict[str, Any]) -> None:
         table.add_column("#", justify="right")
         for name in names:
             table.add_column(name, justify="right")
-        for k, row in enumerate(rows):
+        for k, row in enumerate(rows[:MOST_ROWS]):
             table.add_row(str(k), *(f"{x + 0.0:.6f}" for x in row))
+        if len(rows) > MOST_ROWS:
+            table.caption = f"and {len(rows) - MOST_ROWS} more, see --json"
         console.print(table)
     error = facts["fit_error"]
     verb = "gives up" if facts["fit"] == "inner" else "promises too much, by"
@@ -81,3 +94,5 @@ def _print(facts: dict[str, Any]) -> None:
     )
     if facts["picture"]:
         console.print(f"Picture: {facts['picture']}", soft_wrap=True)
+    if facts["note"]:
+        console.print(facts["note"], soft_wrap=True, highlight=False)

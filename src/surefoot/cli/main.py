@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import cast
+from typing import Annotated, cast
 
 import typer
 
-from surefoot.cli import bench, check, cone, model, region, solve, stand, walk
+from surefoot import __version__
+from surefoot.cli import bench, check, cone, model, region, solve, stand, walk, warmup
+from surefoot.cli.compiling import announce_compilation
+from surefoot.cli.literal_help import LiteralHelpCommand
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -19,25 +22,38 @@ UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 
 app = typer.Typer(
     name="surefoot",
-    help="The contact layer for legged robots: constrain, solve and check contact forces.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command("stand")(stand.stand)
-app.command("walk")(walk.walk)
-app.command("cone")(cone.cone)
-app.command("check")(check.check)
-app.command("region")(region.region)
-app.command("model")(model.model)
-app.command("solve")(solve.solve)
+for _command in (
+    stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve, warmup.warmup,
+):  # fmt: skip
+    app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
 app.add_typer(bench.app, name="bench")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"surefoot {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def surefoot(
+    version: Annotated[
+        bool,
+        typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Constrain, solve and check the contact forces of legged robots."""
 
 
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line and exit; bad input is one line on stderr and exit code 2."""
     if not sys.stdout.isatty():
         os.environ.setdefault("COLUMNS", PIPE_WIDTH)
+    announce_compilation()
     sys.exit(main(arguments))
 
 
@@ -54,6 +70,8 @@ def main(arguments: list[str] | None = None) -> int:
     except typer.Abort:
         print("interrupted", file=sys.stderr)
         return 130
+    except OSError as error:
+        return _bad_input(f"{error.strerror or error}" + (f": {error.filename}" if error.filename else ""))
     return result if isinstance(result, int) else 0
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
-from surefoot.errors import ProblemError
 
 
 def model(
@@ -21,13 +21,9 @@ def model(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
     """Print masses, joints and limits, feet, ranks of the contact Jacobian and the centroidal inertia."""
-    from surefoot.cli import parsing
-    from surefoot.robot import load_robot
+    from surefoot.cli.robots import load
 
-    if urdf is not None and robot is not None:
-        raise ProblemError(f"give either a robot or --urdf, got both {robot!r} and {urdf}")
-    source = str(urdf.absolute()) if urdf is not None else robot or "go2"
-    facts = describe(load_robot(source, parsing.names(feet), fixed_base=fixed_base or None))
+    facts = describe(load(robot, urdf, feet, fixed_base=fixed_base or None))
     if as_json:
         print(to_json(facts))
     else:
@@ -121,13 +117,12 @@ def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
 
 def _print(facts: dict[str, Any]) -> None:
     """Print the facts as tables."""
-    from rich.console import Console
-
-    console = Console()
+    console = plain_console()
     base = "floating base" if facts["floating_base"] else "fixed base"
     console.print(
-        f"[bold]{facts['robot']}[/bold]: {facts['mass']:.3f} kg, {base}, nq = {facts['nq']}, "
+        f"{facts['robot']}: {facts['mass']:.3f} kg, {base}, nq = {facts['nq']}, "
         f"nv = {facts['nv']}, {len(facts['frames'])} bodies",
+        style="bold",
         highlight=False,
     )
     console.print(_joint_table(facts["joints"]))
@@ -142,11 +137,10 @@ def _print(facts: dict[str, Any]) -> None:
 
 
 def _joint_table(joints: list[dict[str, Any]]) -> Any:
-    from rich.markup import escape
     from rich.table import Table
 
     title = "Joints: link mass [kg], range [rad], effort [N m], speed [rad/s]"
-    table = Table(title=escape(title), title_justify="left")
+    table = Table(title=title, title_justify="left")
     table.add_column("joint", no_wrap=True)
     for name in ("mass", "lower", "upper", "effort", "speed"):
         table.add_column(name, justify="right", no_wrap=True)
@@ -158,10 +152,9 @@ def _joint_table(joints: list[dict[str, Any]]) -> Any:
 
 
 def _foot_table(feet: list[dict[str, Any]]) -> Any:
-    from rich.markup import escape
     from rich.table import Table
 
-    table = Table(title=escape("Feet in the nominal pose: size [mm], place [m]"), title_justify="left")
+    table = Table(title="Feet in the nominal pose: size [mm], place [m]", title_justify="left")
     table.add_column("foot", no_wrap=True)
     for name in ("shape", "size", "x", "y", "z", "rank", "by its leg"):
         table.add_column(name, justify="right", no_wrap=True)
@@ -174,14 +167,11 @@ def _foot_table(feet: list[dict[str, Any]]) -> Any:
 
 
 def _inertia_table(centroidal: dict[str, Any]) -> Any:
-    from rich.markup import escape
     from rich.table import Table
 
     place = ", ".join(f"{x:.3f}" for x in centroidal["com"])
-    table = Table(
-        title=escape(f"Centroidal inertia [kg m²] about ({place}) m, joints locked"), title_justify="left"
-    )
-    for name in ("", "x", "y", "z", escape("radius of gyration [m]")):
+    table = Table(title=f"Centroidal inertia [kg m²] about ({place}) m, joints locked", title_justify="left")
+    for name in ("", "x", "y", "z", "radius of gyration [m]"):
         table.add_column(name, justify="right")
     rows = zip("xyz", centroidal["inertia"], centroidal["radii_of_gyration"], strict=True)
     for axis, row, radius in rows:

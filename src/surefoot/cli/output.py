@@ -37,6 +37,23 @@ def new_run_folder(parent: Path, name: str) -> Path:
     raise ProblemError(f"cannot find a free folder name under {parent}")
 
 
+def check_out(parent: Path | None) -> None:
+    """Refuse, before long work, a parent in which `new_run_folder` could not make a folder; None is fine.
+
+    Raises
+    ------
+    ProblemError
+        If it, or the nearest folder above it that exists, is no folder to write to.
+    """
+    if parent is None:
+        return
+    nearest = next(p for p in (parent.absolute(), *parent.absolute().parents) if p.exists())
+    if not nearest.is_dir():
+        raise ProblemError(f"cannot write to --out {parent}: {nearest} is not a folder")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise ProblemError(f"cannot write to --out {parent}: {nearest} is not writable")
+
+
 def plain(value: Any) -> Any:
     """Return a value as JSON can hold it: arrays as lists, NaN and infinity as null."""
     if isinstance(value, dict):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
+from surefoot.arrays import real_number
 from surefoot.control.standing_plan import Lift
 from surefoot.errors import ProblemError
 from surefoot.simulation.run import Ice, Push
@@ -13,6 +14,15 @@ from surefoot.simulation.walk_terrain import rough_ground
 from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 T = TypeVar("T")
+MU_MAX = 1e3
+"""Friction beyond which nothing changes: a cone that is 0.06 deg short of the half-space."""
+FORCE_MAX = 1e5
+"""Largest push [N]: a hundred times the weight of the heaviest robots."""
+SHORTEST_PUSH = 1e-3
+"""A step of the worlds [s]; what is shorter can fall between two of them."""
+LONGEST_RUN = 3600.0
+MOST_FACETS = 1000
+"""Sides of a pyramid that is 5e-6 of the friction short of its cone: beyond it, ask for the cone."""
 
 
 def number(option: str, text: str) -> float:
@@ -43,9 +53,11 @@ def push(text: str) -> Push:
     if len(force) != 3:
         raise ProblemError(f"--push {text!r} is not of the form T:FX,FY,FZ:DURATION, e.g. 1:60,0,0:0.2")
     start, duration = number("--push", parts[0]), number("--push", parts[2])
-    if start < 0.0 or duration <= 0.0:
-        raise ProblemError(f"--push {text!r}: T must be >= 0 and DURATION > 0")
+    if start < 0.0 or duration < SHORTEST_PUSH:
+        raise ProblemError(f"--push {text!r}: T must be >= 0 and DURATION >= {SHORTEST_PUSH:g} s")
     x, y, z = (number("--push", f) for f in force)
+    if math.hypot(x, y, z) > FORCE_MAX:
+        raise ProblemError(f"--push {text!r}: the force must not exceed {FORCE_MAX:g} N")
     return Push(start, (x, y, z), duration)
 
 
@@ -55,8 +67,8 @@ def ice(text: str) -> Ice:
     if len(parts) != 2:
         raise ProblemError(f"--ice {text!r} is not of the form T:MU, e.g. 2:0.05")
     start, mu = number("--ice", parts[0]), number("--ice", parts[1])
-    if start < 0.0 or mu < 0.0:
-        raise ProblemError(f"--ice {text!r}: T and MU must be >= 0")
+    if start < 0.0 or not 0.0 <= mu <= MU_MAX:
+        raise ProblemError(f"--ice {text!r}: T must be >= 0 and MU between 0 and {MU_MAX:g}")
     return Ice(start, mu)
 
 
@@ -78,14 +90,62 @@ def facets(text: str) -> int | None:
         count = 0
     if count < 3:
         raise ProblemError(f"--facets must be a whole number >= 3 or 'exact', got {text!r}")
+    return facet_count(count)
+
+
+def facet_count(count: int) -> int:
+    """Return a number of facets if it is from 3 to `MOST_FACETS`."""
+    if not 3 <= count <= MOST_FACETS:
+        raise ProblemError(
+            f"--facets must be a whole number from 3 to {MOST_FACETS} (with more, take the exact cone), "
+            f"got {count}"
+        )
     return count
 
 
-def names(text: str | None) -> list[str] | None:
-    """Return the names of a comma-separated list, or None."""
+def friction(option: str, mu: float) -> float:
+    """Return a friction coefficient from 0 to `MU_MAX`."""
+    return real_number(option, mu, low=0.0, high=MU_MAX)
+
+
+def duration(seconds: float, least: float) -> float:
+    """Return the length of a run if it is long enough to be judged, and no more than an hour [s]."""
+    if not least <= seconds <= LONGEST_RUN:
+        raise ProblemError(
+            f"--duration must be between {least:g} (to be judged) and {LONGEST_RUN:g} s, got {seconds:g}"
+        )
+    return seconds
+
+
+def seed(number: int | None) -> None:
+    """Refuse a seed that is not a whole number from 0 to 2⁶⁴ - 1; None stands for no seed."""
+    if number is not None and not 0 <= number < 2**64:
+        raise ProblemError(f"--seed must be a whole number from 0 to 2^64 - 1, got {number!s:.40}")
+
+
+def within_run(option: str, texts: list[str] | None, starts: Sequence[float], duration: float) -> None:
+    """Refuse what would start when the run is over.
+
+    Raises
+    ------
+    ProblemError
+        Naming the first of the option's texts that starts at `duration` [s] or later.
+    """
+    for text, start in zip(texts or [], starts, strict=True):
+        if start >= duration:
+            raise ProblemError(
+                f"{option} {text!r} starts at {start:g} s, when the run is over: --duration is {duration:g} s"
+            )
+
+
+def names(option: str, text: str | None) -> list[str] | None:
+    """Return the names of a comma-separated list, or None; an empty name is refused."""
     if text is None:
         return None
-    return [name.strip() for name in text.split(",") if name.strip()]
+    listed = [name.strip() for name in text.split(",")]
+    if not all(listed):
+        raise ProblemError(f"{option}: {text!r} holds an empty name; names are separated by single commas")
+    return listed
 
 
 def each(parse: Callable[[str], T], texts: list[str] | None) -> list[T]:

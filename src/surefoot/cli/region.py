@@ -8,7 +8,9 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.console import plain_console
+from surefoot.cli.extras import picture_folder
+from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError
 
 
@@ -50,10 +52,10 @@ def region(
         "differences": list(found.sentences),
         "picture": None,
     }
-    if picture:
+    folder, facts["note"] = picture_folder(out, "region") if picture else (None, "")
+    if folder is not None:
         from surefoot.viz.stance_plots import draw_regions
 
-        folder = new_run_folder(out, "region")
         facts["picture"] = str(draw_regions(question, found, folder / "regions.png"))
     if as_json:
         print(to_json(facts))
@@ -73,17 +75,15 @@ def _region_facts(region: Any) -> dict[str, Any]:
 
 
 def _print(facts: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
     from surefoot.equilibrium.region import polygon_area
 
-    console = Console()
+    console = plain_console()
     word = "inside" if facts["com_inside"] else "outside"
     style = "bold green" if facts["com_inside"] else "bold red"
     console.print(f"{facts['name']}: the centre of mass is {word} its region", style=style, soft_wrap=True)
-    table = Table("region", escape("area [cm²]"), "corners", escape("gap [mm]"))
+    table = Table("region", "area [cm²]", "corners", "gap [mm]")
     for name, key in (("centre of mass", "com_region"), ("zero-moment point", "zmp_region")):
         row = facts[key]
         if row is not None:
@@ -96,3 +96,5 @@ def _print(facts: dict[str, Any]) -> None:
         console.print(sentence, soft_wrap=True, highlight=False)
     if facts["picture"]:
         console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
+    if facts["note"]:
+        console.print(facts["note"], soft_wrap=True, highlight=False)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from surefoot.cli.output import to_json
-from surefoot.errors import SurefootError, WriteError
+from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.robot import Robot
 from surefoot.simulation.log import Log
 from surefoot.stance import Terrain
@@ -40,8 +40,8 @@ class Written:
     def __init__(self) -> None:
         self.notes: list[str] = []
 
-    def attempt(self, path: Path, write: Callable[[], object]) -> bool:
-        """Write a file and return True, or note why it is not there; no half file stays."""
+    def attempt(self, path: Path, write: Callable[[], object]) -> None:
+        """Write a file, or note why it is not there; no half file stays."""
         try:
             write()
         except WriteError as error:
@@ -49,44 +49,69 @@ class Written:
         except OSError as error:
             self.notes.append(str(WriteError(path, error)))
             path.unlink(missing_ok=True)
-        else:
-            return True
-        return False
 
 
-def write_film(
-    log: Log, robot: Robot, terrain: Terrain, folder: Path, progress: Callable[[float], None] | None
-) -> tuple[Path | None, str]:
-    """Return the film's path or None, and one line that says why there is none.
+class Pictures:
+    """Film and plots of a run, and why there are none: a run must not be lost for want of a picture.
 
-    A run must not be lost for want of an OpenGL: whatever goes wrong here is told, not raised.
+    Parameters
+    ----------
+    log, folder
+        What is drawn, and where to.
     """
-    from surefoot.viz.video import write_video
 
-    path = folder / "film.mp4"
-    try:
-        return write_video(log, robot, terrain, path, progress=progress), ""
-    except SurefootError as error:
-        return None, str(error)
-    except OSError as error:
-        path.unlink(missing_ok=True)
-        return None, str(WriteError(path, error))
-    except KeyboardInterrupt:
-        return None, "no video: interrupted"
+    def __init__(self, log: Log, folder: Path) -> None:
+        self._log, self._folder = log, folder
+        self._film: Path | None = None
+        self._plots: list[Path] = []
+        self._notes: list[str] = []
+        self._missing: list[MissingExtra] = []
 
+    def film(self, robot: Robot, terrain: Terrain, progress: Callable[[float], None] | None) -> None:
+        """Film the run, or note why not: no package, no OpenGL, no patience."""
+        from surefoot.viz.video import write_video
 
-def write_plots(
-    log: Log, folder: Path, draw: Callable[[Log, Path], list[Path]] | None = None
-) -> tuple[list[Path], str]:
-    """Return the plots' paths, and one line that says why there are none; `draw` is that of a stand."""
-    from surefoot.viz.plots import draw_run
+        path = self._folder / "film.mp4"
+        try:
+            self._film = write_video(self._log, robot, terrain, path, progress=progress)
+        except MissingExtra as error:
+            self._missing.append(error)
+        except SurefootError as error:
+            self._notes.append(str(error))
+        except OSError as error:
+            self._notes.append(str(WriteError(path, error)))
+            path.unlink(missing_ok=True)
+        except KeyboardInterrupt:
+            self._notes.append("no video: interrupted")
 
-    try:
-        return (draw or draw_run)(log, folder), ""
-    except SurefootError as error:
-        return [], str(error)
-    except OSError as error:
-        return [], str(WriteError(folder, error))
+    def plot(self, draw: Callable[[Log, Path], list[Path]] | None = None) -> None:
+        """Draw the plots (those of a stand for None), or note why not."""
+        from surefoot.viz.plots import draw_run
+
+        try:
+            self._plots = (draw or draw_run)(self._log, self._folder)
+        except MissingExtra as error:
+            self._missing.append(error)
+        except SurefootError as error:
+            self._notes.append(str(error))
+        except OSError as error:
+            self._notes.append(str(WriteError(self._folder, error)))
+
+    def notes(self) -> list[str]:
+        """Return why pictures are missing, a line each; all missing packages are one line."""
+        missing = [f"pictures left out: {MissingExtra.of(self._missing)}"] if self._missing else []
+        return missing + self._notes
+
+    def sections(self) -> list[tuple[str, str]]:
+        """Return the report's sections for film and plots."""
+        from surefoot.viz.report import film, paragraph, picture
+
+        found = []
+        if self._film is not None:
+            note = paragraph("Arrows: ground forces as the world reports them; amber: the push.")
+            found.append(("Film", film(self._film) + note))
+        titled = [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), picture(p)) for p in self._plots]
+        return found + titled
 
 
 def write_summary(summary: dict[str, Any], folder: Path) -> Path:
@@ -94,15 +119,3 @@ def write_summary(summary: dict[str, Any], folder: Path) -> Path:
     path = folder / "summary.json"
     path.write_text(to_json(summary) + "\n", encoding="utf-8")
     return path
-
-
-def picture_sections(plots: Sequence[Path], video: Path | None) -> list[tuple[str, str]]:
-    """Return the report's sections for a film and plots."""
-    from surefoot.viz.report import film, paragraph, picture
-
-    sections = []
-    if video is not None:
-        note = paragraph("Arrows: ground forces as the world reports them; amber: the push.")
-        sections.append(("Film", film(video) + note))
-    sections += [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), picture(p)) for p in plots]
-    return sections

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from surefoot.arrays import real_number
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
-from surefoot.contact.lcp import LCP
-from surefoot.contact.problem import ContactProblem
+
+if TYPE_CHECKING:  # the other commands need no compiled code
+    from surefoot.contact.lcp import LCP
+    from surefoot.contact.problem import ContactProblem
 
 
 def solve(
@@ -33,11 +36,18 @@ def solve(
     """
     from surefoot.contact import read_problem
     from surefoot.contact.files import holds_lcp, read_lcp
-    from surefoot.errors import SolverNotFound, unknown_name
+    from surefoot.contact.lcp import LCP
+    from surefoot.errors import ProblemError, SolverNotFound, unknown_name
     from surefoot.solvers.lcp import lcp_solver_names
     from surefoot.solvers.solver import find_solver
 
-    problems = [(path, read_lcp(path) if holds_lcp(path) else read_problem(path)) for path in files]
+    real_number("--tol", tol, low=0.0, high=1.0)
+    problems = []
+    for path in files:
+        try:
+            problems.append((path, read_lcp(path) if holds_lcp(path) else read_problem(path)))
+        except EOFError as error:
+            raise ProblemError(f"{path} ends before there is a problem in it") from error
     pivoting = "lemke" if solver == "auto" else solver
     for _, problem in problems:  # bad names before long work
         if not isinstance(problem, LCP):
@@ -100,6 +110,7 @@ def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time
         "seconds": found.solve_time,
         "message": found.message,
         "ray": found.ray,
+        "proof": found.proof,
         "z": found.z,
         "w": found.w,
     }
@@ -118,7 +129,7 @@ def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
     """Print one row per LCP, and what there is to say of those without a solution."""
     if not records:
         return
-    console = Console()
+    console = plain_console()
     table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual", "steps", "ms"))
     for r in records:
         table.add_row(
@@ -134,14 +145,16 @@ def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
     for r in records:
         if r["message"]:
             console.print(f"{r['file']}: {r['message']}")
-        if r["ray"] is not None:
-            console.print(f"{r['file']}: ray {' '.join(f'{x:.6g}' for x in r['ray'])}")
+        for name, words in (("proof", "proof v"), ("ray", "ray, which proves nothing,")):
+            if r[name] is not None:
+                console.print(f"{r['file']}: {words} {' '.join(f'{x:.6g}' for x in r[name])}")
+                break
 
 
 def _print(records: list[dict[str, Any]], tol: float) -> None:
     if not records:
         return
-    console = Console()
+    console = plain_console()
     table = _table("Contact", tol, ("n", "rank", "status", "natural map", "steps", "ms"))
     for r in records:
         table.add_row(

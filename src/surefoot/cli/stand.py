@@ -10,12 +10,17 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli.console import plain_console
+from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
+from surefoot.cli.robots import load
 from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
 
 WORLDS = ("mujoco", "rigid")
+SHORTEST = 0.1
+"""Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
 
 
 def stand(
@@ -41,32 +46,33 @@ def stand(
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
     out: Annotated[Path, typer.Option(help="Parent of the run's new folder.")] = Path("runs"),
     video: Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")] = True,
+    report: Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")] = False,
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
     Exit code 0 if it stood and no law was broken, 1 if not, 2 for wrong input.
     """
-    from rich.console import Console
-
     from surefoot.cli import parsing
     from surefoot.cli.run_files import PARTS
     from surefoot.simulation.run import Scenario
     from surefoot.simulation.standing import run_standing
 
-    console = Console(quiet=as_json)
-    real_number("--mu", mu, low=0.0, high=1e3)
-    if world not in WORLDS:
-        raise ProblemError(unknown_name("world", world, WORLDS))
-    if not 0.0 < duration <= 3600.0:
-        raise ProblemError(f"--duration must be between 0 and 3600 s, got {duration:g}")
-    real_number("--payload", payload, low=0.0, high=1e4)
-    if seed is not None:
-        real_number("--seed", seed, low=0)
+    console = plain_console(quiet=as_json)
+    _check(mu, world, duration, payload, seed)
     scenario = Scenario(duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice), seed)
-    setup = _set_up(robot, urdf, parsing.names(feet), slope, parsing.each(parsing.lift, lift))
-    allocation = _allocation(setup, mu, parsing.facets(facets), fit, solver)
-    with Console(stderr=True, quiet=as_json).status("asking whether it can stand (a first run compiles)"):
+    lifts = parsing.each(parsing.lift, lift)
+    for option, texts, events in (
+        ("--push", push, scenario.pushes), ("--ice", ice, scenario.ice), ("--lift", lift, lifts),
+    ):  # fmt: skip
+        parsing.within_run(option, texts, [event.start for event in events], duration)
+    sides = parsing.facets(facets)
+    _require(robot if urdf is None else str(urdf.absolute()), world, video, report)
+    setup = _set_up(robot, urdf, feet, slope, lifts)
+    allocation = _allocation(setup, mu, sides, fit, solver)
+    with plain_console(stderr=True, quiet=as_json).status(
+        "asking whether it can stand (a first run compiles)"
+    ):
         statics = _statics(setup, mu, payload)
     for phase in statics:
         console.print(phase["text"], soft_wrap=True, highlight=False)
@@ -84,14 +90,35 @@ def stand(
     physics = setup.world(world, mu, payload)
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
     with ends_softly() as stop:
-        with progress_bar(console.is_terminal and not as_json, "standing", duration) as tell:
+        with progress_bar(not as_json, "standing", duration) as tell, engine_warnings() as warned:
             log = run_standing(physics, controller, setup.q, scenario, tell, folder / PARTS)
-        summary = _write(setup, log, statics, folder, video, console)
+        for line in warned:
+            console.print(line, soft_wrap=True, highlight=False)
+        summary = _write(setup, log, statics, folder, video, report, console)
         if as_json:
             print(to_json(summary))
     if summary["outcome"] == "interrupted":
         return stop.code
     return 0 if summary["stood"] and not summary["laws_broken"] and not summary["unwritten"] else 1
+
+
+def _check(mu: float, world: str, duration: float, payload: float, seed: int | None) -> None:
+    from surefoot.cli import parsing
+
+    parsing.friction("--mu", mu)
+    if world not in WORLDS:
+        raise ProblemError(unknown_name("world", world, WORLDS))
+    parsing.duration(duration, SHORTEST)
+    real_number("--payload", payload, low=0.0, high=1e4)
+    parsing.seed(seed)
+
+
+def _require(robot: str | None, world: str, video: bool, report: bool) -> None:
+    """Raise for all optional packages at once if one that a stand cannot do without is missing."""
+    from surefoot.cli import extras
+
+    needed = (*extras.robot_packages(robot), *(["mujoco"] if world == "mujoco" else []))
+    extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))
 
 
 class _Setup:
@@ -115,19 +142,13 @@ class _Setup:
         return MujocoWorld(self.robot, self.terrain, mu, payload=payload)
 
 
-def _set_up(
-    name: str | None, urdf: Path | None, feet: list[str] | None, slope: float, lifts: list[Any]
-) -> _Setup:
+def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
-    from surefoot.robot import load_robot, place
+    from surefoot.robot import place
     from surefoot.stance import FlatTerrain, SlopeTerrain
 
-    if urdf is not None and name is not None:
-        raise ProblemError(f"give either a robot or --urdf, got both {name!r} and {urdf}")
-    if urdf is not None and not feet:
-        raise ProblemError("--urdf needs --feet, the frames that touch the ground, e.g. --feet FL,FR,RL,RR")
-    robot = load_robot(Path(urdf).absolute() if urdf is not None else name or "go2", feet)
+    robot = load(name, urdf, feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
         count = len(robot.feet)
         raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
@@ -182,33 +203,39 @@ def _statics(setup: _Setup, mu: float, payload: float) -> list[dict[str, Any]]:
 
 
 def _write(
-    setup: _Setup, log: Any, statics: list[dict[str, Any]], folder: Path, video: bool, console: Any
+    setup: _Setup,
+    log: Any,
+    statics: list[dict[str, Any]],
+    folder: Path,
+    video: bool,
+    report: bool,
+    console: Any,
 ) -> dict[str, Any]:
     """Write everything that the run leaves, print the table, and return the summary."""
     from surefoot.cli import run_files, stand_output
     from surefoot.simulation.summary import summarise
     from surefoot.viz.report import write_report
 
-    written, report = run_files.Written(), folder / "report.html"
+    written, page = run_files.Written(), folder / "report.html"
     written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
     summary = summarise(log)
     summary["statics"], summary["unwritten"] = statics, written.notes
     written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
-    plots, note = run_files.write_plots(log, folder)
-    film = None
+    pictures = run_files.Pictures(log, folder)
     if video and summary["outcome"] != "interrupted":
-        with progress_bar(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
-            film, film_note = run_files.write_film(log, setup.robot, setup.terrain, folder, tell)
-        note = "; ".join(text for text in (note, film_note) if text)
+        with progress_bar(not console.quiet, "filming", 1.0) as tell:
+            pictures.film(setup.robot, setup.terrain, tell)
     stand_output.print_summary(console, summary)
     headline = stand_output.headline(summary)
     good = summary["stood"] and not summary["laws_broken"]
-    sections = stand_output.report_sections(summary, [phase["text"] for phase in statics])
-    title, command = f"{setup.robot.name} standing", shlex.join(["surefoot", *sys.argv[1:]])
-    sections += run_files.picture_sections(plots, film)
-    written.attempt(report, lambda: write_report(report, title, (headline, good), sections, command))
-    for text in filter(None, [note, *written.notes]):
-        console.print(text, soft_wrap=True, highlight=False)
+    if report:
+        pictures.plot()
+        sections = stand_output.report_sections(summary, [phase["text"] for phase in statics])
+        sections += pictures.sections()
+        title, command = f"{setup.robot.name} standing", shlex.join(["surefoot", *sys.argv[1:]])
+        written.attempt(page, lambda: write_report(page, title, (headline, good), sections, command))
+    for note in pictures.notes() + written.notes:
+        console.print(note, soft_wrap=True, highlight=False)
     console.print(headline, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    console.print(f"report: {report if report.exists() else folder}", soft_wrap=True, highlight=False)
+    console.print(f"report: {page if page.exists() else folder}", soft_wrap=True, highlight=False)
     return summary

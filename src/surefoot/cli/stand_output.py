@@ -110,13 +110,12 @@ def figure_lines(summary: dict[str, Any]) -> list[str]:
 
 def print_summary(console: Any, summary: dict[str, Any]) -> None:
     """Print the tables and figures of a run."""
-    from rich.markup import escape
     from rich.table import Table
 
     for header, rows in ((FOOT_HEADER, foot_rows(summary)), (LAW_HEADER, law_rows(summary))):
         table = Table()
         for k, name in enumerate(header):
-            table.add_column(escape(name), justify="left" if k == 0 else "right")
+            table.add_column(name, justify="left" if k == 0 else "right")
         for row in rows:
             table.add_row(*row)
         console.print(table)

@@ -10,10 +10,16 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli.console import plain_console
+from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
+from surefoot.cli.robots import load
 from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
+
+SHORTEST = 0.5
+"""Length of a walk that says something [s]: about a cycle of a trot."""
 
 
 def walk(
@@ -58,30 +64,34 @@ def walk(
 
     Exit code 0 if it walked to the end and no law was broken, 1 if not, 2 for wrong input.
     """
-    from rich.console import Console
-
     from surefoot.cli import parsing
     from surefoot.cli.run_files import PARTS
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.walking import WalkScenario, run_walking
 
-    console = Console(quiet=as_json)
-    _check_numbers(mu, believed_mu, duration, payload, seed)
+    console = plain_console(quiet=as_json)
+    _check_numbers(mu, believed_mu, duration, payload, noise, delay, seed)
     ground = parsing.terrain(terrain)
-    model = _robot(robot, urdf, parsing.names(feet))
-    schedule = _schedule(model, gait, gait_file, period)
     command = _command(velocity, velocity_file)
     scenario = WalkScenario(
         duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice),
         seed, Faults(noise=noise, delay=delay),
     )  # fmt: skip
+    for option, texts, events in (("--push", push, scenario.pushes), ("--ice", ice, scenario.ice)):
+        parsing.within_run(option, texts, [event.start for event in events], duration)
+    _require(robot if urdf is None else str(urdf.absolute()), video, report)
+    model = load(robot, urdf, feet, feet_needed=True)
+    schedule = _schedule(model, gait, gait_file, period)
+    _check_steps(model, schedule, command)
     controller, world, q = _set_up(model, ground, schedule, command, mu, believed_mu, payload)
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
     with ends_softly() as stop:
-        with progress_bar(console.is_terminal and not as_json, "walking", duration) as tell:
+        with progress_bar(not as_json, "walking", duration) as tell, engine_warnings() as warned:
             log = run_walking(world, controller, q, scenario, tell, folder / PARTS)
+        for line in warned:
+            console.print(line, soft_wrap=True, highlight=False)
         summary = _write(model, ground, log, folder, video, report, console)
         if as_json:
             print(to_json(summary))
@@ -91,27 +101,32 @@ def walk(
 
 
 def _check_numbers(
-    mu: float, believed: float | None, duration: float, payload: float, seed: int | None
+    mu: float,
+    believed: float | None,
+    duration: float,
+    payload: float,
+    noise: float,
+    delay: float,
+    seed: int | None,
 ) -> None:
-    real_number("--mu", mu, low=0.0, high=1e3)
+    from surefoot.cli import parsing
+
+    parsing.friction("--mu", mu)
     if believed is not None:
-        real_number("--believed-mu", believed, low=0.0, high=1e3)
-    if not 0.0 < duration <= 3600.0:
-        raise ProblemError(f"--duration must be between 0 and 3600 s, got {duration:g}")
+        parsing.friction("--believed-mu", believed)
+    parsing.duration(duration, SHORTEST)
     real_number("--payload", payload, low=0.0, high=1e4)
-    if seed is not None:
-        real_number("--seed", seed, low=0)
+    real_number("--noise", noise, low=0.0, high=100.0)
+    real_number("--delay", delay, low=0.0, high=1.0)
+    parsing.seed(seed)
 
 
-def _robot(name: str | None, urdf: Path | None, feet: list[str] | None) -> Any:
-    """Return the robot, or raise for a choice that cannot be."""
-    from surefoot.robot import load_robot
+def _require(robot: str | None, video: bool, report: bool) -> None:
+    """Raise for all optional packages at once if one that a walk cannot do without is missing."""
+    from surefoot.cli import extras
 
-    if urdf is not None and name is not None:
-        raise ProblemError(f"give either a robot or --urdf, got both {name!r} and {urdf}")
-    if urdf is not None and not feet:
-        raise ProblemError("--urdf needs --feet, the frames that touch the ground, e.g. --feet FL,FR,RL,RR")
-    return load_robot(Path(urdf).absolute() if urdf is not None else name or "go2", feet)
+    wanted = (*(extras.FILM if video else ()), *(["matplotlib"] if report else []))
+    extras.require((*extras.robot_packages(robot), "mujoco"), wanted)
 
 
 def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) -> Any:
@@ -127,6 +142,15 @@ def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) ->
         raise ProblemError(unknown_name(f"gait in {file}", gait, gaits))
     schedule = gaits[gait]
     return schedule.scaled(period) if period is not None and isinstance(schedule, Gait) else schedule
+
+
+def _check_steps(robot: Any, schedule: Any, command: Any) -> None:
+    """Refuse a velocity for a gait that takes no steps: it would pull a standing robot over."""
+    everyone = (1 << len(robot.feet)) - 1
+    still = schedule == "stand" if isinstance(schedule, str) else bool((schedule.modes == everyone).all())
+    if still and command.values.any():
+        name = schedule if isinstance(schedule, str) else getattr(schedule, "name", "of the file")
+        raise ProblemError(f"gait {name!r} takes no steps: it goes with --velocity 0")
 
 
 def _command(velocity: str, file: Path | None) -> Any:
@@ -167,21 +191,19 @@ def _write(
     summary = summarise_walk(log)
     summary["unwritten"] = written.notes
     written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
-    film, notes = None, []
+    pictures = run_files.Pictures(log, folder)
     if video and summary["outcome"] != "interrupted":
-        with progress_bar(console.is_terminal and not console.quiet, "filming", 1.0) as tell:
-            film, note = run_files.write_film(log, robot, ground, folder, tell)
-        notes.append(note)
+        with progress_bar(not console.quiet, "filming", 1.0) as tell:
+            pictures.film(robot, ground, tell)
     walk_output.print_summary(console, summary)
     line = walk_output.headline(summary)
     good = summary["walked"] and not summary["laws_broken"]
     if report:
-        plots, note = run_files.write_plots(log, folder, draw_walk)
-        notes.append(note)
-        sections = walk_output.report_sections(summary) + run_files.picture_sections(plots, film)
+        pictures.plot(draw_walk)
+        sections = walk_output.report_sections(summary) + pictures.sections()
         title, command = f"{robot.name} walking", shlex.join(["surefoot", *sys.argv[1:]])
         written.attempt(page, lambda: write_report(page, title, (line, good), sections, command))
-    for note in filter(None, [*notes, *written.notes]):
+    for note in pictures.notes() + written.notes:
         console.print(note, soft_wrap=True, highlight=False)
     console.print(line, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
     where = page if page.exists() else folder

@@ -8,6 +8,7 @@ from surefoot.cli.stand_output import LAW_HEADER, law_rows
 
 OUTCOMES = {
     "walked": "walked",
+    "did not follow": "did not follow its command: it moved",
     "fell": "fell",
     "interrupted": "was interrupted",
     "stopped": "was stopped",
@@ -28,6 +29,13 @@ def headline(summary: dict[str, Any]) -> str:
         text += "; laws broken: " + ", ".join(summary["laws_broken"])
     elif summary["walked"]:
         text += ", no law was broken"
+    if summary["outcome"] == "did not follow":
+        v = summary["velocity"]
+        wanted, reached = (
+            ", ".join(f"{v[axis][key]:.2f}" for axis in ("forward", "left", "turn"))
+            for key in ("commanded", "measured")
+        )
+        text += f"; commanded {wanted} (m/s, m/s, rad/s), reached {reached}"
     if summary["walked"] and not summary["velocity"]["within"]:
         text += "; its velocity was more than 10 % off"
     return text

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.cones.cone import Cone
-from surefoot.cones.nearest import nearest_in_cone
-from surefoot.cones.representation import Method, convert, representation_gap
 from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:  # what needs SciPy and compiled code is loaded by the methods that do
+    from surefoot.cones.representation import Method
 
 
 class PolyhedralCone(Cone):
@@ -66,6 +67,8 @@ class PolyhedralCone(Cone):
         >>> cone, bool(cone.contains([0.4, 0.4, 1.0])), bool(cone.contains([0.6, 0.6, 1.0]))
         (PolyhedralCone(dim=3, 4 rows, 4 rays), True, False)
         """
+        from surefoot.cones.representation import convert
+
         generators = finite_array("rays", rays, (None, None))
         halfspaces, kept = convert(generators, method)
         return PolyhedralCone(halfspaces, generators[kept])
@@ -79,6 +82,8 @@ class PolyhedralCone(Cone):
         >>> PolyhedralCone.from_halfspaces([[0, 0, -1], [0, 0, -2]])
         PolyhedralCone(dim=3, 1 rows, 5 rays)
         """
+        from surefoot.cones.representation import convert
+
         rows = finite_array("halfspaces", halfspaces, (None, None))
         rays, kept = convert(rows, method)
         return PolyhedralCone(rows[kept], rays)
@@ -92,10 +97,14 @@ class PolyhedralCone(Cone):
 
         See `surefoot.cones.representation.representation_gap`.
         """
+        from surefoot.cones.representation import representation_gap
+
         return representation_gap(self.halfspaces, self.rays, samples, seed)
 
     def project(self, x: ArrayLike) -> FloatArray:
         """Return the nearest point of the cone: (..., dim), by non-negative least squares on the rays."""
+        from surefoot.cones.nearest import nearest_in_cone
+
         points = self._points(x)
         return nearest_in_cone(self.rays, points.reshape(-1, self.dim)).reshape(points.shape)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,23 @@ class Blocks:
         return self.columns.size / (n * n) if n else 1.0
 
 
+@inline_kernel
+def block_determinant(G: FloatArray, i: int, add: float) -> float:
+    """Return the determinant of the symmetric 3x3 diagonal block at row i, with `add` on its diagonal."""
+    a, b, c = G[i, i] + add, G[i + 1, i + 1] + add, G[i + 2, i + 2] + add
+    x, y, z = G[i + 1, i], G[i + 2, i], G[i + 2, i + 1]
+    return float(a * (b * c - z * z) - x * (x * c - z * y) + y * (x * z - b * y))
+
+
 @kernel
-def checked_mirror(G: FloatArray) -> tuple[float, float, int, int]:
-    """Replace G by its symmetric part; return max |G| (infinite if not finite), max |G - Gᵀ| and where."""
+def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]:
+    """Replace G by its symmetric part; return max |G| (infinite if not finite), max |G - Gᵀ| and where.
+
+    Where a diagonal entry, a pair's minor or a 3x3 diagonal block shows an eigenvalue of G below
+    -slack · max |G|, a negative number and the entry take the place of the last three (row = column for a
+    diagonal entry; row 3k, column 3k + 3 for block k). Such signs are sufficient for an indefinite G, not
+    necessary. An asymmetry above slack · max |G| goes first.
+    """
     scale = gap = 0.0
     row = column = 0
     total = 0.0
@@ -50,7 +64,20 @@ def checked_mirror(G: FloatArray) -> tuple[float, float, int, int]:
                 gap, row, column = abs(a - b), i, j
             G[i, j] = G[j, i] = 0.5 * (a + b)
     if not abs(total) < np.inf:
-        scale = np.inf
+        return np.inf, gap, row, column
+    add = slack * scale
+    if gap > add:
+        return scale, gap, row, column
+    for i in range(G.shape[0]):
+        own = G[i, i] + add
+        if own < 0.0:
+            return scale, -1.0, i, i
+        for j in range(i):
+            if G[i, j] * G[i, j] > own * (G[j, j] + add):
+                return scale, -1.0, i, j
+    for i in range(0, G.shape[0] - 2, 3):
+        if block_determinant(G, i, add) < -1e-14 * (G[i, i] + G[i + 1, i + 1] + G[i + 2, i + 2]) ** 3:
+            return scale, -1.0, i, i + 3
     return scale, gap, row, column
 
 

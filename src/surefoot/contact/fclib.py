@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.files import from_foreign, turned
+from surefoot.contact.files import condensed, from_foreign, turned
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import MissingExtra, ProblemError
 
@@ -35,6 +34,8 @@ def read(path: Path) -> ContactProblem:
     try:
         with h5py.File(path, "r") as file:
             kind = next((k for k in ("fclib_local", "fclib_global") if k in file), None)
+            if any("rolling" in str(key) for key in file):
+                raise ProblemError(f"{path.name}: rolling friction is not supported")
             if kind is None:
                 raise ProblemError(f"{path.name} holds no fclib_local or fclib_global problem")
             group = file[kind]
@@ -47,7 +48,9 @@ def read(path: Path) -> ContactProblem:
             else:
                 W, q = _condense(group)
             reference = np.ravel(file["solution/r"][()]) if "solution/r" in file else None
-    except (OSError, KeyError) as error:
+    except ProblemError:
+        raise
+    except (OSError, KeyError, ValueError, IndexError, TypeError) as error:
         raise ProblemError(f"{path.name} is no FCLIB file: {error}") from error
     if reference is not None:
         reference = reference.reshape(-1, dimension) if reference.size == q.size else None
@@ -66,22 +69,10 @@ def _matrix(group: Any) -> Any:
 
 
 def _condense(group: Any) -> tuple[FloatArray, FloatArray]:
-    """Return W = Hᵀ K H and q = Hᵀ v_free + w of a global problem."""
-    M, H = _matrix(group["M"]).tocsc(), _matrix(group["H"])
+    """Return the contact matrix and free velocity of a global problem, see `condensed`."""
+    G, b = (_matrix(group["G"]), np.ravel(group["vectors/b"][()])) if "G" in group else (None, None)
     f, w = np.ravel(group["vectors/f"][()]), np.ravel(group["vectors/w"][()])
-    size = M.shape[0]
-    right = np.column_stack([H.toarray(), f])
-    if "G" in group:
-        G, b = _matrix(group["G"]), np.ravel(group["vectors/b"][()])
-        M = sp.bmat([[M, -G], [G.T, None]], format="csc")
-        rest = np.zeros((G.shape[1], right.shape[1]))
-        rest[:, -1] = -b
-        right = np.vstack([right, rest])
-    try:
-        solved = scipy.sparse.linalg.splu(M).solve(right)[:size]
-    except RuntimeError as error:
-        raise ProblemError("the mass matrix of a global problem is singular") from error
-    return np.asarray(H.T @ solved[:, :-1]), np.asarray(H.T @ solved[:, -1] + w)
+    return condensed(_matrix(group["M"]), _matrix(group["H"]), f, w, G, b)
 
 
 def write(problem: ContactProblem, path: Path, forces: FloatArray | None) -> None:

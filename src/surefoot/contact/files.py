@@ -11,11 +11,13 @@ file says that a `ContactProblem` cannot is changed on reading and told in `prob
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import scipy.sparse.linalg
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
@@ -120,7 +122,13 @@ def turned(count: int, dimension: int = 3) -> IntArray:
 
 
 def from_foreign(
-    matrix: Any, q: FloatArray, mu: FloatArray, dimension: int, name: str, reference: FloatArray | None = None
+    matrix: Any,
+    q: FloatArray,
+    mu: FloatArray,
+    dimension: int,
+    name: str,
+    reference: FloatArray | None = None,
+    notes: tuple[str, ...] = (),
 ) -> ContactProblem:
     """Return the contact problem of a matrix and vectors in (normal, tangent, tangent) order."""
     if dimension not in (2, 3):
@@ -130,13 +138,13 @@ def from_foreign(
         raise ProblemError(
             f"{name}: sizes disagree: matrix {matrix.shape}, q {q.size}, mu {mu.size}, dimension {dimension}"
         )
-    notes = []
+    told = list(notes)
     order = turned(count, dimension)
     matrix = sp.csr_matrix(matrix)[order][:, order]
     q = q[order]
     if dimension == 2:
         matrix, q = _in_space(matrix, q)
-        notes.append("planar: given a second tangent that is coupled to nothing")
+        told.append("planar: given a second tangent that is coupled to nothing")
         reference = (
             None
             if reference is None
@@ -149,14 +157,50 @@ def from_foreign(
     if off > LARGEST_ASYMMETRY:
         raise ProblemError(f"{name}: the matrix is not symmetric (by {off:.0%} of its largest entry)")
     if off > NOTED_ASYMMETRY:
-        notes.append(
+        told.append(
             f"not symmetric as published ({off:.1e} of the largest entry): its symmetric part is used"
         )
     matrix = 0.5 * (matrix + matrix.T)
     sparse = matrix.nnz < 0.3 * q.size**2 and count > 40
     problem = ContactProblem(matrix.tocsr() if sparse else matrix.toarray(), q, mu)
-    problem.notes, problem.reference = tuple(notes), reference
+    problem.notes, problem.reference = tuple(told), reference
     return problem
+
+
+def condensed(
+    M: Any, H: Any, f: FloatArray, w: FloatArray, G: Any = None, b: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return W = Hᵀ K H and q = Hᵀ v_free + w of M v = H r + G l + f, u = Hᵀ v + w, Gᵀ v + b = 0.
+
+    Parameters
+    ----------
+    M, H, G
+        (p, p), (p, m) and, if there are equality constraints, (p, k); arrays or SciPy sparse matrices.
+    f, w, b
+        (p,), (m,) and (k,).
+
+    Raises
+    ------
+    ProblemError
+        If shapes disagree, or the system without contacts is singular.
+    """
+    M, H = sp.csc_matrix(M), sp.csr_matrix(H)
+    size = M.shape[0]
+    if M.shape != (size, size) or H.shape != (size, w.size) or f.shape != (size,):
+        raise ProblemError(
+            f"a global problem's sizes disagree: M {M.shape}, H {H.shape}, f {f.size}, w {w.size}"
+        )
+    right = np.column_stack([H.toarray(), f])
+    if G is not None and b is not None:
+        M = sp.bmat([[M, -G], [G.T, None]], format="csc")
+        rest = np.zeros((G.shape[1], right.shape[1]))
+        rest[:, -1] = -b
+        right = np.vstack([right, rest])
+    try:
+        solved = scipy.sparse.linalg.splu(M).solve(right)[:size]
+    except RuntimeError as error:
+        raise ProblemError("the mass matrix of a global problem is singular") from error
+    return np.asarray(H.T @ solved[:, :-1]), np.asarray(H.T @ solved[:, -1] + w)
 
 
 def _in_space(matrix: Any, q: FloatArray) -> tuple[Any, FloatArray]:
@@ -210,7 +254,7 @@ def _read_npz(path: Path) -> ContactProblem:
     try:
         with np.load(path, allow_pickle=False) as data:
             found = {name: data[name] for name in data.files}
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, EOFError, AttributeError, zipfile.BadZipFile) as error:
         raise ProblemError(f"{path} is no .npz file of numbers") from error
     missing = {"G", "g", "mu"} - set(found)
     if missing:

@@ -6,19 +6,26 @@ gives a matrix that is neither symmetric nor PSD but copositive: a case for Lemk
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 
+COARSE = 1.5
+"""Scales within this many powers of two of each other are left alone."""
+
 
 class LCP:
     """Find z >= 0 with w = M z + q >= 0 and z . w = 0.
+
+    `M` and `q` are copies that cannot be written to: another q is another problem.
 
     Parameters
     ----------
@@ -43,6 +50,8 @@ class LCP:
         self.q = finite_array("q", q, (None,))
         self.size = self.q.shape[0]
         self.M = finite_array("M", M, (self.size, self.size))
+        for own in (self.M, self.q):  # copies; what is measured on them is kept, and must stay true
+            own.setflags(write=False)
 
     def __repr__(self) -> str:
         return f"LCP(size={self.size})"
@@ -51,20 +60,122 @@ class LCP:
         """Return w = M z + q: (n,)."""
         return np.asarray(self.M @ finite_array("z", z, (self.size,)) + self.q)
 
-    def residual(self, z: ArrayLike) -> float:
-        """Return max |min(z_i, s w_i)| / (s max |q|) with s = 1 / max |M|; zero at a solution.
+    @cached_property
+    def parts(self) -> tuple[IntArray, ...]:
+        """The indices of each part that no entry of M couples to another, in ascending order."""
+        coupled = (self.M != 0.0) | (self.M.T != 0.0)
+        left, found = np.ones(self.size, dtype=bool), []
+        while left.any():
+            part = np.zeros(self.size, dtype=bool)
+            front = np.argmax(left, keepdims=True)
+            while front.size:
+                part[front] = True
+                front = np.flatnonzero(coupled[front].any(axis=0) & ~part)
+            left &= ~part
+            found.append(np.flatnonzero(part))
+        return tuple(found)
 
-        The size of z is left out on purpose: along a ray of an infeasible problem it would grow until any
-        error looks small. The scaling makes the number the same for (c M, c q), and for (M, c q) with c z.
+    def part(self, index: IntArray) -> LCP:
+        """Return the problem of one of `parts` alone."""
+        return LCP(self.M[np.ix_(index, index)], self.q[index])
+
+    def residual(self, z: ArrayLike) -> float:
+        """Return max |min(m z_i, w_i)| / max |q| with m = max |M|, the worst of `parts`; zero at a solution.
+
+        Each part is measured by its own q and M (by the largest |q| of all, where its own is zero), so that
+        nothing unrelated makes an error look small; and twice, in the units of w as they are and in those
+        that equilibrate M, so that no row's unit does. The size of z is left out on purpose: along a ray of
+        an infeasible problem it would grow until any error looks small. The number is the same for
+        (c M, c q), and for (M, c q) with c z. An answer that is not finite, or overflows, gives NaN or
+        infinity.
         """
-        if self.size == 0:
-            return 0.0
-        scale = float(np.abs(self.M).max())
-        s = 1.0 / scale if scale > 0.0 else 1.0
-        x = np.asarray(z, dtype=np.float64)
-        gap = float(np.abs(np.minimum(x, s * (self.M @ x + self.q))).max())
-        size = s * float(np.abs(self.q).max())
-        return gap / size if size > 0.0 else gap
+
+        def gap(M: FloatArray, q: FloatArray, x: FloatArray) -> FloatArray:
+            m = float(np.abs(M).max()) or 1.0
+            return np.asarray(np.abs(np.minimum(m * x, M @ x + q)))
+
+        return self._worst(z, gap)
+
+    def rounding(self, z: ArrayLike) -> float:
+        """Return the largest 4 eps Σ_j |M_ij| |z_j|, in the same measure as `residual`.
+
+        What double precision cannot tell of w: a residual below it says nothing.
+        """
+        return self._worst(z, lambda M, q, x: 4.0 * np.finfo(float).eps * (np.abs(M) @ np.abs(x)))
+
+    @cached_property
+    def _measured(self) -> list[tuple[IntArray, IntArray, FloatArray, FloatArray, float]]:
+        """What an error is measured on: indices, exponents k of z' = 2^-k z, M', q' and max |q'|."""
+        everywhere, found = float(np.abs(self.q).max(initial=0.0)), []
+        for index in self.parts:
+            M, q = self.M[np.ix_(index, index)], self.q[index]
+            size = float(np.abs(q).max())
+            found.append((index, np.zeros(index.size, dtype=np.int64), M, q, size or everywhere or 1.0))
+            balanced, d = equilibrated(M)
+            if size > 0.0 and d.max() > d.min():
+                exponents = np.frexp(q)[1][q != 0.0] + d[q != 0.0]
+                scaled = np.ldexp(q, d - int(exponents.max()))
+                found.append((index, d + int(exponents.max()), balanced, scaled, float(np.abs(scaled).max())))
+        return found
+
+    def _worst(
+        self, z: ArrayLike, error: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
+    ) -> float:
+        """Return the worst of the parts' errors, each relative to the part's largest |q|."""
+        x, worst = np.asarray(z, dtype=np.float64), 0.0
+        with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+            for index, k, M, q, size in self._measured:
+                found = float(error(M, q, np.ldexp(x[index], -k)).max()) / size
+                worst = found if not found <= worst else worst
+        return worst
+
+    def proves_infeasible(self, v: ArrayLike) -> bool:
+        """Tell whether v proves that no z >= 0 has M z + q >= 0: v >= 0, Mᵀ v <= 0, q . v < 0 (Farkas).
+
+        Row by row and without any tolerance: the numbers are taken as the rationals that they are, so that no
+        scaling of the problem can pass a vector that proves nothing.
+        """
+        x = np.asarray(v, dtype=np.float64)
+        if x.shape != (self.size,) or not np.isfinite(x).all() or (x < 0.0).any():
+            return False
+        held = np.flatnonzero(x)
+        weights = _whole(x[held])
+        if not (weights * _whole(self.q[held])).sum() < 0:
+            return False
+        rows = _whole(self.M[held])
+        return all(total <= 0 for total in weights @ rows) if held.size else False
+
+
+def equilibrated(M: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return D M D whose rows and columns together have largest entries near one, and the exponents of D.
+
+    D is diagonal with powers of two, so that nothing is rounded. For z = D z', q' = D q the problem is the
+    same, and a congruence keeps M positive semidefinite, copositive-plus or P. Source: D. Ruiz, "A scaling
+    algorithm to equilibrate both rows and columns norms in matrices", RAL-TR-2001-034.
+    """
+    with np.errstate(divide="ignore"):
+        logs = np.log2(np.abs(M))
+    logs = np.maximum(logs, logs.T)
+    scale = np.zeros(M.shape[0])
+    for _ in range(30):
+        largest = (logs + scale[:, None] + scale).max(axis=1, initial=-np.inf)
+        largest[~np.isfinite(largest)] = 0.0  # a row and column of zeros
+        scale -= 0.5 * largest
+        if float(np.ptp(scale)) <= COARSE or (np.abs(largest) < 0.1).all():
+            break
+    middle = float(np.median(scale))
+    off = np.where(np.abs(scale - middle) <= COARSE, 0.0, scale - middle)
+    d = np.asarray(np.round(middle) + np.round(off), dtype=np.int64)
+    return np.ldexp(np.ldexp(M, d[:, None]), d), d
+
+
+def _whole(x: FloatArray) -> NDArray[np.object_]:
+    """Return x times a common power of two as Python integers, exactly."""
+    mantissa, exponent = np.frexp(x)
+    digits = (mantissa * 2.0**53).astype(np.int64).astype(object)
+    used = exponent[mantissa != 0.0]
+    shift = np.where(mantissa != 0.0, exponent - (int(used.min()) if used.size else 0), 0)
+    return np.asarray(digits * 2 ** shift.astype(object), dtype=object)
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,11 @@ LAWS: tuple[Law, ...] = ("coulomb", "convex")
 COMPILED_CONTACTS = 45
 """Contacts up to which a dense compiled call pays."""
 ASYMMETRY = 1e-8
-"""Largest |G - Gᵀ| over largest |G| that is taken for rounding (G is then replaced by its symmetric part)."""
+"""Largest |G - Gᵀ|, and largest -λ for an eigenvalue λ, over largest |G| that is taken for rounding.
+
+G is then replaced by its symmetric part."""
+SINGLE_ASYMMETRY = 1e-5
+"""The same where all entries are of single precision: J M⁻¹ Jᵀ of a robot comes out 1e-7 to 1e-6 off."""
 
 
 class ContactProblem:
@@ -48,7 +52,9 @@ class ContactProblem:
     Parameters
     ----------
     G
-        (3n, 3n) Delassus operator, symmetric positive semidefinite; an array or a SciPy sparse matrix
+        (3n, 3n) Delassus operator, symmetric positive semidefinite (its diagonal, its 2x2 minors and its 3x3
+        diagonal blocks are looked at, up to rounding: 1e-8 of the largest entry, 1e-5 where all entries are
+        of single precision); an array or a SciPy sparse matrix
         (then solvers that know how use its 3x3 blocks, and `G` is made dense only when it is read).
     g
         (3n,) free velocity.
@@ -77,7 +83,8 @@ class ContactProblem:
     Raises
     ------
     ProblemError
-        If it is not a problem: wrong shapes, NaN, mu < 0, G not symmetric, bounds out of order.
+        If it is not a problem: wrong shapes, NaN, mu < 0, G not symmetric or visibly indefinite, bounds out
+        of order.
 
     References
     ----------
@@ -262,11 +269,12 @@ class ContactProblem:
 
     @property
     def scales(self) -> FloatArray:
-        """The scales of `contact.scales`, (3, n): w_k = ||G_kk||₂, s_k [m/s] and trace G_kk.
+        """The rows of `contact.scales`, (4, n).
 
-        Not kept: g may be changed in place, and a verdict must not rest on what it was.
+        w_k = ||G_kk||₂, s_k [m/s], trace G_kk, and Σ s_j² / w_j over the part. Not kept: g may be changed
+        in place, and a verdict must not rest on what it was.
         """
-        scales = np.zeros((3, self.contacts))
+        scales = np.zeros((4, self.contacts))
         if self.contacts == 0:
             return scales
         if self._sparse is None or "G" in self.__dict__:
@@ -304,15 +312,44 @@ def _read_dense(G: ArrayLike, compliance: FloatArray | None, out: FloatArray) ->
         out[:] = matrix
     except (TypeError, ValueError):
         finite_array("G", G, out.shape)
-    scale, gap, i, j = checked_mirror(out)
+    scale, gap, _, _ = checked_mirror(out, ASYMMETRY)
     if not scale < np.inf:
         finite_array("G", G, out.shape)  # names the entry
-    if gap > ASYMMETRY * scale:
-        raise ProblemError(
-            f"G must be symmetric, but G[{i}, {j}] = {matrix[i, j]:g} and G[{j}, {i}] = {matrix[j, i]:g}"
-        )
+    if gap < 0.0 or gap > ASYMMETRY * scale:
+        _refuse_unless_single(matrix, out)
     if compliance is not None:
         out[np.diag_indices(out.shape[0])] += compliance
+
+
+def _refuse_unless_single(matrix: Any, out: FloatArray) -> None:
+    """Check a dense G again as one of single precision, if it is; else say what is wrong with it."""
+    entries = np.asarray(matrix, dtype=np.float64)
+    with np.errstate(over="ignore"):
+        single = bool((entries == entries.astype(np.float32)).all())
+    limit = SINGLE_ASYMMETRY if single else ASYMMETRY
+    out[:] = entries
+    scale, gap, i, j = checked_mirror(out, limit)
+    if gap > limit * scale:
+        raise ProblemError(_asymmetry(i, j, float(entries[i, j]), float(entries[j, i]), limit))
+    if gap < 0.0:
+        raise ProblemError(_indefinite(i, j, out))
+
+
+def _asymmetry(i: int, j: int, one: float, other: float, limit: float) -> str:
+    return (
+        f"G must be symmetric, but G[{i}, {j}] = {one:g} and G[{j}, {i}] = {other:g}; "
+        f"up to {limit:g} of the largest entry is taken for rounding"
+    )
+
+
+def _indefinite(i: int, j: int, G: Any) -> str:
+    """Say which entries show that G is not positive semidefinite, as `checked_mirror` returned them."""
+    text = "G must be positive semidefinite, but "
+    if i == j:
+        return f"{text}G[{i}, {i}] = {G[i, i]:g}"
+    if j > i:
+        return f"{text}its block of contact {i // 3} (rows {i} to {i + 2}) has a negative eigenvalue"
+    return f"{text}G[{i}, {j}] = {G[i, j]:g} with G[{i}, {i}] = {G[i, i]:g} and G[{j}, {j}] = {G[j, j]:g}"
 
 
 def _checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
@@ -321,14 +358,22 @@ def _checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
         raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
     matrix = sp.csr_matrix(G, dtype=np.float64)
     finite_array("the entries of G", matrix.data)
+    largest = float(abs(matrix.data).max(initial=0.0))
+    with np.errstate(over="ignore"):
+        single = bool((matrix.data == matrix.data.astype(np.float32)).all())
+    limit = SINGLE_ASYMMETRY if single else ASYMMETRY
     gap = abs(matrix - matrix.T).tocoo()
-    if gap.nnz and gap.data.max() > ASYMMETRY * abs(matrix.data).max():
+    if gap.nnz and gap.data.max() > limit * largest:
         k = int(np.argmax(gap.data))
         i, j = int(gap.row[k]), int(gap.col[k])
-        raise ProblemError(
-            f"G must be symmetric, but G[{i}, {j}] = {matrix[i, j]:g} and G[{j}, {i}] = {matrix[j, i]:g}"
-        )
+        raise ProblemError(_asymmetry(i, j, float(matrix[i, j]), float(matrix[j, i]), limit))
     matrix = 0.5 * (matrix + matrix.T)
+    entries, own = matrix.tocoo(), matrix.diagonal() + limit * largest
+    over = entries.data**2 > own[entries.row] * own[entries.col]
+    over = (over & (entries.row > entries.col)) | ((entries.row == entries.col) & (own[entries.row] < 0.0))
+    if over.any():
+        k = int(np.argmax(over))
+        raise ProblemError(_indefinite(int(entries.row[k]), int(entries.col[k]), matrix.tocsr()))
     if compliance is not None:
         matrix = matrix + sp.diags(compliance)
     return matrix.tocsr()

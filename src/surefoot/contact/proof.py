@@ -1,13 +1,13 @@
 """Proofs that a contact problem has no solution, and their check; finding one is a solver's work.
 
-Coulomb's law asks u_n >= 0 of every unilateral contact whose normal force is not bounded above, and u = 0 of a
-bilateral one. So for a direction d with d_n >= 0 on those normals, anything on bilateral contacts and nothing
-else, every solution has d·u >= 0. If G d = 0 then d·u = d·(G λ + g) = g·d whatever the forces, and g·d < 0
-proves that there is no solution. For the convex law d may be any direction in which the admissible set goes on
-for ever (its recession cone): the forces' energy falls along it without end.
+Coulomb's law asks u_n >= 0 of every unilateral contact whose normal force is not bounded above, and u = 0
+of a bilateral one. So for a direction d with d_n >= 0 on those normals, anything on bilateral contacts and
+nothing else, every solution has d·u >= 0. If G d = 0 then d·u = d·(G λ + g) = g·d whatever the forces, and
+g·d < 0 proves that there is no solution. For the convex law d may be any direction in which the admissible
+set goes on for ever (its recession cone): the forces' energy falls along it without end.
 
-In floating point G d is never zero: d·u = g·d + (G d)·λ, so what d proves is that the forces of a solution have
-a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
+In floating point G d is never zero: d·u = g·d + (G d)·λ, so what d proves is that the forces of a solution
+have a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
 """
 
 from __future__ import annotations
@@ -94,7 +94,8 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     np.add.at(drift, rows, np.einsum("kab,kb->ka", values, ends))
     np.add.at(noise, rows, np.einsum("kab,kb->ka", np.abs(values), np.abs(ends)))
     most = np.diff(b.starts).max(initial=0) * 3 + 3
-    slack = np.linalg.norm(drift, axis=1) + most * ROUNDING * np.linalg.norm(noise, axis=1)
+    # sums of sizes: at least the norms, and no square that overflows or vanishes
+    slack = np.abs(drift).sum(axis=1) + most * ROUNDING * noise.sum(axis=1)
     worst = float(slack.max(initial=0.0))
     reach = -work / worst if worst > 0.0 else np.inf
     return InfeasibilityProof(d, work, reach, _needed(problem, np.abs(d).max(axis=1) > 0.0))
@@ -113,6 +114,6 @@ def _needed(problem: ContactProblem, pushed: BoolArray) -> float:
     """Return `InfeasibilityProof.needed`, of the connected parts that the direction lies in."""
     label = connected_parts(problem)
     part = np.isin(label, label[pushed])
-    w, s, _ = problem.scales
+    w, s = problem.scales[:2]
     weights = w[part & (w > 0.0)]
     return MEANT * float(s[part].max(initial=0.0)) / float(weights.min()) if weights.size else 0.0

@@ -1,7 +1,7 @@
 """Every contact law as a number, computed from the problem alone.
 
-Written apart from any solver's stopping test: solvers do not import their projections from here and
-this file imports none of theirs, so that a certificate is an independent opinion. Errors are velocities, judged
+Written apart from any solver's stopping test: solvers do not import their projections from here and this
+file imports none of theirs, so that a certificate is an independent opinion. Errors are velocities, judged
 contact by contact against `contact.scales`, which no answer can inflate: with relative forces as the scale,
 forces that run away on a problem without solution would certify themselves.
 """
@@ -26,7 +26,7 @@ ROUNDING = 4.0 * 2.220446049250313e-16
 SURE = 1e-13
 """A bound on the rounding below this need not be made sharp."""
 WEIGHTLESS = 16.0
-"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: the larger, the closer to the normal cone's distance."""
+"""Where G_kk = 0, the weight in units of s_k / ||λ_k||: large, so close to the normal cone's distance."""
 Numbers = tuple[float, float, float, float, float, float, float]
 """The fields of `Residuals`."""
 
@@ -41,17 +41,17 @@ class Residuals:
     Attributes
     ----------
     velocity_error
-        max_k ε_k / s_k with ε_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| [m/s], w_k = ||G_kk||₂ and s_k
-        the largest velocity in the contact's connected part of the problem at the admissible forces
+        max_k ε_k / s_k with ε_k = w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| [m/s], w_k = ||G_kk||₂ and
+        s_k the largest velocity in the contact's connected part of the problem at the admissible forces
         nearest to zero (`contact.scales`); Γ = 0 for the convex law. Dimensionless. Where s_k = 0 those
         forces are the solution and others count as infinitely wrong.
     rounding
-        max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, or a bound on it below 1e-13: how much of the velocities
+        max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, bounded from above: how much of the velocities
         double precision cannot tell. `Status.SOLVED` needs it within the tolerance, too.
     energy_gap
-        For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of the
-        problem: how far each contact is from its share of the least energy; 0 for Coulomb's law. A program
-        whose least energy is approached only by ever larger forces shows here, and nowhere else.
+        For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of its
+        connected part: how far each contact is from its share of the least energy; 0 for Coulomb's law. A
+        program whose least energy is approached only by ever larger forces shows here, and nowhere else.
         `Status.SOLVED` needs it within the tolerance.
     cone_violation
         Largest distance of a contact's force to its cone, normal bounds included [N].
@@ -127,6 +127,13 @@ def _length(x: float, y: float) -> float:
     """Return hypot(x, y); its own care for overflow is slow, and seldom needed."""
     square = x * x + y * y
     return math.sqrt(square) if 1e-250 < square < 1e250 else math.hypot(x, y)
+
+
+@inline_kernel
+def _size(x: float, y: float, z: float) -> float:
+    """Return the length of a vector, also where its square overflows or vanishes."""
+    square = x * x + y * y + z * z
+    return math.sqrt(square) if 1e-250 < square < 1e250 else math.hypot(math.hypot(x, y), z)
 
 
 @inline_kernel
@@ -223,7 +230,7 @@ def _contact_error(
     size = w * unit
     a, b, c = _nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
     a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
-    return math.sqrt(a * a + b * b + c * c)
+    return _size(a, b, c)
 
 
 @inline_kernel
@@ -240,15 +247,13 @@ def _measure(
 ) -> Numbers:  # fmt: skip
     """Return the fields of `Residuals` for flat (3n,) forces and velocities."""
     error = violation = approach = normal_power = slip_power = total = 0.0
-    gap = energy = 0.0
+    gap, lost = 0.0, False
     for k in range(mu.size):
         i = 3 * k
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         ux, uy, uz = velocities[i], velocities[i + 1], velocities[i + 2]
         total += x + y + z + ux + uy + uz
         w, s = scales[0, k], scales[1, k]
-        if w > 0.0:
-            energy += s / w * s
         if low[k] == -np.inf:  # bilateral: any force, no velocity
             speed = math.sqrt(ux * ux + uy * uy + uz * uz)
             approach = max(approach, speed)
@@ -257,15 +262,17 @@ def _measure(
                 if s == 0.0
                 else speed / s
             )
-            error = own if not own <= error else error
+            error, lost = max(error, own), lost or own != own
             continue
         limit = _dissipation_limit(ux, uy, mu[k], facets, inner)
         shifted = uz + limit if coulomb else uz
         own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
-        error = own if not own <= error else error  # NaN stays
+        error, lost = max(error, own), lost or own != own
         if not coulomb:
             own = abs(x * ux + y * uy + z * uz - _least_power(ux, uy, uz, limit, low[k], high[k]))
-            gap = own if not own <= gap else gap
+            if own > 0.0:
+                own = own / scales[3, k] if scales[3, k] > 0.0 else np.inf
+            gap, lost = max(gap, own), lost or own != own
         if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
             a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
             violation = max(violation, math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2))
@@ -277,10 +284,8 @@ def _measure(
             power = abs(high[k] - z) * -v
         normal_power = max(normal_power, power)
         slip_power = max(slip_power, abs(z * limit + x * ux + y * uy))
-    if not abs(total) < np.inf:
+    if lost or not abs(total) < np.inf:
         return np.nan, np.nan, np.nan, np.nan, np.nan, np.nan, np.nan
-    if gap > 0.0:
-        gap = gap / energy if energy > 0.0 else np.inf
     return error, rounding, gap, violation, approach, normal_power, slip_power
 
 
@@ -289,20 +294,19 @@ def _force_sizes(forces: FloatArray, scales: FloatArray) -> float:
     """Return Σ_j sqrt(trace G_jj) ||λ_j||; ||G_kj|| is at most sqrt(trace G_kk trace G_jj)."""
     total = 0.0
     for k in range(scales.shape[1]):
-        x, y, z = forces[3 * k], forces[3 * k + 1], forces[3 * k + 2]
-        total += math.sqrt(scales[2, k] * (x * x + y * y + z * z))
+        total += math.sqrt(abs(scales[2, k])) * _size(forces[3 * k], forces[3 * k + 1], forces[3 * k + 2])
     return total
 
 
 @inline_kernel
 def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> float:
-    """Return the field `rounding`: by the bound of `_force_sizes` if that is small, else by the blocks' norms."""
+    """Return the field `rounding`: by the bound of `_force_sizes` if that is small, else by blocks' norms."""
     n = scales.shape[1]
     size = _force_sizes(forces, scales)
     bound = 0.0
     for k in range(n):
         if scales[1, k] > 0.0:
-            bound = max(bound, math.sqrt(scales[2, k]) * size / scales[1, k])
+            bound = max(bound, math.sqrt(abs(scales[2, k])) * size / scales[1, k])
     if ROUNDING * bound <= SURE:
         return ROUNDING * bound
     worst = 0.0
@@ -310,11 +314,10 @@ def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> fl
         total = 0.0
         for j in range(n):
             i, h = 3 * k, 3 * j
-            square = 0.0
+            block = 0.0  # the sum of rows' norms is at least the block's, and nothing vanishes in it
             for a in range(3):
-                for b in range(3):
-                    square += G[i + a, h + b] ** 2
-            total += math.sqrt(square * (forces[h] ** 2 + forces[h + 1] ** 2 + forces[h + 2] ** 2))
+                block += _size(G[i + a, h], G[i + a, h + 1], G[i + a, h + 2])
+            total += block * _size(forces[h], forces[h + 1], forces[h + 2])
         if scales[1, k] > 0.0:
             worst = max(worst, total / scales[1, k])
     return ROUNDING * worst
@@ -330,8 +333,10 @@ def _rounding_blocks(
         total = 0.0
         for at in range(starts[k], starts[k + 1]):
             h = 3 * columns[at]
-            size = math.sqrt(forces[h] ** 2 + forces[h + 1] ** 2 + forces[h + 2] ** 2)
-            total += math.sqrt((values[at] ** 2).sum()) * size
+            block = 0.0
+            for a in range(3):
+                block += _size(values[at, a, 0], values[at, a, 1], values[at, a, 2])
+            total += block * _size(forces[h], forces[h + 1], forces[h + 2])
         if scales[1, k] > 0.0:
             worst = max(worst, total / scales[1, k])
     return ROUNDING * worst

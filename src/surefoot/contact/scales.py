@@ -1,9 +1,9 @@
-"""The scales by which an answer to a contact problem is judged: properties of the problem, never of the answer.
+"""The scales by which an answer to a contact problem is judged; properties of the problem, not of the answer.
 
-Contact k has its weight w_k = ||G_kk||₂, the velocity that a unit of force makes there, and its speed s_k: the
-largest velocity, of all contacts that are on and joined to k through G, at the admissible forces nearest to
-zero. So an error in contact k counts against the motion of its own connected part of the problem, and neither
-huge forces nor an unrelated fast part can make it look small.
+Contact k has its weight w_k = ||G_kk||₂, the velocity that a unit of force makes there, and its speed s_k:
+the largest velocity, of all contacts that are on and joined to k through G, at the admissible forces
+nearest to zero. So an error in contact k counts against the motion of its own connected part of the
+problem, and neither huge forces nor an unrelated fast part can make it look small.
 
 Entries of G at rounding level (`NOISE`) join contacts of two bodies that touch nothing in common: J M⁻¹ Jᵀ
 computed with dense arithmetic is full of them. Through those a part lends only `LENT` of its speed, which
@@ -24,31 +24,46 @@ NOISE = 1.5e-14
 """Share of sqrt(trace G_kk trace G_jj) up to which the entries of G_kj are rounding."""
 ROUNDING = 2.3e-16
 """Of one operation in double precision."""
+REST = 1e-290
+"""Speeds up to this are none: their quotients would not be numbers."""
 LENT = 1e-6
 """Share of its speed that a part lends to one it is joined to by rounding alone."""
 
 
 @inline_kernel
 def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -> float:
-    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]], positive semidefinite.
+    """Return the spectral norm of [[a, d, e], [d, b, f], [e, f, c]], to 1e-8 relative.
 
-    The trigonometric root of the characteristic polynomial (O. K. Smith, CACM 4(4), 1961), in units of the
-    largest entry.
+    The largest root x = 2 cos(acos(y) / 3) of x³ - 3 x = 2 y (O. K. Smith, CACM 4(4), 1961), of the matrix
+    less its mean and in units of its radius; as a polynomial in sqrt((1 + y) / 2), where it is analytic.
     """
-    top = max(a, b, c, abs(d), abs(e), abs(f))
+    top = max(max(abs(a), abs(b)), max(abs(c), max(abs(d), max(abs(e), abs(f)))))
     if not top > 0.0:
-        return 0.0 if top == 0.0 else top
+        return top
     unit = 1.0 / top
     mean = (a + b + c) * unit / 3.0
     p, q, r = a * unit - mean, b * unit - mean, c * unit - mean
     x, y, z = d * unit, e * unit, f * unit
     half = (p * p + q * q + r * r) / 6.0 + (x * x + y * y + z * z) / 3.0
     if not half > 0.0:
-        return mean * top
+        return abs(mean) * top
     radius = math.sqrt(half)
     cosine = (p * (q * r - z * z) - x * (x * r - z * y) + y * (x * z - q * y)) / (2.0 * half * radius)
-    angle = math.acos(min(max(cosine, -1.0), 1.0)) / 3.0
-    return (mean + 2.0 * radius * math.cos(angle)) * top
+    largest = mean + radius * _largest_root(cosine)
+    if mean < 0.5 * radius:  # not semidefinite, perhaps: the other end may be farther out
+        largest = max(largest, radius * _largest_root(-cosine) - mean)
+    return largest * top
+
+
+@inline_kernel
+def _largest_root(cosine: float) -> float:
+    """Return the largest x with x³ - 3 x = 2 cosine, to 1e-8."""
+    t = math.sqrt(min(max(0.5 + 0.5 * cosine, 0.0), 1.0))
+    x = 0.00741545040178 - 0.00127864228505 * t
+    x = 0.0393516268071 + t * (-0.0206511564316 + t * x)
+    x = 0.106577352451 + t * (-0.0639227086751 + t * x)
+    x = 1.15469944022 + t * (-0.222191373842 + t * x)
+    return 1.0000000065 + t * x
 
 
 @inline_kernel
@@ -89,7 +104,7 @@ def _labels_dense(G: FloatArray, on: FloatArray, trace: FloatArray, noise: float
         for j in range(k):
             if label[k] == label[j] or on[k] == 0.0 or on[j] == 0.0:
                 continue
-            if _block_exceeds(G, k, j, noise * math.sqrt(trace[k] * trace[j])):
+            if _block_exceeds(G, k, j, noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j]))):
                 _join(label, k, j)
     return _parts(label)
 
@@ -99,7 +114,7 @@ def _labels_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, on: FloatArray, trace: FloatArray, noise: float,
     label: IntArray,
 ) -> int:  # fmt: skip
-    """Fill the labels of the parts of a block matrix, by search from each contact not yet reached; see above."""
+    """Fill the labels of the parts of a block matrix, by search from each contact not yet reached."""
     n = label.size
     queue = np.empty(n, dtype=np.int64)
     label[:] = -1
@@ -115,7 +130,7 @@ def _labels_blocks(
                 j = columns[at]
                 if label[j] >= 0 or on[k] == 0.0 or on[j] == 0.0:
                     continue
-                if np.abs(values[at]).max() > noise * math.sqrt(trace[k] * trace[j]):
+                if np.abs(values[at]).max() > noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j])):
                     label[j], queue[tail] = first, j
                     tail += 1
     return _parts(label)
@@ -147,41 +162,95 @@ def _largest_speeds(
             speed = math.sqrt(velocities[i] ** 2 + velocities[i + 1] ** 2 + velocities[i + 2] ** 2)
             if not speed < 1e150 or 0.0 <= speed < 1e-150:  # the squares overflow, or vanish
                 speed = math.hypot(math.hypot(velocities[i], velocities[i + 1]), velocities[i + 2])
+                speed = speed if speed > REST else 0.0
             most[label[k]] = max(most[label[k]], speed)
     for k in range(n):
         s[k] = max(s[k], share * most[label[k]])
 
 
+@inline_kernel
+def _energies(w: FloatArray, s: FloatArray, label: IntArray, energy: FloatArray) -> None:
+    """Fill the energy of every contact's part, Σ s_j² / w_j."""
+    most = np.zeros(label.size)
+    for k in range(label.size):
+        if w[k] > 0.0:
+            most[label[k]] += s[k] / w[k] * s[k]
+    for k in range(label.size):
+        energy[k] = most[label[k]]
+
+
+@inline_kernel
+def _in_one_part(G: FloatArray, trace: FloatArray, low: FloatArray, high: FloatArray) -> bool:
+    """Tell whether every contact is on, without preload, and joined to the first: most robots' problems."""
+    first = NOISE * NOISE * trace[0]
+    for k in range(trace.size):
+        if not (high[k] > 0.0 and low[k] <= 0.0):
+            return False
+        bound, joined = first * trace[k], k == 0
+        for a in range(3):
+            for b in range(3):
+                joined = joined or G[a, 3 * k + b] * G[a, 3 * k + b] > bound
+        if not joined:
+            return False
+    return True
+
+
+@inline_kernel
+def _scales_of_one_part(g: FloatArray, scales: FloatArray) -> bool:
+    """Fill s and the energy of problems in one part; False where squares overflow or vanish."""
+    n = scales.shape[1]
+    most = energy = 0.0
+    for k in range(n):
+        most = max(most, g[3 * k] * g[3 * k] + g[3 * k + 1] * g[3 * k + 1] + g[3 * k + 2] * g[3 * k + 2])
+        energy += 1.0 / scales[0, k] if scales[0, k] > 0.0 else 0.0
+    if not 1e-250 < most < 1e250:
+        return False
+    for k in range(n):
+        scales[1, k], scales[3, k] = math.sqrt(most), energy * most
+    return True
+
+
 @kernel
 def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray) -> None:
-    """Fill the rows w, s and trace G_kk of `scales` (3, n) for a dense G.
+    """Fill the rows of `scales` (4, n) for a dense G: w, s, trace G_kk, and Σ s_j² / w_j of the part.
 
     A contact that is off (high = 0) joins nothing and has no speed of its own.
     """
-    n = low.size
-    label, work = np.empty(n, dtype=np.int64), np.empty((2, 3 * n))
-    velocities, on = work[0], work[1]
-    w, s, trace = scales[0], scales[1], scales[2]
-    for k in range(n):
+    for k in range(low.size):
         i = 3 * k
         a, b, c = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
-        w[k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
-        s[k], trace[k], on[k] = 0.0, a + b + c, 1.0 if high[k] > 0.0 else 0.0
-    if low.max() > 0.0:
-        noise = np.zeros(3 * n)
-        for i in range(3 * n):
-            velocities[i], noise[i] = g[i], abs(g[i])
-        for k in range(n):
-            if low[k] > 0.0:
-                for i in range(3 * n):
-                    part = G[3 * k + 2, i] * low[k]
-                    velocities[i] += part
-                    noise[i] += abs(part)
+        scales[0, k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
+        scales[2, k] = a + b + c
+    if not (_in_one_part(G, scales[2], low, high) and _scales_of_one_part(g, scales)):
+        _scales_of_parts(G, g, low, high, scales)
+
+
+@kernel
+def _scales_of_parts(
+    G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray
+) -> None:
+    """Fill s and the energies of a dense G in any number of parts; see `scales_dense`."""
+    n = low.size
+    label, work = np.empty(n, dtype=np.int64), np.empty((3, 3 * n))
+    velocities, on, noise = work[0], work[1], work[2]
+    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
+    for k in range(n):
+        s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
+    for i in range(3 * n):
+        velocities[i], noise[i] = g[i], abs(g[i])
+    preloaded = False
+    for k in range(n):
+        if low[k] > 0.0:
+            preloaded = True
+            for i in range(3 * n):
+                part = G[3 * k + 2, i] * low[k]
+                velocities[i] += part
+                noise[i] += abs(part)
+    if preloaded:
         _drop_noise(velocities, noise)
-    else:
-        velocities = g
     parts = _labels_dense(G, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
+    _energies(w, s, label, energy)
     if parts > 1 and _labels_dense(G, on, trace, 0.0, label) < parts:
         _largest_speeds(velocities, on, label, LENT, s)
 
@@ -191,10 +260,10 @@ def scales_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray,
     scales: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the rows w, s and trace G_kk of `scales` (3, n) for a block matrix; see `scales_dense`."""
+    """Fill the rows of `scales` (4, n) for a block matrix; see `scales_dense`."""
     n = low.size
     label, on, nearest = np.empty(n, dtype=np.int64), np.empty(n), np.zeros(3 * n)
-    w, s, trace = scales[0], scales[1], scales[2]
+    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
     for k in range(n):
         s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
         for at in range(starts[k], starts[k + 1]):
@@ -210,5 +279,6 @@ def scales_blocks(
         _drop_noise(velocities, block_product(starts, columns, np.abs(values), nearest) + np.abs(g))
     parts = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
+    _energies(w, s, label, energy)
     if parts > 1 and _labels_blocks(starts, columns, values, on, trace, 0.0, label) < parts:
         _largest_speeds(velocities, on, label, LENT, s)

@@ -18,9 +18,9 @@ class Status(Enum):
     """How a solve ended.
 
     SOLVED means that `Residuals.velocity_error`, `rounding` and `energy_gap`, computed from the problem
-    alone, are within the tolerance; ALMOST that the error is within a thousand times of it. INFEASIBLE means that
-    there is no solution, and comes with a proof. INVALID: the forces' velocities overflow. The others say
-    why the solver stopped.
+    alone, are within the tolerance; ALMOST that the error is within a thousand times of it. INFEASIBLE
+    means that there is no solution, and comes with a proof. INVALID: the forces' velocities overflow. The
+    others say why the solver stopped.
     """
 
     SOLVED = "solved"

@@ -11,8 +11,12 @@ CVXOPT linear and quadratic cone program solvers" (2010), sections 4-7. The prim
 every iterate, since the start satisfies them and every step makes up for rounding; the dual equations
 hold after the first full dual step.
 
-Limits: dense normal equations of the number of rows; an unbounded program is recognised by its
-growing value, not by a proof.
+No tolerance has a unit: gaps are judged against the objective and the rounding of their own terms,
+equations against their terms, so that data of any size take the same steps. The best iterate is kept, and
+returned when rounding ends the search first.
+
+Limits: dense normal equations of the number of rows; an unbounded program is recognised by a feasible
+point below a given value, not by a ray.
 """
 
 from __future__ import annotations
@@ -28,6 +32,12 @@ OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
 """How `minimise` ended."""
 
 _MOST_ITERATIONS = 60
+_ROUNDING = 1e-14
+"""Share of the terms of a gap that may be rounding."""
+_REFINE = 1e-12
+"""Share of their terms by which the equations may be missed before a step mends them."""
+_FEASIBLE = 1e-9
+"""Share of their terms by which the equations may be missed where an unbounded program is claimed."""
 
 
 @inline_kernel
@@ -193,6 +203,29 @@ def _direction(
         dx[i] = target[i] - s
 
 
+@inline_kernel
+def _refine(
+    BW: FloatArray, M: FloatArray, rp: FloatArray, dx: FloatArray, dz: FloatArray, dy: FloatArray,
+    rest: FloatArray,
+) -> None:  # fmt: skip
+    """Solve once more for what B dx = rp still lacks: M loses digits near the cones' boundary."""
+    r, m = BW.shape
+    for j in range(r):
+        s = rp[j]
+        for i in range(m):
+            s -= BW[j, i] * dx[i]
+        rest[j] = s
+    _solve_factored(M, rest)
+    for j in range(r):
+        dy[j] += rest[j]
+    for i in range(m):
+        s = 0.0
+        for j in range(r):
+            s += BW[j, i] * rest[j]
+        dx[i] += s
+        dz[i] -= s
+
+
 @kernel
 def minimise(
     B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, x: FloatArray, y: FloatArray, z: FloatArray,
@@ -218,46 +251,51 @@ def minimise(
     Returns
     -------
     tuple[int, int]
-        OPTIMAL, STALLED (x is feasible, the gap may be larger) or UNBOUNDED; and the iterations.
+        OPTIMAL, STALLED (x, y, z are the iterate with the least gap) or UNBOUNDED (x is feasible, and its
+        objective below the floor); and the iterations.
     """
     r, m = B.shape
     degree = lorentz + (m - 3 * lorentz)
-    work = np.empty((9, m))
+    work = np.empty((11, m))
     v, lam, target, Wrd, dx, dz, ux, uz, rd = (
         work[0], work[1], work[2], work[3], work[4], work[5], work[6], work[7], work[8],
     )  # fmt: skip
-    BW, M, dy, rp, eta = np.empty((r, m)), np.empty((r, r)), np.empty(r), np.empty(r), np.empty(lorentz)
+    best_x, best_z, best_y, best = work[9], work[10], np.empty(r), math.inf
+    BW, M, eta = np.empty((r, m)), np.empty((r, r)), np.empty(lorentz)
+    dy, rp, rest = np.empty(r), np.empty(r), np.empty(r)
     _dual_start(B, c, lorentz, y, z)
+    iteration = 0
     for iteration in range(_MOST_ITERATIONS):
-        gap, value, residual = 0.0, 0.0, 0.0
-        for i in range(m):
-            s = c[i] - z[i]
-            for j in range(r):
-                s -= B[j, i] * y[j]
-            rd[i] = s
-            residual = max(residual, abs(s))
-            gap += x[i] * z[i]
-            value += c[i] * x[i]
-        if gap <= tol + 1e-10 * abs(value - zero) and residual <= 1e-12:
+        gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
+        left = _missing(B, b, x, rp)
+        if lost <= 1e-12 and gap <= tol + 1e-10 * abs(value - zero) + rounding:
             return OPTIMAL, iteration
-        if value < floor:
+        if value < floor and left <= _FEASIBLE:
             return UNBOUNDED, iteration
+        merit = gap if lost <= 1e-9 else 1e30 * lost
+        if merit < best:
+            best, best_x[:], best_y[:], best_z[:] = merit, x, y, z
+        elif not gap < 1e6 * best:  # rounding has taken over
+            break
         if not _scale(x, z, lorentz, v, eta):
-            return STALLED, iteration
-        _missing(B, b, x, rp)
+            break
         _apply(v, eta, lorentz, False, z, lam)
         _apply(v, eta, lorentz, False, rd, Wrd)
         _normal_matrix(B, v, eta, lorentz, BW, M)
         if not _factor(M):
-            return STALLED, iteration
-        sigma, primal, dual = 0.0, 0.0, 0.0
+            break
+        sigma, primal, dual, product = 0.0, 0.0, 0.0, 0.0
+        for i in range(m):
+            product += x[i] * z[i]
         for corrector in range(2):
             if corrector:
-                _corrector_target(lam, dx, dz, sigma * gap / degree, lorentz, target)
+                _corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
                 for i in range(m):
                     target[i] = -lam[i]
             _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy)
+            if left > _REFINE:
+                _refine(BW, M, rp, dx, dz, dy, rest)
             primal = _step_to_boundary(lam, dx, lorentz)
             dual = _step_to_boundary(lam, dz, lorentz)
             sigma = (1.0 - min(1.0, primal, dual)) ** 3
@@ -269,22 +307,56 @@ def minimise(
             z[i] += dual * uz[i]
         for j in range(r):
             y[j] += dual * dy[j]
-        if residual * (1.0 - dual) < 1e-9:
+        if lost * (1.0 - dual) < 1e-9:
             _set_slack(B, c, lorentz, y, z, rd)
-        if max(primal, dual) < 1e-8 or not gap < 1e30:
-            return STALLED, iteration
-    return STALLED, _MOST_ITERATIONS
+        if max(primal, dual) < 1e-8:
+            break
+    if best < math.inf:
+        x[:], y[:], z[:] = best_x, best_y, best_z
+    return STALLED, iteration
 
 
 @inline_kernel
-def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> None:
-    """Set rp = b - B x, or zero where that is no more than its own rounding."""
+def _gap(
+    B: FloatArray, b: FloatArray, c: FloatArray, x: FloatArray, y: FloatArray, z: FloatArray, rd: FloatArray
+) -> tuple[float, float, float, float]:
+    """Return the gap, the objective, the gap's own rounding, and the share of the dual equations unmet.
+
+    The gap is the larger of x.z and c.x - b.y: they differ by what the equations miss. Sets
+    rd = c - z - B' y.
+    """
+    r, m = B.shape
+    product, value, bound, size, lost = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(m):
+        s, weight = c[i] - z[i], abs(c[i]) + abs(z[i])
+        for j in range(r):
+            part = B[j, i] * y[j]
+            s -= part
+            weight += abs(part)
+        rd[i] = s
+        if weight > 0.0:
+            lost = max(lost, abs(s) / weight)
+        product += x[i] * z[i]
+        value += c[i] * x[i]
+        size += abs(c[i] * x[i])
+    for j in range(r):
+        bound += b[j] * y[j]
+        size += abs(b[j] * y[j])
+    return max(product, abs(value - bound)), value, _ROUNDING * size, lost
+
+
+@inline_kernel
+def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> float:
+    """Set rp = b - B x, or zero where that is rounding; return the largest share of its terms."""
+    worst = 0.0
     for j in range(rp.size):
         s, size = b[j], abs(b[j])
         for i in range(x.size):
             s -= B[j, i] * x[i]
             size += abs(B[j, i] * x[i])
-        rp[j] = s if abs(s) > 1e-11 * size else 0.0
+        worst = max(worst, abs(s) / size if size > 0.0 else 0.0)
+        rp[j] = s if abs(s) > _REFINE * size else 0.0
+    return worst
 
 
 @inline_kernel
@@ -305,7 +377,8 @@ def _set_slack(
     for i in range(3 * lorentz, m):
         if trial[i] <= 0.0:
             return
-    z[:] = trial
+    for i in range(m):  # as a slice it would take 2 s to compile
+        z[i] = trial[i]
 
 
 @inline_kernel
@@ -330,7 +403,7 @@ def _dual_start(B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: Fl
         depth = min(depth, z[i])
     size = math.sqrt(size / max(1, m))
     if depth < 0.1 * size or size == 0.0:
-        shift = max(size, 1e-8) - depth
+        shift = (size if size > 0.0 else 1.0) - depth
         for k in range(lorentz):
             z[3 * k] += shift
         for i in range(3 * lorentz, m):

@@ -7,12 +7,18 @@ to its cone's boundary. Its dual is
 
     minimise y.w  subject to  A' y in K*,  (A e).y = 1,
 
-so that t < 0 comes with a y that proves it: every admissible force has y.(A f) >= 0, and y.w < 0.
+so that t < 0 comes with a y that proves it: every admissible force has y.(A f) >= 0, and y.w < 0. In floating
+point A' y leaves K* by some d, so the proof has a reach (`proof_reach`): forces that hold the load would
+sum up to |y.w| / d at least. Nothing is called infeasible below `REACH`, nor feasible unless the forces found
+are in their cones and give the load within `BAND`; what is neither is undecided.
+
 Both programs always have strict interior points (t may be as negative as it likes), unless the contacts
 can squeeze without limit; then t is infinite.
 
 Coordinates: a friction cone is the Lorentz cone of u = (f_z, f_x / mu, f_y / mu), so that mu = 0 needs no
-case of its own. Wrenches are divided by the load and by a length, so that no tolerance has a unit.
+case of its own. Wrenches are divided by the load and by a length, so that no tolerance has a unit. A contact
+without friction has a cone without width; its margin is its normal force, which jumps at mu = 0 and
+nowhere else.
 """
 
 from __future__ import annotations
@@ -26,15 +32,20 @@ from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
 from surefoot.kernels import inline_kernel, kernel
 
-FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS = 0, 1, 2, 3
-"""Outcomes: margin >= 0; margin < 0; load outside the range of the contact forces; margin without bound."""
+FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS, UNDECIDED = 0, 1, 2, 3, 4
+"""Outcomes: margin >= 0; margin < 0; load outside the range of the contact forces; margin without bound;
+neither forces nor a proof that there are none."""
 
 GAP = 1e-10
 """Gap between margin and certificate at which the search ends, as a share of the load."""
 BAND = 1e-9
 """Forces that leave their cones by less than this share of the load count as possible."""
-FRICTIONLESS = 1e-6
-"""Friction below which the margin of a contact is its normal force: its cone has no width to speak of."""
+REACH = 1e4
+"""Total normal force, in loads, that an infeasibility proof must at least rule out."""
+_LEAST_MU = 1e-9
+"""Friction below which a contact's margin, at most mu times its normal force, is within `BAND` anyway."""
+_ROUNDING = 32.0 * 2.0**-53
+"""Share of the largest terms by which A' y may be wrong, the rounding of A included."""
 _ENDLESS_MARGIN = 1e6
 _SQUEEZE = 0.1
 
@@ -51,10 +62,67 @@ def depth(x: FloatArray, e: FloatArray, lorentz: int) -> float:
     return least
 
 
+@inline_kernel
+def _outside(x: FloatArray, e: FloatArray, lorentz: int) -> float:
+    """Return how far a force is outside its cone at most: of the cone's face, or below the ground."""
+    worst = 0.0
+    for k in range(lorentz):
+        i = 3 * k
+        worst = max(worst, -x[i], (math.hypot(x[i + 1], x[i + 2]) - x[i]) / e[i])
+    for i in range(3 * lorentz, x.size):
+        worst = max(worst, -x[i])
+    return worst
+
+
+@inline_kernel
+def _left_over(A: FloatArray, w: FloatArray, x: FloatArray) -> float:
+    """Return the largest entry of w - A x."""
+    worst = 0.0
+    for j in range(w.size):
+        s = w[j]
+        for i in range(x.size):
+            s -= A[j, i] * x[i]
+        worst = max(worst, abs(s))
+    return worst
+
+
+@kernel
+def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> float:
+    """Return how large x in K with A x = w must at least be: the sum of its heights and half-lines.
+
+    A' y may leave K* by d, rounding included: then y.w = (A' y).x >= -d sum(x), so that the sum is at least
+    |y.w| / d. Infinite where A' y is in K*; zero where y proves nothing.
+    """
+    work, rounding = 0.0, 0.0
+    for j in range(w.size):
+        work += y[j] * w[j]
+        rounding += abs(y[j] * w[j])
+    work += _ROUNDING * rounding
+    if not work < 0.0:
+        return 0.0
+    lack = 0.0
+    for k in range(lorentz):
+        i = 3 * k
+        z0, z1, z2, size = 0.0, 0.0, 0.0, 0.0
+        for j in range(w.size):
+            z0 += A[j, i] * y[j]
+            z1 += A[j, i + 1] * y[j]
+            z2 += A[j, i + 2] * y[j]
+            size += max(abs(A[j, i]), abs(A[j, i + 1]), abs(A[j, i + 2])) * abs(y[j])
+        lack = max(lack, math.hypot(z1, z2) - z0 + _ROUNDING * size)
+    for i in range(3 * lorentz, A.shape[1]):
+        z0, size = 0.0, 0.0
+        for j in range(w.size):
+            z0 += A[j, i] * y[j]
+            size += abs(A[j, i] * y[j])
+        lack = max(lack, _ROUNDING * size - z0)
+    return -work / lack if lack > 0.0 else math.inf
+
+
 @kernel
 def most_margin(
     A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int
-) -> tuple[int, float, FloatArray, FloatArray]:
+) -> tuple[int, float, FloatArray, FloatArray, float]:
     """Maximise t with A x = w, x - t e in K; all quantities scaled (|w| about 1, rows about 1).
 
     Parameters
@@ -66,8 +134,9 @@ def most_margin(
 
     Returns
     -------
-    tuple[int, float, FloatArray, FloatArray]
-        Outcome, t, x (m,) and y (p,) with A' y in K* and (A e).y = 1 (zero where there is none).
+    tuple[int, float, FloatArray, FloatArray, float]
+        Outcome, t, x (m,), y (p,) with A' y in K* and (A e).y = 1 (zero where there is none), and the
+        reach of the proof that y is (zero where the outcome is not an infeasible one).
     """
     p, m = A.shape
     Q, T, pivots = np.empty((p, m)), np.empty((p, p)), np.empty(p, dtype=np.int64)
@@ -76,7 +145,8 @@ def most_margin(
     rank = orthonormal_rows(A, Q, T, pivots)
     if coordinates(T, pivots, rank, w, b) > BAND:
         _unreachable(T, pivots, rank, w, full, y)
-        return UNREACHABLE, -math.inf, x, y
+        reach = proof_reach(A, w, y, lorentz)
+        return (UNREACHABLE if reach >= REACH else UNDECIDED), -math.inf, x, y, reach
     for i in range(m):
         for j in range(rank):
             x[i] += Q[j, i] * b[j]
@@ -90,17 +160,20 @@ def most_margin(
         steepest = max(steepest, e[i])
     alpha = turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
+    squeeze = min(_SQUEEZE, 1.0 / steepest)
     if alpha <= 1e-9 * math.sqrt(size):
         for i in range(m):
-            x[i] += (_SQUEEZE - t0) * e[i]
-        return ENDLESS, math.inf, x, y
+            x[i] += max(0.0, squeeze - t0) * e[i]
+        _restore(Q, b, rank, x)
+        return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     start = 1.0 / (steepest * max(1, lorentz)) - 1.5 * min(t0, 0.0)
     if t0 > 0.0:
         start = max(0.0, start - t0)
     for i in range(m):
         x[i] += start * e[i]
     dual, z = np.empty(rank - 1), np.empty(m)
-    tol, floor = GAP * alpha, b[0] - _ENDLESS_MARGIN * alpha
+    unit = alpha / steepest  # of the objective, for an axis that moves by one
+    tol, floor = GAP * min(alpha, 4.0 * unit), b[0] - _ENDLESS_MARGIN * unit
     status, _ = minimise(Q[1:rank], b[1:rank], Q[0], lorentz, x, dual, z, tol, floor, b[0])
     t = b[0]
     for i in range(m):
@@ -111,16 +184,26 @@ def most_margin(
     _restore(Q, b, rank, x)
     t = depth(x, e, lorentz)
     if status == UNBOUNDED:
-        share = (_SQUEEZE - t0) / (t - t0)
+        share = min(1.0, (squeeze - t0) / (t - t0)) if t > t0 else 1.0
         for i in range(m):
             x[i] = least_norm[i] + share * (x[i] - least_norm[i])
-        return ENDLESS, math.inf, x, y
+        return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
+    if _settled(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
+        return FEASIBLE, t, x, y, 0.0
     full[0] = 1.0 / alpha
     for j in range(1, rank):
         full[j] = -dual[j - 1] / alpha
     reflect(h, rank, full)
     pull_back(T, pivots, rank, full, y)
-    return (FEASIBLE if t * steepest >= -BAND else INFEASIBLE), t, x, y
+    reach = proof_reach(A, w, y, lorentz)
+    return (INFEASIBLE if reach >= REACH else UNDECIDED), t, x, y, reach
+
+
+@inline_kernel
+def _settled(A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, x: FloatArray, outcome: int) -> int:
+    """Return the outcome where x is in its cones and gives the load within `BAND`, else UNDECIDED."""
+    good = _outside(x, e, lorentz) <= BAND and _left_over(A, w, x) <= BAND
+    return outcome if good else UNDECIDED
 
 
 @inline_kernel
@@ -155,13 +238,14 @@ def _unreachable(
             for q in range(p):
                 best[q] = -sign * y[q]
             best[j] += sign
-    y[:] = best
+    for q in range(p):  # as a slice it would take 2 s to compile
+        y[q] = best[q]
 
 
 @kernel
 def stand(
     positions: FloatArray, rotations: FloatArray, mu: FloatArray, about: FloatArray, load: FloatArray
-) -> tuple[int, float, FloatArray, FloatArray]:
+) -> tuple[int, float, FloatArray, FloatArray, float]:
     """Hold a load with point contacts and exact friction cones, with the most margin.
 
     Parameters
@@ -175,9 +259,9 @@ def stand(
 
     Returns
     -------
-    tuple[int, float, FloatArray, FloatArray]
-        Outcome, margin [N], forces (3 n,) in contact frames [N], and y (6,) with y.(A e) = 1, so that
-        y.load >= margin, equal at the optimum.
+    tuple[int, float, FloatArray, FloatArray, float]
+        Outcome, margin [N], forces (3 n,) in contact frames [N], y (6,) with y.(A e) = 1, so that
+        y.load >= margin, equal at the optimum, and the reach of y as a proof [N] (`proof_reach`).
     """
     n = mu.size
     A, e, w = np.empty((6, 3 * n)), np.zeros(3 * n), np.empty(6)
@@ -188,20 +272,20 @@ def stand(
     scale = load_scale(load, length)
     for k in range(3):
         w[k], w[k + 3] = load[k] / scale, load[k + 3] / (scale * length)
-    outcome, t, x, y = most_margin(A, e, w, n)
+    outcome, t, x, y, reach = most_margin(A, e, w, n)
     for i in range(n):
         height = x[3 * i] * scale
         x[3 * i], x[3 * i + 1] = mu[i] * x[3 * i + 1] * scale, mu[i] * x[3 * i + 2] * scale
         x[3 * i + 2] = height
     for k in range(3):
         y[k + 3] /= length
-    return outcome, t * scale, x, y
+    return outcome, t * scale, x, y, reach * scale
 
 
 @inline_kernel
 def axis_scale(mu: float) -> float:
     """Return how far the axis must move for a distance of one to the cone's boundary (1 if frictionless)."""
-    return math.sqrt(1.0 + mu * mu) / mu if mu > FRICTIONLESS else 1.0
+    return math.sqrt(1.0 + mu * mu) / max(mu, _LEAST_MU) if mu > 0.0 else 1.0
 
 
 @inline_kernel

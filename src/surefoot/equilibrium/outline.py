@@ -3,7 +3,9 @@
 T. Bretl, S. Lall, "Testing Static Equilibrium for Legged Robots", IEEE T-RO 2008: maximise along a
 direction; the point reached belongs to the region, the half-plane behind it holds all of the region; go on
 along the normal of the inner edge whose gap is largest. The half-planes here come from the dual
-solution, so the outer polygon is an upper bound whatever the solver's accuracy.
+solution, and what its slack leaves the cone by is charged on the largest forces there can be, so the outer
+polygon is an upper bound whatever the solver's accuracy. The gap that steers the search is an estimate;
+`polygons.enclose` measures the one that is stated.
 """
 
 from __future__ import annotations
@@ -18,7 +20,12 @@ from surefoot.equilibrium.margin import GAP
 from surefoot.kernels import inline_kernel, kernel
 
 TRACED, WITHOUT_BOUND, OUT_OF_DIRECTIONS = 0, 1, 2
-"""Outcomes of `trace`: done; unbounded; the gap stayed above the tolerance."""
+"""Outcomes of `trace`: done; forces without bound; the gap stayed above the tolerance."""
+_MOST_FORCE = 1e6
+"""Forces that may add up to more loads than this count as forces without bound."""
+_COARSE = 1e-2
+_ROUNDING = 32.0 * 2.0**-53
+"""Share of the largest terms by which a dual slack may be wrong."""
 
 
 @inline_kernel
@@ -44,34 +51,48 @@ def _distance(qx: float, qy: float, ax: float, ay: float, bx: float, by: float) 
 
 
 @inline_kernel
-def _dual_value(
-    B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, x: FloatArray, start: FloatArray
-) -> float:
-    """Return a lower bound of c.x that holds exactly: b.y where c - B'y is in the cone.
+def _lower_bound(
+    B: FloatArray, b: FloatArray, c: FloatArray, lorentz: int, y: FloatArray
+) -> tuple[float, float]:
+    """Return b.y, and by how much c - B' y leaves the cone at most, both with their rounding against us.
 
-    Rounding may leave the slack outside by a hair: what lacks is charged on the size of the largest
-    solution seen.
+    Every x of the program has c.x >= b.y - lack sum(x), sum(x) over heights of cones and half-lines.
     """
     r, m = B.shape
-    value, lack, size = 0.0, 0.0, 0.0
+    value, lack = 0.0, 0.0
     for j in range(r):
-        value += b[j] * y[j]
-    for k in range(m):
-        size += max(abs(x[k]), abs(start[k]))
-    previous0, previous1 = 0.0, 0.0
+        value += b[j] * y[j] - _ROUNDING * abs(b[j] * y[j])
+    s0, s1, size = 0.0, 0.0, 0.0
     for i in range(m):
-        s = c[i]
+        s, weight = c[i], abs(c[i])
         for j in range(r):
             s -= B[j, i] * y[j]
+            weight += abs(B[j, i] * y[j])
         if i >= 3 * lorentz:
-            lack = max(lack, -s)
+            lack = max(lack, _ROUNDING * weight - s)
         elif i % 3 == 0:
-            previous0 = s
+            s0, size = s, weight
         elif i % 3 == 1:
-            previous1 = s
+            s1, size = s, max(size, weight)
         else:
-            lack = max(lack, math.hypot(previous1, s) - previous0)
-    return value - lack * size
+            lack = max(lack, math.hypot(s1, s) - s0 + _ROUNDING * max(size, weight))
+    return value, lack
+
+
+@inline_kernel
+def _most_force(
+    B: FloatArray, b: FloatArray, lorentz: int, start: FloatArray,
+    x: FloatArray, y: FloatArray, z: FloatArray, c: FloatArray,
+) -> float:  # fmt: skip
+    """Return a bound on the sum of heights and half-lines of every solution; infinite where there is none."""
+    for i in range(c.size):
+        c[i] = -1.0 if i >= 3 * lorentz or i % 3 == 0 else 0.0
+        x[i] = start[i]
+    status, _ = minimise(B, b, c, lorentz, x, y, z, _COARSE, -_MOST_FORCE, 0.0)
+    value, lack = _lower_bound(B, b, c, lorentz, y)
+    if status == UNBOUNDED or lack >= 0.5 or not -value < _MOST_FORCE:
+        return math.inf
+    return max(0.0, -value) / (1.0 - lack)
 
 
 @kernel
@@ -98,12 +119,15 @@ def trace(
     Returns
     -------
     tuple[int, int, float]
-        Outcome, number of directions, gap.
+        Outcome, number of directions, estimated gap.
     """
     r, m = B.shape
     most = heights.size
     x, y, z, c = np.empty(m), np.empty(r), np.empty(m), np.empty(m)
     count, at = 0, 0
+    most_force = _most_force(B, b, lorentz, start, x, y, z, c)
+    if most_force == math.inf:
+        return WITHOUT_BOUND, count, math.inf
     for k in range(4):
         directions[k, 0], directions[k, 1] = math.cos(0.5 * math.pi * k), math.sin(0.5 * math.pi * k)
     pending, total, gap = 0, 4, math.inf
@@ -129,8 +153,8 @@ def trace(
                 for i in range(m):
                     s += G[q, i] * x[i]
                 points[k, q] = s
-            heights[k] = dx * offset[0] + dy * offset[1]
-            heights[k] -= size * _dual_value(B, b, c, lorentz, y, x, start)
+            value, lack = _lower_bound(B, b, c, lorentz, y)
+            heights[k] = dx * offset[0] + dy * offset[1] - size * (value - lack * most_force)
             heights[k] = max(heights[k], dx * points[k, 0] + dy * points[k, 1])
             pending += 1
         count = total

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 from surefoot.equilibrium.limits import equations
-from surefoot.equilibrium.margin import BAND, GAP, INFEASIBLE, UNREACHABLE, most_margin
+from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, GAP, most_margin
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, turn_first_row
 from surefoot.errors import ProblemError
 
@@ -54,8 +54,8 @@ def largest_disturbance(verdict: Verdict, direction: ArrayLike) -> float:
     if not verdict.feasible or not len(verdict.stance):
         return 0.0
     eq = equations(verdict.stance, verdict.com, verdict.load, verdict.limits, verdict.facets, verdict.fit)
-    outcome, margin, x, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
-    if outcome in (INFEASIBLE, UNREACHABLE) or margin <= BAND:
+    outcome, margin, x, _, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    if outcome not in (FEASIBLE, ENDLESS) or margin <= BAND:
         return 0.0
     d = np.zeros(len(eq.w))
     d[:3], d[3:6] = -push[:3], -push[3:] / eq.length

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
+from surefoot.equilibrium.polygons import hull, intersection
 
 
 class Region:
@@ -16,12 +17,13 @@ class Region:
     Attributes
     ----------
     inner
-        (k, 2) corners, counter-clockwise [m]: every point of this polygon belongs to the region. Empty
-        where the region is.
+        (k, 2) corners, counter-clockwise [m]: every point of this polygon belongs to the region. Two corners
+        are a segment, one is a point, none an empty region.
     directions, heights
         (h, 2), (h,): no point of the region has ``directions @ point > heights``.
     gap
-        Largest distance of the outer polygon from the inner one [m].
+        Largest distance of the outer polygon from the inner one [m], measured on these two; infinite where
+        rounding lets nothing be said.
     height
         Height of the plane the polygon lies in [m].
     axis
@@ -55,10 +57,10 @@ class Region:
         self.converged = converged
 
     @classmethod
-    def nothing(cls, height: float, axis: FloatArray) -> Region:
+    def nothing(cls, height: float, axis: FloatArray, force_limit: float = math.inf) -> Region:
         """Return the empty region."""
         empty = np.zeros((0, 2))
-        return cls(empty, empty, np.zeros(0), 0.0, height, axis)
+        return cls(empty, empty, np.zeros(0), 0.0, height, axis, force_limit)
 
     def __repr__(self) -> str:
         if self.empty:
@@ -67,7 +69,7 @@ class Region:
 
     @property
     def empty(self) -> bool:
-        """Whether no point at all belongs to the region."""
+        """Whether no point of the region is known: none exists, unless the gap is infinite."""
         return len(self.inner) == 0
 
     @property
@@ -81,11 +83,8 @@ class Region:
         if self.empty:
             return np.zeros((0, 2))
         middle = self.inner.mean(axis=0)
-        reach = 10.0 * (float(np.abs(self.heights - self.directions @ middle).max()) + self.gap)
-        polygon = middle + reach * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-        for direction, height in zip(self.directions, self.heights, strict=True):
-            polygon = cut(polygon, direction, height)
-        return np.asarray(polygon)
+        reach = float(np.max(self.heights - self.directions @ middle, initial=0.0))
+        return intersection(self.directions, self.heights, middle, 10.0 * reach + 1e-300)
 
     def contains(self, point: ArrayLike) -> bool:
         """Tell whether a (2,) point of the plane, or a (3,) point in space, is in the inner polygon.
@@ -145,36 +144,5 @@ def cut(polygon: FloatArray, direction: FloatArray, height: float) -> FloatArray
 
 
 def convex_hull(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise (Andrew's chain)."""
-    unique = np.unique(points, axis=0)
-    if len(unique) <= 2:
-        return unique
-    flat = 1e-14 * float(np.ptp(unique, axis=0).max()) ** 2
-
-    def chain(ordered: FloatArray) -> list[FloatArray]:
-        out: list[FloatArray] = []
-        for p in ordered:
-            while len(out) >= 2 and _turn(out[-2], out[-1], p) <= flat:
-                out.pop()
-            out.append(p)
-        return out[:-1]
-
-    return np.array(chain(unique) + chain(unique[::-1]))
-
-
-def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
-    """Drop corners of a convex polygon that stand out from their neighbours' line by `slack` or less."""
-    corners = list(polygon)
-    k = 0
-    while k < len(corners) and len(corners) > 2:
-        a, b, c = corners[k - 1], corners[k], corners[(k + 1) % len(corners)]
-        if _turn(a, b, c) <= slack * max(float(np.linalg.norm(c - a)), 1e-300):
-            corners.pop(k)
-        else:
-            k += 1
-    return np.array(corners).reshape(-1, 2)
-
-
-def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
-    """Return twice the signed area of a triangle, positive counter-clockwise."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    """Return the corners of the convex hull of (n, 2) points, counter-clockwise; a line has two."""
+    return hull(np.ascontiguousarray(points, dtype=np.float64))

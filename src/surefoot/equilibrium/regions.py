@@ -9,23 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.equilibrium.faces import smallest_face
-from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
-from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, most_margin
-from surefoot.equilibrium.outline import OUT_OF_DIRECTIONS, WITHOUT_BOUND, trace
-from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
-from surefoot.equilibrium.region import Region, convex_hull, without_flat_corners
+from surefoot.equilibrium.limits import ForceLimits, equations, normal_limits, squeeze_limit
+from surefoot.equilibrium.region import Region, convex_hull
 from surefoot.equilibrium.statics import needed_wrench
+from surefoot.equilibrium.tracing import Rows, traced
 from surefoot.errors import ProblemError
 from surefoot.stance import Stance
 
 SQUEEZE = 10.0
 """Total normal force, as a multiple of the load, where contacts could squeeze without limit."""
-_MOST_DIRECTIONS = 2000
-_EMPTY = -1
-_ROOM = 1e-8
-_AIM = 0.9999
-"""Share of the tolerance spent on the gap; the rest on corners that hardly stand out."""
 
 
 def com_region(
@@ -164,11 +156,7 @@ def zmp_region(
     return region
 
 
-_Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-"""Rows of the contact wrench that are fixed, their values, and the point as pick @ wrench + offset."""
-
-
-def _com_rows(load: FloatArray, anchor: FloatArray) -> _Rows:
+def _com_rows(load: FloatArray, anchor: FloatArray) -> Rows:
     """Return the fixed rows and the point for a centre of mass in the plane through the anchor.
 
     The wrench about the anchor is [F; c x F + M]: its force is fixed, its moment along F too, and
@@ -196,7 +184,7 @@ def _anchor(stance: Stance, height: float | None) -> FloatArray:
 
 def _region(
     stance: Stance, about: FloatArray, load: FloatArray, tol: float, facets: int | None,
-    fit: Literal["inner", "outer"], limits: ForceLimits | None, rows: _Rows, axis: FloatArray,
+    fit: Literal["inner", "outer"], limits: ForceLimits | None, rows: Rows, axis: FloatArray,
     height: float | None = None,
 ) -> Region:  # fmt: skip
     """Trace the region of a point that depends linearly on the contact wrench about `about`."""
@@ -209,85 +197,19 @@ def _region(
     bounds = normal_limits(stance)
     bounds = limits if bounds is None else bounds.and_also(limits)
     force_limit = math.inf
-    result = _trace(equations(stance, about, load, bounds, facets, fit), rows, tol)
-    endless = result[0] == OUT_OF_DIRECTIONS and result[1] > 1e3 * tol  # forces run away along some direction
-    if endless or result[0] == WITHOUT_BOUND or result[3] == math.inf:
+    found = traced(equations(stance, about, load, bounds, facets, fit), rows, tol)
+    if found.unbounded:
         force_limit = SQUEEZE * float(np.linalg.norm(load[:3]))
         squeeze = squeeze_limit(stance, force_limit)
         bounds = squeeze if bounds is None else bounds.and_also(squeeze)
-        result = _trace(equations(stance, about, load, bounds, facets, fit), rows, tol)
-    outcome, gap, points, _, directions, heights = result
-    if outcome == _EMPTY:
-        return Region.nothing(plane, axis)
-    if outcome == WITHOUT_BOUND:
+        found = traced(equations(stance, about, load, bounds, facets, fit), rows, tol)
+    if found.empty:
+        return Region.nothing(plane, axis, force_limit)
+    if found.unbounded:
         raise ProblemError("the region has no bound: give the contacts a normal_max")
-    slack = (1.0 - _AIM) * tol
-    inner = without_flat_corners(convex_hull(points), slack)
     return Region(
-        inner, directions, heights, gap + slack, plane, axis, force_limit,
-        outcome != OUT_OF_DIRECTIONS,
-    )  # fmt: skip
-
-
-def _trace(
-    eq: Equations, rows: _Rows, tol: float
-) -> tuple[int, float, FloatArray, float, FloatArray, FloatArray]:
-    """Trace with the equations' scaling; return outcome, gap, points, margin, directions, heights."""
-    wrench, goal, pick, offset = rows
-    unscale = np.array([1.0, 1.0, 1.0, eq.length, eq.length, eq.length]) * eq.scale
-    A = np.vstack([(wrench * unscale) @ eq.A[:6] / eq.scale, eq.A[6:]])
-    w = np.concatenate([goal / eq.scale, eq.w[6:]])
-    moments = wrench[:, 3:].any(axis=1)
-    A[: len(goal)][moments] /= eq.length
-    w[: len(goal)][moments] /= eq.length
-    G = (pick * unscale) @ eq.A[:6]
-    found = _with_interior(A, eq.e, w, eq.lorentz, G)
-    if found is None:
-        nothing = np.zeros((0, 2))
-        return _EMPTY, 0.0, nothing, -math.inf, nothing, np.zeros(0)
-    A, lorentz, G, start, margin = found
-    Q, T, pivots, b = np.empty_like(A), np.empty((len(A), len(A))), np.empty(len(A), dtype=np.int64), w.copy()
-    rank = orthonormal_rows(A, Q, T, pivots)
-    coordinates(T, pivots, rank, w, b)
-    directions, heights = np.empty((_MOST_DIRECTIONS, 2)), np.empty(_MOST_DIRECTIONS)
-    points = np.empty((_MOST_DIRECTIONS, 2))
-    outcome, count, gap = trace(
-        Q[:rank],
-        b[:rank],
-        lorentz,
-        start,
-        G,
-        np.array(offset, dtype=float),
-        _AIM * tol,
-        directions,
-        heights,
-        points,
+        found.inner, found.directions, found.heights, found.gap, plane, axis, force_limit, found.gap <= tol
     )
-    return outcome, gap, points[:count].copy(), margin, directions[:count].copy(), heights[:count].copy()
-
-
-def _with_interior(
-    A: FloatArray, e: FloatArray, w: FloatArray, lorentz: int, G: FloatArray
-) -> tuple[FloatArray, int, FloatArray, FloatArray, float] | None:
-    """Return equations, cones, point map, a strictly feasible start and its margin; None if infeasible.
-
-    Where every solution is on the cones' boundary, the cones are replaced by the face that the solutions
-    are in (`faces.smallest_face`), until there is room inside.
-    """
-    best: tuple[FloatArray, int, FloatArray, FloatArray, float] | None = None
-    for _ in range(A.shape[1] + 1):
-        A, G = np.ascontiguousarray(A), np.ascontiguousarray(G)
-        outcome, margin, start, y = most_margin(A, e, w, lorentz)
-        if outcome not in (FEASIBLE, ENDLESS):
-            return best
-        if margin > _ROOM:
-            return A, lorentz, G, start, margin
-        best = A, lorentz, G, start + (2.0 * BAND - min(0.0, margin)) * e, margin
-        face, axes, left = smallest_face(A.T @ y, e, lorentz)
-        if face.shape[1] == A.shape[1] or not face.shape[1]:
-            return best
-        A, G, e, lorentz = A @ face, G @ face, axes, left
-    return best
 
 
 def support_polygon(stance: Stance) -> FloatArray:

@@ -1,6 +1,7 @@
 """Can it stand here, and how much friction does it need: the questions and their entry points.
 
-Every answer carries its proof: forces when it can, a separating wrench when it cannot.
+Every answer carries its proof: forces when it can, a separating wrench when it cannot. An answer without one
+is "undecided".
 """
 
 from __future__ import annotations
@@ -14,7 +15,18 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
-from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, axis_scale, most_margin, stand
+from surefoot.equilibrium.margin import (
+    ENDLESS,
+    FEASIBLE,
+    REACH,
+    UNDECIDED,
+    axis_scale,
+    load_scale,
+    most_margin,
+    proof_reach,
+    spread,
+    stand,
+)
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
@@ -22,6 +34,8 @@ from surefoot.stance import Stance
 
 _RUNAWAY = 1e3
 """Forces of so many loads, where bounds take part, are taken for a squeeze that nothing stops."""
+_SQUEEZES = (10.0, 100.0, 1000.0)
+"""Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
 _MOST_MU = 1e4
 """A stance that needs more friction than this counts as one that no friction saves."""
 
@@ -57,7 +71,8 @@ def can_stand(
     Returns
     -------
     Verdict
-        `.feasible`, `.forces`, `.margin` [N], `.certificate`; truthy when it can stand.
+        `.status`, `.feasible`, `.forces`, `.margin` [N], `.certificate`, `.reach` [N]; truthy when it can
+        stand.
 
     Raises
     ------
@@ -67,6 +82,9 @@ def can_stand(
     Notes
     -----
     The verdict is exact outside a band of 1e-9 of the load around the boundary, and so is the margin.
+    "possible" comes with forces that are in their cones and give the load within that band, "impossible"
+    with a proof that rules out every set of forces up to a total of ten thousand loads at least; where
+    arithmetic finds neither, the status is "undecided", and the verdict is falsy.
     Joint torques are another question: see `surefoot.equilibrium.actuation`.
 
     Examples
@@ -84,11 +102,13 @@ def can_stand(
     load = needed_wrench(mass, external_wrench)
     if limits is None and facets is None and not stance.bounded and stance.contacts:
         points = stance.points()
-        outcome, margin, x, y = stand(points.positions, points.rotations, points.mu, about, load)
+        outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
         if outcome in (FEASIBLE, ENDLESS):
             forces = x if points is stance else stance.corner_map @ x
-            return Verdict(stance, about, load, True, margin, forces, None, x)
-        return Verdict(stance, about, load, False, margin, None, y, None)
+            return Verdict(stance, about, load, "possible", margin, forces, None, x)
+        if outcome == UNDECIDED:
+            return Verdict(stance, about, load, "undecided", margin, None, None, None)
+        return Verdict(stance, about, load, "impossible", margin, None, y, None, reach=reach)
     return _general(stance, about, load, facets, fit, limits)
 
 
@@ -104,27 +124,32 @@ def _general(
     if not stance.contacts:
         size = float(np.linalg.norm(load))
         if size == 0.0:
-            return Verdict(stance, about, load, True, math.inf, np.zeros(0), None, np.zeros(0))
-        return Verdict(stance, about, load, False, -math.inf, None, -load / size, None)
+            return Verdict(stance, about, load, "possible", math.inf, np.zeros(0), None, np.zeros(0))
+        return Verdict(stance, about, load, "impossible", -math.inf, None, -load / size, None, reach=math.inf)
     bounds = normal_limits(stance)
     bounds = limits if bounds is None else bounds.and_also(limits)
     eq = equations(stance, about, load, bounds, facets, fit)
-    outcome, margin, x, y = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
+    outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
     if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
         held = _held_back(stance, about, load, bounds, facets, fit)
         again = most_margin(held.A, held.e, held.w, held.lorentz)
         if again[0] in (FEASIBLE, ENDLESS):
-            eq, (outcome, margin, x, y) = held, again
+            eq, (outcome, margin, x, y, _) = held, again
+    margin *= eq.scale
     if outcome in (FEASIBLE, ENDLESS):
         corners = eq.force @ x
         forces = stance.corner_map @ corners
         return Verdict(
-            stance, about, load, True, margin * eq.scale, forces, None, corners, bounds, None, facets, fit
+            stance, about, load, "possible", margin, forces, None, corners, bounds, None, facets, fit
         )
+    y[6:] = np.maximum(y[6:], 0.0)
+    reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
+    if reach < REACH:
+        return Verdict(stance, about, load, "undecided", margin, None, None, None, bounds, None, facets, fit)
     multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
     return Verdict(
-        stance, about, load, False, margin * eq.scale, None, eq.wrench_multiplier(y), None, bounds,
-        multipliers, facets, fit,
+        stance, about, load, "impossible", margin, None, eq.wrench_multiplier(y), None, bounds,
+        multipliers, facets, fit, reach * eq.scale,
     )  # fmt: skip
 
 
@@ -143,7 +168,11 @@ def _held_back(
 
 
 def friction_needed(
-    stance: Stance, com: ArrayLike, mass: float, external_wrench: ArrayLike | float = 0.0
+    stance: Stance,
+    com: ArrayLike,
+    mass: float,
+    external_wrench: ArrayLike | float = 0.0,
+    force_limit: float | None = None,
 ) -> float:
     """Return the least friction coefficient, the same at every contact, that holds the robot.
 
@@ -153,11 +182,21 @@ def friction_needed(
         Contacts; their own coefficients are not looked at.
     com, mass, external_wrench
         As for `can_stand`.
+    force_limit
+        Largest sum of all normal forces [N]. None for ten loads where less friction would need more (contacts
+        that squeeze each other, as in a chimney, hold with hardly any friction by endless forces), a hundred
+        and a thousand where ten are never enough (long levers); infinite for no limit: then the result is
+        an infimum that finite forces may come near to and not reach.
 
     Returns
     -------
     float
         0 where the contacts hold without friction, infinite where no friction (up to 10000) helps.
+
+    Raises
+    ------
+    ProblemError
+        As for `can_stand`, or for a force limit that is negative.
 
     Examples
     --------
@@ -170,14 +209,44 @@ def friction_needed(
     """
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
+    most = math.inf if force_limit is None else real_number("force_limit", force_limit, low=0.0)
+    points = stance.points()
     if not stance.contacts:
         return math.inf if float(np.linalg.norm(load)) > 0.0 else 0.0
+    size = load_scale(load, spread(points.positions, about))
+    if most < math.inf:
+        return _friction_within(stance, about, load, most)
+    least = _friction_within(stance, about, load, math.inf)
+    if force_limit is not None or math.isinf(least):
+        return least
+    for loads in _SQUEEZES:
+        if _total_normal(stance, about, load, least) <= loads * size:
+            return least
+        held = _friction_within(stance, about, load, loads * size)
+        if held < math.inf:
+            return held
+    return least
+
+
+def _total_normal(stance: Stance, about: FloatArray, load: FloatArray, mu: float) -> float:
+    """Return the sum of normal forces [N] that hold with one friction everywhere; infinite if none do."""
+    if stance.bounded:
+        verdict = _general(stance.with_friction(mu), about, load, None, "inner", None)
+        return math.inf if verdict.corner_forces is None else float(verdict.corner_forces[:, 2].sum())
+    points = stance.points()
+    same = np.full(len(points), mu)
+    outcome, _, x, _, _ = stand(points.positions, points.rotations, same, about, load)
+    return float(x[2::3].sum()) if outcome in (FEASIBLE, ENDLESS) else math.inf
+
+
+def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: float) -> float:
+    """Return the least friction with normal forces that add up to `most` [N] at the most."""
+    limit = None if math.isinf(most) else squeeze_limit(stance, most)
 
     def depth(mu: float) -> float:
         """Return how far the cones' apices may rise: its sign says whether mu is enough."""
-        trial = stance.with_friction(mu) if stance.bounded else stance
-        if stance.bounded:
-            return _general(trial, about, load, None, "inner", None).margin
+        if limit is not None or stance.bounded:
+            return _general(stance.with_friction(mu), about, load, None, "inner", limit).margin
         points = stance.points()
         same = np.full(len(points), mu)
         margin = stand(points.positions, points.rotations, same, about, load)[1]

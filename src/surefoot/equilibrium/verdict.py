@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.equilibrium.margin import REACH
 from surefoot.stance import Stance
 
 if TYPE_CHECKING:
@@ -20,21 +21,30 @@ class Verdict:
 
     Attributes
     ----------
+    status
+        "possible", "impossible", or "undecided" where rounding leaves neither forces nor a proof: stances
+        that only forces beyond ten thousand loads could tell apart.
     feasible
-        Whether forces within every contact's friction cone and bounds give the load.
+        Whether forces within every contact's friction cone and bounds were found that give the load.
     forces
         (stance.dim,) contact forces (wrenches of patches) in contact frames [N, N m] with the most
         margin, stacked in the order of the stance; None when impossible.
     margin
         Least distance of a contact's force (of a patch corner's) to the boundary of its cone or to a
         bound [N], the largest that any forces can keep. Negative when impossible; infinite where contacts
-        can squeeze each other without limit (the forces then keep a tenth of the load; where others of
-        the contacts are bounded it is the margin that a total of a thousand loads allows); minus infinity
-        where no contact forces at all give the load. A frictionless contact counts its normal force.
+        can squeeze each other without limit, or beyond a million loads (the forces then keep a tenth of the
+        load, mu times the load where friction is below a tenth; where others of the contacts are bounded it
+        is the margin that a total of a thousand loads allows); minus infinity where no contact forces at all
+        give the load. A cone's margin is at most mu times the normal force and vanishes with mu; a contact
+        of mu = 0 has a cone without width and counts its normal force instead.
     certificate
-        (6,) separating wrench y, or None when possible: every admissible set of contact forces f has
+        (6,) separating wrench y when impossible, else None: every admissible set of contact forces f has
         ``y @ grasp_map @ f >= 0``, and ``y @ load < 0``. Where bounds on forces take part (normal bounds,
         joint torques) they enter with `multipliers`.
+    reach
+        How far that proof goes [N]: forces that give the load would have normal forces that add up to this
+        at least. Infinite where it holds without exception; where contacts can squeeze each other, or load
+        and contacts fit only up to rounding, it is finite, and ten thousand loads at least. 0 when possible.
     multipliers
         (l,) weights >= 0 of the rows of `limits`; empty without bounds.
     load
@@ -55,7 +65,9 @@ class Verdict:
         "load",
         "margin",
         "multipliers",
+        "reach",
         "stance",
+        "status",
     )
 
     def __init__(
@@ -63,7 +75,7 @@ class Verdict:
         stance: Stance,
         com: FloatArray,
         load: FloatArray,
-        feasible: bool,
+        status: Literal["possible", "impossible", "undecided"],
         margin: float,
         forces: FloatArray | None,
         certificate: FloatArray | None,
@@ -72,11 +84,14 @@ class Verdict:
         multipliers: FloatArray | None = None,
         facets: int | None = None,
         fit: Literal["inner", "outer"] = "inner",
+        reach: float = 0.0,
     ) -> None:
         self.stance = stance
         self.com = com
         self.load = load
-        self.feasible = feasible
+        self.status: Literal["possible", "impossible", "undecided"] = status
+        self.feasible = status == "possible"
+        self.reach = reach
         self.margin = margin
         self.forces = forces
         self.certificate = certificate
@@ -90,8 +105,7 @@ class Verdict:
         return self.feasible
 
     def __repr__(self) -> str:
-        word = "possible" if self.feasible else "impossible"
-        return f"Verdict({word}, margin={self.margin:.3g} N, {len(self.stance)} contacts)"
+        return f"Verdict({self.status}, margin={self.margin:.3g} N, {len(self.stance)} contacts)"
 
     @property
     def corner_forces(self) -> FloatArray | None:
@@ -114,60 +128,75 @@ class Verdict:
         return [self.forces[part] for part in self.stance.slices]
 
     def verify(self, tol: float = 1e-9) -> bool:
-        """Check the proof with two matrix products; `tol` is relative to the load (the wrench).
+        """Check the proof with two matrix products; an undecided verdict has none.
 
-        Possible: the forces are in their cones and bounds and add up to the load. Impossible: the
-        separating wrench does no negative work on any admissible force, yet negative work on the load.
+        Possible: the forces are in their cones and bounds and add up to the load, within `tol` of the load.
+        Impossible: the separating wrench does negative work on the load, and no work so negative on any
+        admissible forces that add up to less than ten thousand loads.
         """
-        if self.feasible:
-            return self._forces_hold(tol)
-        return self._certificate_holds(tol)
+        if self.status == "undecided":
+            return False
+        return self._forces_hold(tol) if self.feasible else self._certificate_holds()
+
+    def _scales(self, grasp: FloatArray) -> tuple[float, FloatArray]:
+        """Return the load as a force [N], and the six entries' own scales [N, N m]."""
+        columns = np.linalg.norm(grasp[3:], axis=0)
+        arm = max(float(columns.max(initial=0.0)), 1e-300)
+        size = float(np.hypot(np.linalg.norm(self.load[:3]), np.linalg.norm(self.load[3:]) / arm))
+        return size, size * np.array([1.0, 1.0, 1.0, arm, arm, arm])
+
+    def _friction(self) -> FloatArray:
+        """Return the friction of every corner, widened to the edges of pyramids around the cones."""
+        mu = self.stance.points().mu
+        return mu / np.cos(np.pi / self.facets) if self.facets is not None and self.fit == "outer" else mu
 
     def _forces_hold(self, tol: float) -> bool:
         if self.forces is None or self._corner_forces is None:
-            return len(self.stance) == 0
-        scale = max(float(np.linalg.norm(self.load)), 1e-300)
-        size = max(scale, float(np.abs(self.forces).max(initial=0.0)))
+            return False
+        if not len(self.stance):
+            return not np.any(self.load)
+        size, scales = self._scales(self.stance.points().grasp_map(self.com))
+        if not np.all(np.isfinite(self.forces)):
+            return False
         rest = self.stance.grasp_map(self.com) @ self.forces - self.load
-        corners = self._corner_forces.reshape(-1, 3)
-        mu = self.stance.points().mu
-        if self.facets is not None and self.fit == "outer":
-            mu = mu / np.cos(np.pi / self.facets)
-        slack = mu * corners[:, 2] - np.hypot(corners[:, 0], corners[:, 1])
-        inside = bool(np.all(slack >= -tol * size)) and bool(np.all(corners[:, 2] >= -tol * size))
+        corners, mu = self._corner_forces.reshape(-1, 3), self._friction()
+        side = np.hypot(corners[:, 0], corners[:, 1])
+        outside = np.maximum(-corners[:, 2], (side - mu * corners[:, 2]) / np.hypot(1.0, mu))
+        inside = bool(np.all(outside <= 2.0 * tol * size))
         if self.limits is not None:
             rows, bound = self.limits.rows, self.limits.bound
-            inside &= bool(np.all(rows @ self.forces - bound <= tol * size * np.linalg.norm(rows, axis=1)))
-        return inside and bool(np.abs(rest).max() <= tol * size)
+            reach = np.maximum(size * np.linalg.norm(rows, axis=1), np.abs(bound))
+            inside &= bool(np.all(rows @ self.forces - bound <= 2.0 * tol * reach))
+        return inside and bool(np.all(np.abs(rest) <= 10.0 * tol * scales))
 
-    def _certificate_holds(self, tol: float) -> bool:
-        if self.certificate is None:
+    def _certificate_holds(self) -> bool:
+        """Check the separating wrench contact by contact, on the arithmetic of this file alone."""
+        y = self.certificate
+        if y is None or not np.all(np.isfinite(y)):
             return False
-        points = self.stance.points()
-        grasp = points.grasp_map(self.com)
-        force = grasp.T @ self.certificate
-        scale = float((np.abs(grasp).T @ np.abs(self.certificate)).max(initial=1e-300))
-        work = float(self.certificate @ self.load)
+        if not len(self.stance):
+            return float(y @ self.load) < 0.0
+        grasp = self.stance.points().grasp_map(self.com)
+        force = grasp.T @ y
+        work = float(y @ self.load)
         if self.limits is not None and len(self.multipliers):
-            force = force + self.stance.corner_map.T @ (self.limits.rows.T @ self.multipliers)
-            work += float(self.multipliers @ self.limits.bound)
             if float(self.multipliers.min()) < 0.0:
                 return False
-        z = force.reshape(-1, 3)
-        depth = z[:, 2] - points.mu * np.hypot(z[:, 0], z[:, 1])
-        if self.facets is not None:
-            return work < 0.0 and self._pyramids_agree(z, scale, tol)
-        return work < 0.0 and bool(np.all(depth >= -tol * scale))
+            force = force + self.stance.corner_map.T @ (self.limits.rows.T @ self.multipliers)
+            work += float(self.multipliers @ self.limits.bound)
+        lack = float(-self._least_work(force.reshape(-1, 3)).min())
+        size, _ = self._scales(grasp)
+        return work < 0.0 and -work >= 0.5 * REACH * size * lack
 
-    def _pyramids_agree(self, z: FloatArray, scale: float, tol: float) -> bool:
-        """Check the certificate against the rays of the pyramids that stood for the cones."""
+    def _least_work(self, z: FloatArray) -> FloatArray:
+        """Return the least work of `z` on a force of each cone (pyramid) whose normal component is one."""
+        mu = self.stance.points().mu
+        if self.facets is None:
+            return z[:, 2] - mu * np.hypot(z[:, 0], z[:, 1])
         from surefoot.cones import FrictionPyramid
 
-        assert self.facets is not None
-        for mu, part in zip(self.stance.points().mu, z, strict=True):
-            if np.min(FrictionPyramid(float(mu), self.facets, self.fit).rays @ part) < -tol * scale:
-                return False
-        return True
+        rays = [FrictionPyramid(float(m), self.facets, self.fit).rays for m in mu]
+        return np.array([float(np.min(r @ part)) for r, part in zip(rays, z, strict=True)])
 
     def largest_disturbance(self, direction: ArrayLike) -> float:
         """Return how far a wrench in one direction may grow before the stance fails.

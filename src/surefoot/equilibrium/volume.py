@@ -7,8 +7,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.equilibrium.limits import ForceLimits
@@ -45,6 +43,8 @@ class ComVolume:
     @property
     def volume(self) -> float:
         """Content [m^3]."""
+        from scipy.spatial import ConvexHull
+
         return 0.0 if self.empty else float(ConvexHull(self.corners).volume)
 
     def contains(self, points: ArrayLike, tol: float = 1e-9) -> BoolArray:
@@ -131,6 +131,9 @@ def _prism(region: Region) -> tuple[FloatArray, FloatArray]:
 
 def _corners(A: FloatArray, b: FloatArray) -> FloatArray:
     """Return the corners of {c : A c <= b}, none if it has no interior."""
+    from scipy.optimize import linprog
+    from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
     ball = linprog(
         np.array([0.0, 0.0, 0.0, -1.0]),
         A_ub=np.hstack([A, np.ones((len(A), 1))]),

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid, PolyhedralCone
-from surefoot.cones.representation import Method
 from surefoot.errors import ProblemError
 from surefoot.stance import Stance
+
+if TYPE_CHECKING:
+    from surefoot.cones.representation import Method
 
 MOST_ROWS = 20_000
 """Half-spaces above which `wrench_cone` asks before it starts."""

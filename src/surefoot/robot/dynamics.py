@@ -6,9 +6,10 @@ are the solution of one linear system::
     [ M   Jᵀ ] [  v̇ ]   [ τ - h ]
     [ J  -εI ] [ -f ] = [   γ   ]
 
-ε > 0 (damping) makes it regular when rows of J depend on each other (two flat feet, four legs of a
-stiff body); ε = 0 then gives the forces of least norm, and the motion is the exact one either way as
-long as γ can be met.
+Where rows of J depend on each other (two flat feet, four legs of a stiff body), ε = 0 gives the forces of
+least norm, and the motion is exact as long as γ can be met. ε > 0 (damping) makes the system regular instead,
+and is a compliance: J v̇ = γ - ε f, so that the motion misses γ by ε times the forces, and the forces go to
+those of least norm as ε goes to zero; where γ cannot be met they grow like 1/ε.
 
 References
 ----------
@@ -108,7 +109,8 @@ def constrained_dynamics(
         (sum of dims,) classical acceleration of the contacts in contact axes; None for zero. Stabilise
         with `Baumgarte.acceleration`.
     damping
-        ε >= 0 of the system above [1/kg].
+        ε >= 0 of the system above [1/kg]; above zero the contacts' acceleration is missed by ε times the
+        forces.
 
     Raises
     ------

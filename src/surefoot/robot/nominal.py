@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from surefoot.arrays import FloatArray
 
@@ -75,6 +74,7 @@ def _bend(
 ) -> FloatArray:
     """Return q with one leg's joints moved so that its foot reaches the target."""
     import pinocchio
+    from scipy.optimize import least_squares  # takes 0.2 s to load
 
     index = [model.joints[j].idx_q for j in joints]
     low = np.maximum(model.lowerPositionLimit[index], -np.pi)

@@ -16,6 +16,7 @@ from surefoot.errors import MissingExtra, ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.foot import Foot, read_foot, shaped_foot
 from surefoot.robot.nominal import bend_legs
+from surefoot.robot.parser_output import parser_output
 from surefoot.stance import Contact, FlatTerrain, PatchContact, PointContact, Stance, Terrain
 
 NOMINAL_POSES = ("standing", "half_sitting")
@@ -281,20 +282,41 @@ def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, 
     except ImportError as error:
         raise MissingExtra("pin", "robot") from error
     root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
-    try:
-        model = pinocchio.buildModelFromUrdf(str(path), *root)
-    except (ValueError, RuntimeError) as error:
-        raise ModelError(f"{path} is not a URDF that Pinocchio can read: {error}") from error
+    model = _parsed(path, root)
     packages = [str(f) for f in folders]
 
     def shapes(kind: Any) -> Any:
         try:
-            return pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages)
+            with parser_output():
+                return pinocchio.buildGeomFromUrdf(model, str(path), kind, package_dirs=packages)
         except (ValueError, RuntimeError):  # meshes that cannot be found: the dynamics do without
             return pinocchio.GeometryModel()
 
     collision = shapes(pinocchio.GeometryType.COLLISION)
     return model, collision, lambda: shapes(pinocchio.GeometryType.VISUAL)
+
+
+def _parsed(path: Path, root: Sequence[Any]) -> Any:
+    """Return the model of a URDF file; what its parser complains about is an error, never an output.
+
+    The parser goes on without an inertia that it cannot read, so complaints count even if there is a model.
+    """
+    import pinocchio
+
+    model, why = None, ""
+    with parser_output() as said:
+        try:
+            model = pinocchio.buildModelFromUrdf(str(path), *root)
+        except (ValueError, RuntimeError) as error:
+            why = str(error)
+    errors = [line.removeprefix("Error:").strip() for line in said if line.startswith("Error:")]
+    if model is None or errors:
+        reason = "; ".join(dict.fromkeys(errors)) or why
+        raise ModelError(f"{path} is not a URDF that Pinocchio can read: {reason}")
+    mass = float(pinocchio.computeTotalMass(model))
+    if root and not 0.0 < mass < math.inf:
+        raise ModelError(f"{path} describes no robot that can move: its total mass is {mass:g} kg")
+    return model
 
 
 def _nominal(

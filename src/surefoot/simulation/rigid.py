@@ -10,7 +10,7 @@ do to each other, is integrated to a tolerance (`rigid_motion`): it keeps moment
 change momentum by just what they carry, and kinetic energy by their work on the mean of v and v⁺. A robot at
 rest does not move. Far from the ground the whole step is free motion under gravity and torques.
 
-The order in dt is two where forces are smooth, one where contacts close, open or move on with the body.
+The order in dt is two where forces are smooth, one where contacts close, open or turn with a flat sole.
 
 An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit the ground before the next
 impulses stops at the surface and does not go below it. Impulses never do positive work where the restitution
@@ -53,6 +53,10 @@ SLOP = 1e-6
 """Penetration that the projection leaves alone [m]."""
 PULL = 0.2
 """Share of a penetration that Baumgarte's term takes back per step."""
+SWERVE = 1e-6
+"""Change of a contact's velocity from impulses to impulses that is worth a guess [m/s]."""
+GAIN = 1e-3
+"""Energy that this guess may make in a step, as a share of what their load gains in a fall over dt."""
 FASTEST = 1e12
 """Velocities beyond this count as lost [m/s, rad/s]."""
 PROJECTIONS = 3
@@ -145,7 +149,7 @@ class RigidWorld:
         self._place()
         self._airborne = True
         self._seen = self._gaps, self._points
-        self._velocities = (self._J @ self._v).reshape(-1, 3)
+        self._velocities = self._leaving = (self._J @ self._v).reshape(-1, 3)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) and v (nv,) in Pinocchio's order."""
@@ -185,9 +189,9 @@ class RigidWorld:
     def contacts(self) -> ContactReading:
         """Return what the ground did during the last step.
 
-        Forces are impulses over dt; velocities are those after the impulses, which the contact laws tie to
-        them; gaps and positions are those at that moment, the middle of the step. For a step without
-        contacts velocities, gaps and positions are those at its start.
+        Forces are impulses over dt; velocities are the means until the next impulses, which the contact laws
+        tie to the forces; gaps and positions are those at the impulses, the middle of the step. For a step
+        without contacts velocities, gaps and positions are those at its start.
         """
         gaps, points = self._seen
         return ContactReading(self._impulses / self.dt, gaps.copy(), self._velocities.copy(), points.copy())
@@ -236,6 +240,7 @@ class RigidWorld:
 
     def _meet_ground(self, effort: FloatArray, push: FloatArray | None) -> None:
         """Take the step with the forces of gravity, motors, push and ground in its middle."""
+        arrival = self._arrive() if self._steps == 0 else None
         self._move(self._coasting, 0.5 * self.dt)
         self._place()
         self._weigh()
@@ -243,9 +248,24 @@ class RigidWorld:
             self._project()
         free = self._free_velocity(effort, push)
         near = rigid_step.near_ground(self._J, self._v, free, self._gaps, self.dt, REACH)
-        self._collide(free, near)
+        self._collide(free, near, self.dt)
+        if arrival is not None:
+            self._impulses += arrival
         self._seen, self._airborne = (self._gaps, self._points), not near.size
         self._move(self._coasting, 0.5 * self.dt)
+
+    def _arrive(self) -> FloatArray | None:
+        """Stop what would hit the ground before the first impulses of a run; return the impulses (p, 3)."""
+        v, still, soon = self._v, np.zeros(self.model.nv), 0.5 * self.dt
+        if not self._placed:
+            self._place()
+        near = rigid_step.near_ground(self._J, v, still, self._gaps, soon, 0.0)
+        if not near.size:
+            return None
+        self._weigh()
+        self._collide(v, near, soon)
+        impulses, self._impulses = self._impulses, np.zeros((self._count, 3))
+        return impulses
 
     def _move(self, motion: FreeMotion, seconds: float, effort: FloatArray | None = None) -> None:
         """Move without contacts."""
@@ -290,18 +310,46 @@ class RigidWorld:
         """Bring the factor of the mass matrix up to the present configuration."""
         rigid_step.factorise(self._crba(self.model, self.data, self._q), self._L)
 
-    def _collide(self, free: FloatArray, near: IntArray) -> None:
-        """Set v⁺, impulses and contact velocities; contacts that impulses push into the ground join in."""
+    def _collide(self, free: FloatArray, near: IntArray, horizon: float) -> None:
+        """Set v⁺, impulses and contact velocities; `horizon` is the time to the next impulses [s].
+
+        The laws hold for the mean velocity of a contact until then. Of one that holds on, half of what it
+        changed by since the last impulses is expected to come again: so impulses work on a mean velocity
+        that obeys the laws, to second order. Where that guess would make energy, the mean velocity over the
+        impulses themselves takes its place.
+        """
         before = self._v
+        feet = self.contact_foot, self._frames
+        guess = rigid_step.swerves(self._J, before, self._leaving, self._impulses, *feet, SWERVE)
+        if guess is None:
+            self._solve(before, free, near, horizon, None)
+            return
+        arriving, swerve = guess
+        warm = self._impulses.copy()
+        self._solve(before, free, near, horizon, swerve)
+        work, push = rigid_step.mean_work(self._impulses, arriving, self._leaving)
+        if work > GAIN * push * GRAVITY * self.dt:
+            self._impulses = warm
+            guess = rigid_step.swerves(self._J, before, -arriving, warm, *feet, 0.0)
+            self._solve(before, free, near, horizon, None if guess is None else guess[1])
+
+    def _solve(
+        self, before: FloatArray, free: FloatArray, near: IntArray, horizon: float, swerve: FloatArray | None
+    ) -> None:
+        """Solve the contact problem; contacts that the impulses push into the ground join in."""
         while True:
-            self._v = self._after_impulses(before, free, near)
-            self._velocities = (self._J @ self._v).reshape(-1, 3)
-            more = rigid_step.with_missed(self._velocities, self._gaps, self.dt, near)
+            self._v = self._after_impulses(before, free, near, horizon, swerve)
+            self._leaving = self._velocities = (self._J @ self._v).reshape(-1, 3)
+            if swerve is not None:
+                self._velocities = self._leaving + swerve
+            more = rigid_step.with_missed(self._velocities, self._gaps, horizon, near)
             if more.size == near.size:
                 return
             near = more
 
-    def _after_impulses(self, before: FloatArray, free: FloatArray, near: IntArray) -> FloatArray:
+    def _after_impulses(
+        self, before: FloatArray, free: FloatArray, near: IntArray, horizon: float, swerve: FloatArray | None
+    ) -> FloatArray:
         """Return v⁺ after the impulses of the near contacts, all others without."""
         warm = self._impulses[near]
         self._impulses[:] = 0.0
@@ -310,9 +358,11 @@ class RigidWorld:
             return free
         pull = PULL if self.stabilisation == "baumgarte" else 0.0
         Y, G, g = rigid_step.assemble(
-            self._J, self._L, before, free, self._gaps, near, self.dt, self.restitution,
+            self._J, self._L, before, free, self._gaps, near, horizon, self.restitution,
             2.0 * self.dt * GRAVITY, pull,
         )  # fmt: skip
+        if swerve is not None:
+            g += swerve[near].ravel()
         problem = self._problem(G, g, self.mu, self.law)
         self.solution = solve(problem, self.solver, self.tol, warm_start=warm)
         residual = self.solution.residuals.natural_map

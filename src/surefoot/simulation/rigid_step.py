@@ -127,6 +127,56 @@ def near_ground(
 
 
 @kernel
+def swerves(
+    J: FloatArray, v: FloatArray, leaving: FloatArray, impulses: FloatArray, foot: IntArray,
+    frames: FloatArray, least: float,
+) -> tuple[FloatArray, FloatArray] | None:  # fmt: skip
+    """Return the contact velocities (p, 3) before impulses, and half of what each changed by since the last.
+
+    `leaving` and `impulses` (p, 3) are the velocities right after the last impulses and those impulses;
+    contacts without swerve nothing. Those of one foot (p,) share their mean in world axes: single ones would
+    pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames. None below `least` [m/s].
+    """
+    arriving, out = np.empty(leaving.shape), np.zeros(leaving.shape)
+    largest = 0.0
+    for c in range(leaving.shape[0]):
+        for a in range(3):
+            total = 0.0
+            for j in range(v.size):
+                total += J[3 * c + a, j] * v[j]
+            arriving[c, a] = total
+    mean = np.empty(3)
+    for c in range(leaving.shape[0]):
+        if not impulses[c, 2] > 0.0:
+            continue
+        mean[:] = 0.0
+        count = 0
+        for d in range(leaving.shape[0]):
+            if foot[d] == foot[c] and impulses[d, 2] > 0.0:
+                count += 1
+                for a in range(3):
+                    change = 0.5 * (arriving[d, a] - leaving[d, a])
+                    for i in range(3):
+                        mean[i] += frames[d, i, a] * change
+        for a in range(3):
+            for i in range(3):
+                out[c, a] += frames[c, i, a] * mean[i] / count
+            largest = max(largest, abs(out[c, a]))
+    return (arriving, out) if largest > least else None
+
+
+@kernel
+def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -> tuple[float, float]:
+    """Return the work of impulses (p, 3) on the mean of both velocities, and the sum of the normal ones."""
+    work = push = 0.0
+    for c in range(impulses.shape[0]):
+        push += impulses[c, 2]
+        for a in range(3):
+            work += 0.5 * impulses[c, a] * (arriving[c, a] + leaving[c, a])
+    return work, push
+
+
+@kernel
 def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntArray) -> IntArray:
     """Return the near contacts and those that the impulses of the others would now push into the ground."""
     taken = np.zeros(gaps.size, dtype=np.bool_)

@@ -18,6 +18,10 @@ TRACKING_SHARE = 0.1
 TRACKING_FLOOR = 0.03
 """... or within this, for components that should be small [m/s, rad/s]."""
 AXES = ("forward", "left", "turn")
+FOLLOWED_SHARE = 0.5
+"""A robot that misses more than this share of the commanded velocity did not walk as it was told ..."""
+FOLLOWED_FLOOR = 0.05
+"""... unless it misses less than this [m/s, rad/s]."""
 
 
 def heading_velocity(log: Log) -> FloatArray:
@@ -51,7 +55,8 @@ def touching(log: Log) -> BoolArray:
 def summarise_walk(log: Log) -> dict[str, Any]:
     """Return the summary of a walk, ready for JSON.
 
-    The keys of `surefoot.simulation.summary.summarise` that fit, and: walked, velocity (per axis:
+    The keys of `surefoot.simulation.summary.summarise` that fit, and: walked (to the end, at half of the
+    commanded velocity at least; the outcome is "did not follow" if it was slower), velocity (per axis:
     commanded and measured mean after `SETTLED` seconds, error, within), commanded_cone_excess [N],
     footfalls per foot, duty per foot, distance [m], tilt_max_deg.
     """
@@ -59,10 +64,11 @@ def summarise_walk(log: Log) -> dict[str, Any]:
     for key in ("stood", "base", "attained_share", "normal_force_total_mean"):
         out.pop(key)
     ended = str(log.facts["outcome"]) if measured(log) else "invalid"
-    out["outcome"] = "walked" if ended == "done" else ended
-    out["walked"] = ended == "done"
-    out["gait"] = log.facts["gait"]
     out["velocity"] = _tracking(log)
+    done = "walked" if _followed(out["velocity"]) else "did not follow"
+    out["outcome"] = done if ended == "done" else ended
+    out["walked"] = out["outcome"] == "walked"
+    out["gait"] = log.facts["gait"]
     out["commanded_cone_excess"] = float(commanded_excess(log).max())
     out["feasible_share"] = float(np.mean(log["attained"]))
     q = log["q"]
@@ -96,3 +102,13 @@ def _tracking(log: Log) -> dict[str, Any]:
         }
     rows["within"] = all(rows[axis]["within"] for axis in AXES)
     return rows
+
+
+def _followed(velocity: dict[str, Any]) -> bool:
+    """Tell whether the mean velocity is what was commanded by half at least, along the ground and turning."""
+    for axes in (("forward", "left"), ("turn",)):
+        wanted = float(np.linalg.norm([velocity[axis]["commanded"] for axis in axes]))
+        missed = float(np.linalg.norm([velocity[axis]["error"] for axis in axes]))
+        if missed > max(FOLLOWED_SHARE * wanted, FOLLOWED_FLOOR):
+            return False
+    return True

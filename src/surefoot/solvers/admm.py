@@ -142,7 +142,7 @@ def error_any(
     measure: FloatArray, coulomb: bool, facets: int, inner: bool,
 ) -> float:  # fmt: skip
     """Return the velocity error of flat forces on cones or pyramids; see `natural_map.velocity_error`."""
-    worst = 0.0
+    worst = total = 0.0
     for k in range(mu.size):
         i = 3 * k
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
@@ -152,8 +152,9 @@ def error_any(
         step = measure[k, 0]
         a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k], facets, inner)
         gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, 1]
-        worst = gap if not gap <= worst else worst
-    return math.sqrt(worst) if worst >= 0.0 else np.inf
+        worst = max(worst, gap)
+        total += gap
+    return math.sqrt(worst) if total >= 0.0 else np.inf
 
 
 @inline_kernel

@@ -113,7 +113,7 @@ def solve_compiled(
     n = m // 3
     G, g, laws, convex = packed[:m], packed[m], packed[m + 1], packed[m + 2, 0] != 0.0
     mu, low, high = laws[:n], laws[n : 2 * n], laws[2 * n :]
-    forces, velocities, scales = np.zeros(m), np.empty(m), np.empty((3, n))
+    forces, velocities, scales = np.zeros(m), np.empty(m), np.empty((4, n))
     scales_dense(G, g, low, high, scales)
     if warm:
         for k in range(n):
@@ -235,7 +235,11 @@ def _admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
     return run_admm(problem, settings, warm_start, finish)
 
 
-_PARTS: dict[str, SolverFunction] = {ON_BLOCKS: _on_blocks, ADMM_AND_NEWTON: _admm_and_newton, MORE_NEWTON: _more_newton}
+_PARTS: dict[str, SolverFunction] = {
+    ON_BLOCKS: _on_blocks,
+    ADMM_AND_NEWTON: _admm_and_newton,
+    MORE_NEWTON: _more_newton,
+}
 
 
 def call_compiled(

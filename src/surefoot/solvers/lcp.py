@@ -6,7 +6,7 @@ import importlib
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from surefoot.arrays import FloatArray, real_number
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, SolverNotFound, unknown_name
+from surefoot.solvers.lcp_proof import farkas
 from surefoot.solvers.solver import ALMOST_FACTOR, Settings
 
 _MODULES = ("lemke", "lcp_iterative", "lcp_interior_point", "lcp_newton", "lcp_quadratic")
@@ -39,14 +40,17 @@ class LcpSolution:
     problem, z, w
         What was asked, the solution and its slack M z + q.
     status
-        SOLVED only if `residual` is below the tolerance; INFEASIBLE only with a Farkas vector as `ray`:
-        v >= 0 with Mᵀ v <= 0 and q . v < 0.
+        SOLVED only if `residual`, and what rounding leaves open (`LCP.rounding`), are below the tolerance;
+        INFEASIBLE only with a `proof`.
     residual
         See `LCP.residual`.
     solver, iterations, solve_time
         Who solved it, in how many iterations or pivots, and how long it took [s].
     ray
-        Where Lemke's method left along a ray: its direction in z; else None.
+        Where Lemke's method left along a ray: its direction in z; else None. It proves nothing by itself.
+    proof
+        With INFEASIBLE: v >= 0 with Mᵀ v <= 0 and q . v < 0, in exact arithmetic on the numbers as they are
+        (`LCP.proves_infeasible`); else None.
     message
         What there is to say beyond the status.
     """
@@ -60,7 +64,8 @@ class LcpSolution:
     iterations: int
     solve_time: float
     ray: FloatArray | None = None
-    message: str = field(default="")
+    message: str = ""
+    proof: FloatArray | None = None
 
     @property
     def solved(self) -> bool:
@@ -140,34 +145,63 @@ def solve_lcp(
         real_number("tol", tol, low=0.0), max_iterations, real_number("max_time", max_time, low=0.0)
     )
     start = time.perf_counter()
-    answer = LcpAnswer(np.zeros(0), 0) if problem.size == 0 else _REGISTRY[solver](problem, settings)
-    spent = time.perf_counter() - start
-    z = np.asarray(answer.z, dtype=np.float64)
+    answer = _by_parts(problem, _REGISTRY[solver], settings)
+    z, stop, message, proof = answer.z, answer.stop, answer.message, None
+    if not np.isfinite(z).all():
+        z, stop, message = np.zeros(problem.size), Status.INVALID, "the method left the range of numbers"
     residual = problem.residual(z)
-    if not math.isfinite(residual):
-        status = Status.INVALID
-    elif residual <= tol:
-        status = Status.SOLVED
-    elif answer.stop is Status.INFEASIBLE and _is_farkas(problem, answer.ray):
-        status = Status.INFEASIBLE
-    elif residual <= ALMOST_FACTOR * tol:
-        status = Status.ALMOST
-    else:
-        status = Status.STALLED if answer.stop is Status.INFEASIBLE else answer.stop
-    w = problem.M @ z + problem.q if np.isfinite(z).all() else np.full_like(z, np.nan)
+    error = max(residual, problem.rounding(z))
+    if error <= tol and stop is not Status.INVALID:
+        stop = Status.SOLVED
+    elif stop is Status.INFEASIBLE:
+        proof = farkas(problem, answer.ray, max_time)
+        stop = Status.STALLED if proof is None else stop
+    if stop not in (Status.SOLVED, Status.INFEASIBLE, Status.INVALID) and error <= ALMOST_FACTOR * tol:
+        stop = Status.ALMOST
+    spent = time.perf_counter() - start
+    with np.errstate(over="ignore", invalid="ignore"):
+        w = problem.M @ z + problem.q
     return LcpSolution(
-        problem, z, w, status, residual, solver, answer.iterations, spent, answer.ray, answer.message
+        problem, z, w, stop, residual, solver, answer.iterations, spent, answer.ray, message, proof
     )
 
 
-def _is_farkas(problem: LCP, v: FloatArray | None) -> bool:
-    """Tell whether v proves that no z >= 0 has M z + q >= 0."""
-    if v is None or not np.isfinite(v).all():
-        return False
-    scale = float(np.abs(v).max())
-    if scale <= 0.0 or (v < -1e-10 * scale).any():
-        return False
-    most = float((problem.M.T @ v).max())
-    return most <= 1e-9 * scale * float(np.abs(problem.M).max()) and float(
-        problem.q @ v
-    ) < -1e-9 * scale * float(np.abs(problem.q).max())
+def _by_parts(problem: LCP, method: LcpFunction, settings: Settings) -> LcpAnswer:
+    """Solve one uncoupled part after the other; stop at the first that the method leaves along a ray.
+
+    A part with q >= 0 is solved by z = 0.
+    """
+    end = time.perf_counter() + settings.max_time
+    z, iterations, stop = np.zeros(problem.size), 0, None
+    ray, message = None, ""
+    for index in problem.parts:
+        if (problem.q[index] >= 0.0).all():
+            continue
+        part, unit = _of_unit_size(problem.part(index))
+        left = None if settings.max_iterations is None else max(0, settings.max_iterations - iterations)
+        with np.errstate(all="ignore"):  # what is lost shows in the residual
+            found = method(part, Settings(settings.tol, left, max(0.0, end - time.perf_counter())))
+            z[index], iterations = np.ldexp(found.z, unit), iterations + found.iterations
+        if part.residual(found.z) <= settings.tol:
+            continue
+        if stop is None or found.stop is Status.INFEASIBLE:
+            stop, message = found.stop, found.message
+            if found.ray is not None:
+                ray = np.zeros(problem.size)
+                ray[index] = found.ray
+        if found.stop is Status.INFEASIBLE:
+            break
+    return LcpAnswer(z, iterations, stop or Status.STALLED, ray, message)
+
+
+def _of_unit_size(problem: LCP) -> tuple[LCP, int]:
+    """Return the problem with M and q of largest entries near one, and the exponent k of z = 2^k z'."""
+    (M, m), (q, k) = (_power_of_two(x) for x in (problem.M, problem.q))
+    return LCP(M, q), k - m
+
+
+def _power_of_two(x: FloatArray) -> tuple[FloatArray, int]:
+    """Return x / 2^k with a largest entry near one, and k; or x and 0, where that would round an entry."""
+    k = int(np.frexp(np.abs(x).max())[1])
+    scaled = np.ldexp(x, -k)
+    return (scaled, k) if np.array_equal(np.ldexp(scaled, k), x) else (x, 0)

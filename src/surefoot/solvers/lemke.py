@@ -2,7 +2,9 @@
 
 A covering variable z0 makes the start feasible; each pivot brings in the complement of what left, until z0
 leaves (a solution) or nothing can (a ray). Ties are broken lexicographically by the rows of the inverse
-basis, so that no basis comes twice. The answer is computed anew from the final basis, not from the tableau.
+basis, so that no basis comes twice. The problem is equilibrated first, by a congruence that keeps its class.
+The answer is computed anew from the final basis, not from the tableau. A ray is a claim, not a proof: see
+`lcp_proof`.
 
 Source: R. W. Cottle, J.-S. Pang, R. E. Stone, "The Linear Complementarity Problem", 2009, algorithms 4.4.1
 and 4.4.5, theorem 4.4.12 (copositive-plus: a ray proves infeasibility); Stewart and Trinkle 1996 for
@@ -19,22 +21,24 @@ import time
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact.lcp import LCP, stewart_trinkle
+from surefoot.contact.lcp import LCP, equilibrated, stewart_trinkle
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import kernel
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
 from surefoot.solvers.solver import Answer, Settings, register
 
-PIVOT = 1e-8
-"""Entries below this, relative to the largest of the entering column, are no pivots."""
+PIVOTS = (1e-8, 1e-12)
+"""Entries below this, relative to the largest of the entering column, are no pivots; tried in turn."""
 TIE = 1e-9
 """Ratios closer than this, relatively, are ties: redundant contacts make many, and tableaus have rounding."""
+ZERO = 1e-13
+"""What a difference leaves below this, relatively, is zero: noise would break ties in the wrong order."""
 DONE, RAY, MORE = 0, 1, 2
 
 
 @kernel
-def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int) -> int:
+def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int, least: float) -> int:
     """Return the row of the lexicographic minimum ratio, -1 for a ray; z0 (number 2n) wins every tie."""
     largest = 0.0
     for i in range(n):
@@ -42,7 +46,7 @@ def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int) -> int:
     best = -1
     for i in range(n):
         pivot = T[i, column]
-        if pivot <= PIVOT * largest or pivot <= 1e-13:
+        if pivot <= least * largest or pivot <= 1e-13:
             continue
         if best < 0:
             best = i
@@ -77,16 +81,18 @@ def _pivot(T: FloatArray, row: int, column: int) -> None:
         factor = T[i, column]
         if i != row and factor != 0.0:
             for j in range(T.shape[1]):
-                T[i, j] -= factor * T[row, j]
+                step = factor * T[row, j]
+                rest = T[i, j] - step
+                T[i, j] = rest if abs(rest) > ZERO * abs(step) else 0.0
             T[i, column] = 0.0
 
 
 @kernel
-def _run(T: FloatArray, basis: IntArray, entering: int, limit: int) -> tuple[int, int, int]:
+def _run(T: FloatArray, basis: IntArray, entering: int, limit: int, least: float) -> tuple[int, int, int]:
     """Pivot until done, a ray, or `limit`; return the outcome, the pivots and the next entering variable."""
     n = T.shape[0]
     for count in range(limit):
-        row = _leaving_row(T, entering, basis, n)
+        row = _leaving_row(T, entering, basis, n, least)
         if row < 0:
             return RAY, count, entering
         leaving = basis[row]
@@ -108,10 +114,10 @@ def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
     rows = np.ones(n, dtype=bool)
     rows[basis[basis < n]] = False
     held = np.flatnonzero(rows)
-    tableau = np.zeros(n)
+    tableau, size = np.zeros(n), float(np.abs(problem.q).max())
     for i, b in enumerate(basis):
         if n <= b < 2 * n:
-            tableau[b - n] = T[i, -1]
+            tableau[b - n] = size * T[i, -1]
     if held.size != active.size:
         return np.maximum(tableau, 0.0)
     try:
@@ -125,20 +131,37 @@ def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
 @register_lcp("lemke")
 def solve_lemke(problem: LCP, settings: Settings) -> LcpAnswer:
     """Solve an LCP by Lemke's method; an iteration is a pivot."""
+    if (problem.q >= 0.0).all():
+        return LcpAnswer(np.zeros(problem.size), 0)
+    M, d = equilibrated(problem.M)
+    mantissa, exponent = np.frexp(problem.q)
+    top = int((exponent + d)[mantissa != 0.0].max())
+    scaled = LCP(M, np.ldexp(problem.q, d - top))
+    end = time.perf_counter() + settings.max_time
+    limit = 50 * problem.size + 1000 if settings.max_iterations is None else settings.max_iterations
+    pivots = 0
+    for least in PIVOTS:
+        found = _pivoted(scaled, least, limit - pivots, end)
+        pivots += found.iterations
+        if scaled.residual(found.z) <= settings.tol or pivots >= limit or time.perf_counter() > end:
+            break
+    with np.errstate(over="ignore"):
+        z = np.ldexp(found.z, d + top)
+        ray = None if found.ray is None else np.ldexp(found.ray, d - int(d.max()))
+    return LcpAnswer(z, pivots, found.stop, ray, found.message)
+
+
+def _pivoted(problem: LCP, least: float, limit: int, end: float) -> LcpAnswer:
+    """Pivot from the start to a solution, a ray, or a limit; entries below `least` are no pivots."""
     n, q = problem.size, problem.q
-    if (q >= 0.0).all():
-        return LcpAnswer(np.zeros(n), 0)
-    limit = 50 * n + 1000 if settings.max_iterations is None else settings.max_iterations
-    size = max(float(np.abs(problem.M).max()), 1e-300)
-    T = np.hstack([np.eye(n), -problem.M / size, -np.ones((n, 1)), q[:, None] / float(np.abs(q).max())])
+    T = np.hstack([np.eye(n), -problem.M, -np.ones((n, 1)), q[:, None] / float(np.abs(q).max())])
     basis = np.arange(n)
     row = int(n - 1 - np.argmin(q[::-1]))  # ties go to the last row, the lexicographically least
     _pivot(T, row, 2 * n)
     basis[row] = 2 * n
     entering, pivots, outcome = row + n, 1, MORE
-    end = time.perf_counter() + settings.max_time
     while outcome == MORE and pivots < limit:
-        outcome, used, entering = _run(T, basis, entering, min(200, limit - pivots))
+        outcome, used, entering = _run(T, basis, entering, min(200, limit - pivots), least)
         pivots += used
         if outcome == MORE and time.perf_counter() > end:
             return LcpAnswer(_from_basis(problem, basis, T), pivots, Status.MAX_TIME)
@@ -149,7 +172,7 @@ def solve_lemke(problem: LCP, settings: Settings) -> LcpAnswer:
 
 
 def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: int) -> LcpAnswer:
-    """Return the secondary ray's direction in z, and whether it proves infeasibility."""
+    """Return the secondary ray's direction in z, a claim of infeasibility that is still to be proven."""
     n = problem.size
     direction = np.zeros(2 * n + 1)
     direction[entering] = 1.0
@@ -163,13 +186,9 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
 @register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
 def solve_friction(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve Coulomb's law on pyramids as the LCP of Stewart and Trinkle, by Lemke's method; no warm start."""
-    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1)
-    top = float(trace.max(initial=0.0)) or 1.0
-    D = np.repeat(1.0 / np.sqrt(np.where(trace > 1e-12 * top, trace, top)), 3)  # leaves cones as they are
-    scaled = problem.replace(G=D[:, None] * problem.G * D[None, :], g=D * problem.g)
-    friction = stewart_trinkle(scaled)
+    friction = stewart_trinkle(problem)
     if friction.lcp.size == 0:
         return Answer(np.zeros((problem.contacts, 3)), 0)
     found = solve_lemke(friction.lcp, settings)
     stop = Status.STALLED if found.stop is Status.INFEASIBLE else found.stop
-    return Answer(D.reshape(-1, 3) * friction.forces(found.z), found.iterations, stop)
+    return Answer(friction.forces(found.z), found.iterations, stop)

@@ -38,7 +38,7 @@ def fill_measure(scales: FloatArray, measure: FloatArray) -> None:
 
 @inline_kernel
 def settle(low: FloatArray, scales: FloatArray, forces: FloatArray) -> None:
-    """Set the flat forces of contacts without speed to the admissible ones nearest to zero, their solution."""
+    """Set the flat forces of contacts without speed to those nearest to zero, their solution."""
     for k in range(low.size):
         if scales[1, k] == 0.0:
             forces[3 * k] = forces[3 * k + 1] = 0.0
@@ -54,7 +54,7 @@ def velocity_error(
 
     `measure` is what `fill_measure` filled. A sum that is not a number is returned as infinite.
     """
-    worst = 0.0
+    worst = total = 0.0
     at = measure.shape[1] - 2
     for k in range(mu.size):
         i = 3 * k
@@ -65,8 +65,9 @@ def velocity_error(
         step = measure[k, at]
         a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
         gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, at + 1]
-        worst = gap if not gap <= worst else worst
-    return math.sqrt(worst) if worst >= 0.0 else np.inf
+        worst = max(worst, gap)
+        total += gap
+    return math.sqrt(worst) if total >= 0.0 else np.inf
 
 
 @kernel
@@ -74,7 +75,7 @@ def force_error(
     forces: FloatArray, velocities: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
     high: FloatArray, measure: FloatArray, convex: bool,
 ) -> float:  # fmt: skip
-    """Return the natural map over the forces, both weighted by w_k: how far there is to go, not how good it is.
+    """Return the natural map over the forces, both weighted by w_k: how far there is to go.
 
     What globalises Newton's method (its proximal term, its patience) wants a number that falls as the forces
     approach; velocities of a high stack stay large until its last force is right. No verdict rests on it.

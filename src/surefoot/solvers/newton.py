@@ -32,7 +32,8 @@ PATIENCE = 10
 WORTH = 4.0
 """Sweeps that a Newton step is worth, plus one for two contacts."""
 PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARES = 1e-9, 1e-2, (1e-3, 0.1, 1.0)
-"""The proximal term, relative to the trace of a contact's block: a share of the velocity error, within bounds.
+"""The proximal term, relative to the trace of a contact's block: a share of the velocity error, within
+bounds.
 
 Far away it keeps steps short where a wrong guess of who slides leaves no solution; close by it is harmless.
 Attempts take turns with the shares: what holds one back lets the next one through.

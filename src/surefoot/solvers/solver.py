@@ -174,7 +174,8 @@ def solve(
     solver
         A name from `solver_names`, or "auto".
     tol
-        Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's own.
+        Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's
+        own.
     max_iterations, max_time
         Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
@@ -227,14 +228,17 @@ def solve(
     else:
         remaining = None if max_iterations is None else max_iterations - before
         left = max(max_time - (_clock() - start), 0.0)
-        answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
+        with np.errstate(all="ignore"):  # the certificate says what became of it
+            answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
     left = max_time - (_clock() - start)
-    if found.status in GAVE_UP and answer.proof is None and left > 0.0:
-        if (proof := find_proof(problem, left)) is not None:
-            answer = answer._replace(proof=proof)
-            return certify(problem, answer, entry.name, tol, _clock() - start)
+    if found.status not in GAVE_UP or answer.proof is not None or left <= 0.0:
+        return found
+    with np.errstate(all="ignore"):
+        proof = find_proof(problem, left)
+    if proof is not None:
+        return certify(problem, answer._replace(proof=proof), entry.name, tol, _clock() - start)
     return found
 
 

@@ -14,6 +14,45 @@ from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 
 
+def _position(value: ArrayLike) -> FloatArray:
+    """Return a (3,) position; numbers are looked at one by one, which is a third of the price of arrays."""
+    xyz = _three(value)
+    return finite_array("position", value, (3,)) if xyz is None else np.array(xyz)
+
+
+def _frame(normal: ArrayLike, heading: ArrayLike) -> FloatArray:
+    """Return `rotation_from_normal` of a surface, in scalars; what is out of the ordinary goes there."""
+    n, h = _three(normal), _three(heading)
+    if n is None or h is None:
+        return rotation_from_normal(normal, heading)
+    size = math.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+    if not abs(size - 1.0) <= 1e-6:
+        return rotation_from_normal(normal, heading)
+    zx, zy, zz = n[0] / size, n[1] / size, n[2] / size
+    along = h[0] * zx + h[1] * zy + h[2] * zz
+    xx, xy, xz = h[0] - along * zx, h[1] - along * zy, h[2] - along * zz
+    length = math.sqrt(xx * xx + xy * xy + xz * xz)
+    if not length >= 1e-5 * math.sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) > 1e-150:
+        return rotation_from_normal(normal, heading)
+    xx, xy, xz = xx / length, xy / length, xz / length
+    yx, yy, yz = zy * xz - zz * xy, zz * xx - zx * xz, zx * xy - zy * xx
+    return np.array([[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]]) + 0.0  # + 0.0 turns -0.0 into 0.0
+
+
+def _three(value: ArrayLike) -> tuple[float, float, float] | None:
+    """Return three finite real numbers, or None where an array function had better look."""
+    if isinstance(value, np.ndarray):
+        if value.shape != (3,) or value.dtype != np.float64:
+            return None
+        value = value.tolist()
+    if not isinstance(value, (list, tuple)) or len(value) != 3:
+        return None
+    for entry in value:
+        if not isinstance(entry, (float, int)) or not math.isfinite(entry):
+            return None
+    return float(value[0]), float(value[1]), float(value[2])
+
+
 class Contact(ABC):
     """What a point and a patch share: place, frame, friction and bounds on the normal force.
 
@@ -50,8 +89,8 @@ class Contact(ABC):
         normal_max: float = math.inf,
         heading: ArrayLike = (1.0, 0.0, 0.0),
     ) -> None:
-        self.position = finite_array("position", position, (3,))
-        self.rotation_world_contact = rotation_from_normal(normal, heading)
+        self.position = _position(position)
+        self.rotation_world_contact = _frame(normal, heading)
         self.mu = real_number("mu", mu, low=0.0)
         if math.isinf(self.mu):
             raise ProblemError("mu must be finite, got inf")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from copy import copy
 from functools import cached_property
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,9 +41,9 @@ class Stance:
                 raise ProblemError(
                     f"contacts[{k}] must be a PointContact or a PatchContact, got {type(contact).__name__}"
                 )
-        ends = np.cumsum([0, *(c.dim for c in self.contacts)])
-        self.slices = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
-        self.dim = int(ends[-1])
+        ends = list(accumulate((c.dim for c in self.contacts), initial=0))
+        self.slices = tuple(slice(a, b) for a, b in pairwise(ends))
+        self.dim = ends[-1]
 
     def __len__(self) -> int:
         return len(self.contacts)
@@ -118,7 +119,7 @@ class Stance:
     @cached_property
     def bounded(self) -> bool:
         """Whether any contact bounds its normal force (beyond >= 0)."""
-        return bool(np.any(self.normal_min > 0.0) or np.any(np.isfinite(self.normal_max)))
+        return any(c.normal_min > 0.0 or c.normal_max < math.inf for c in self.contacts)
 
     def points(self) -> Stance:
         """Return the same stance with every patch replaced by its four corner points.
@@ -129,10 +130,12 @@ class Stance:
 
     @cached_property
     def _points(self) -> Stance:
+        if not any(isinstance(c, PatchContact) for c in self.contacts):
+            return self
         out: list[Contact] = []
         for contact in self.contacts:
             out.extend(contact.corners() if isinstance(contact, PatchContact) else [contact])
-        return self if len(out) == len(self.contacts) else Stance(out)
+        return Stance(out)
 
     @cached_property
     def corner_map(self) -> FloatArray:

@@ -1,0 +1,73 @@
+"""Optional packages: asked for before any work, all that are missing named at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, distribution
+from importlib.util import find_spec
+from pathlib import Path
+
+from surefoot.cli.output import new_run_folder
+from surefoot.errors import MissingExtra
+
+_EXTRA_OF = {
+    "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
+    "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
+}  # fmt: skip
+_MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
+FILM = ("mujoco", "imageio", "imageio-ffmpeg")
+"""What a film needs."""
+
+
+def missing(packages: Iterable[str]) -> MissingExtra | None:
+    """Return the error that names those of the packages that are not installed, None if all are."""
+    absent = [p for p in packages if not _installed(p)]
+    return MissingExtra(absent, [_EXTRA_OF[p] for p in absent]) if absent else None
+
+
+def require(packages: Iterable[str], wanted: Iterable[str] = ()) -> None:
+    """Raise if a package is not installed.
+
+    Parameters
+    ----------
+    packages
+        Without which the command cannot work.
+    wanted
+        Without which it would leave something out. They are named, too, when one of the others is
+        missing, so that a single installation is enough.
+
+    Raises
+    ------
+    MissingExtra
+        Naming all that is missing.
+    """
+    needed = missing(packages)
+    if needed is not None:
+        also = missing(wanted)
+        raise needed if also is None else MissingExtra.of([needed, also])
+
+
+def robot_packages(name: str | None) -> tuple[str, ...]:
+    """Return what loading a robot needs: a known name (or None, the default one), or a file's path."""
+    text = name or ""
+    is_file = text.lower().endswith((".urdf", ".xml")) or "/" in text
+    return ("pin",) if is_file else ("pin", "example-robot-data")
+
+
+def picture_folder(parent: Path, name: str) -> tuple[Path | None, str]:
+    """Return a new folder to draw into, or None and one line that says why there is no picture."""
+    error = missing(["matplotlib"])
+    if error is not None:
+        return None, f"no picture: {error}"
+    return new_run_folder(parent, name), ""
+
+
+def _installed(package: str) -> bool:
+    """Tell whether a package is there; example-robot-data has no module, only files."""
+    if package == "example-robot-data":
+        try:
+            distribution(package)
+        except PackageNotFoundError:
+            return False
+        return True
+    return find_spec(_MODULE_OF.get(package, package)) is not None

@@ -1,0 +1,217 @@
+"""`surefoot warmup`: everything that the commands compile, compiled ahead of their first use."""
+
+from __future__ import annotations
+
+import math
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.cli.compiling import silent
+from surefoot.cli.output import to_json
+from surefoot.cli.progress import progress_bar
+from surefoot.errors import MissingExtra
+
+if TYPE_CHECKING:
+    from surefoot.contact import ContactProblem
+    from surefoot.stance import Stance
+
+FEET = ((0.2, 0.15, 0.0), (0.2, -0.15, 0.0), (-0.2, 0.15, 0.0), (-0.2, -0.15, 0.02))
+COM, MASS, MU = (0.0, 0.0, 0.3), 16.0, 0.6
+
+
+def warmup(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Compile everything that the commands need, once per machine, and say where it is kept.
+
+    Every command's kernels are called on a small example; what has been compiled before is only loaded.
+    """
+    from surefoot.compilation import cache_folders, compiled_so_far, tidy
+
+    terminal = sys.stderr.isatty()
+    rows: list[dict[str, Any]] = []
+    with silent(), progress_bar(terminal and not as_json, "compiling", len(TASKS)) as moved:
+        for name, task in TASKS.items():
+            rows.append(_timed(name, task))
+            if moved is not None:
+                moved(len(rows))
+            elif not as_json:
+                print(f"{name}: {rows[-1]['seconds']:.1f} s", file=sys.stderr, flush=True)
+    facts = {
+        "compiled": compiled_so_far(),
+        "seconds": sum(row["seconds"] for row in rows),
+        "deleted": tidy(),
+        "folders": cache_folders(),
+        "size": sum(f.stat().st_size for f in _files(cache_folders())),
+        "tasks": rows,
+    }
+    if as_json:
+        print(to_json(facts))
+    else:
+        _print(facts)
+    return 0
+
+
+def _timed(name: str, task: Callable[[], None]) -> dict[str, Any]:
+    """Run a task; return what it compiled, how long it took, and which package it lacks."""
+    from surefoot.compilation import compiled_so_far
+
+    before, start, missing = compiled_so_far(), time.perf_counter(), None
+    try:
+        task()
+    except MissingExtra as error:
+        missing = str(error)
+    seconds = time.perf_counter() - start
+    return {"name": name, "compiled": compiled_so_far() - before, "seconds": seconds, "skipped": missing}
+
+
+def _files(folders: list[str]) -> Iterator[Path]:
+    """Return the files of compiled code in folders."""
+    for folder in folders:
+        yield from Path(folder).glob("*.nb[ci]")
+
+
+def _print(facts: dict[str, Any]) -> None:
+    import os
+
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    table = Table(title="Kernels", title_justify="left")
+    table.add_column("for")
+    for name in ("compiled", "s"):
+        table.add_column(name, justify="right")
+    for row in facts["tasks"]:
+        table.add_row(row["name"], str(row["compiled"]), f"{row['seconds']:.1f}")
+    console.print(table)
+    for row in facts["tasks"]:
+        if row["skipped"]:
+            console.print(f"{row['name']}: {row['skipped']}", markup=False)
+    where = os.path.commonpath(facts["folders"]) if facts["folders"] else "nowhere: Numba is switched off"
+    console.print(
+        f"{facts['compiled']} compiled in {facts['seconds']:.0f} s, the others were there. "
+        f"{facts['size'] / 1e6:.0f} MB below:",
+        where,
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _stance() -> Stance:
+    from surefoot.stance import PointContact, Stance
+
+    return Stance([PointContact(p, mu=MU) for p in FEET])
+
+
+def _problems() -> Iterator[ContactProblem]:
+    """Return a problem of every kind that takes another way: law, contacts, pyramids, ties, size."""
+    import numpy as np
+
+    from surefoot.contact import ContactProblem
+
+    random = np.random.default_rng(0)
+    for law in ("coulomb", "convex"):
+        for n, facets, high in ((4, None, math.inf), (4, None, 2.0), (3, 6, math.inf), (60, None, math.inf)):
+            J = random.normal(size=(3 * n, 3 * n + 3))
+            G, g = J @ J.T, random.normal(size=3 * n)
+            g[2::3] -= 1.0
+            yield ContactProblem(G, g, MU, normal_max=high, law=law, facets=facets)
+
+
+def _solve() -> None:
+    from surefoot.contact import redundancy
+    from surefoot.solvers import solve
+
+    for problem in _problems():
+        found = solve(problem)
+        _ = found.residuals, found.velocities
+        for solver in ("admm", "nsgs", "newton"):
+            if problem.facets is None or solver == "admm":
+                solve(problem, solver, max_iterations=20)
+        redundancy(problem)
+
+
+def _lcp() -> None:
+    import numpy as np
+
+    from surefoot.contact.lcp import LCP
+    from surefoot.solvers.lcp import lcp_solver_names, solve_lcp
+
+    for solver in lcp_solver_names():
+        try:
+            solve_lcp(LCP(np.eye(3) + 0.1, np.array([-1.0, 0.5, -0.2])), solver)
+        except MissingExtra:
+            continue
+
+
+def _forces() -> None:
+    import numpy as np
+
+    from surefoot.control.force_distribution import ForceDistributor
+
+    stance, wrench = _stance(), [20.0, 0.0, 160.0, 0.0, 1.0, 0.0]
+    A = stance.grasp_map(COM)
+    ForceDistributor(MU, 5.0, 250.0).solve(A, wrench)
+    limited = ForceDistributor(MU, 5.0, 250.0, torque_limit=np.full(6, 20.0))
+    limited.solve(A, wrench, jacobian=np.full((12, 6), 0.1), torque_offset=np.zeros(6))
+
+
+def _statics() -> None:
+    from surefoot import equilibrium
+    from surefoot.stance import PointContact, Stance
+
+    stance = _stance()
+    walls = Stance([PointContact([x, 0.0, 0.5], normal=[-x / abs(x), 0.0, 0.0], mu=0.9) for x in (-0.3, 0.3)])
+    for each, com in ((stance, COM), (stance, (1.0, 0.0, 0.3)), (walls, (0.0, 0.0, 0.5))):
+        equilibrium.can_stand(each, com, MASS)
+        equilibrium.friction_needed(each, com, MASS)
+    equilibrium.com_region(stance, MASS)
+    equilibrium.support_polygon(stance)
+    equilibrium.zmp_region(stance, COM, MASS)
+
+
+def _cones() -> None:
+    from surefoot.cones import FrictionCone, PolyhedralCone
+
+    pyramid = FrictionCone(MU).polyhedral()
+    pyramid.project([10.0, 0.0, 1.0])
+    PolyhedralCone.from_rays(pyramid.rays, "dd")
+
+
+def _command(*arguments: str) -> Callable[[], None]:
+    """Return the task that runs a command, its words kept back and its files thrown away."""
+
+    def task() -> None:
+        import contextlib
+        import io
+
+        from surefoot.cli.main import app
+
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            contextlib.redirect_stdout(io.StringIO()),
+        ):
+            app(args=[*arguments, "--out", folder], prog_name="surefoot", standalone_mode=False)
+
+    return task
+
+
+RUN = ("--no-video", "--json", "--duration")
+TASKS: dict[str, Callable[[], None]] = {
+    "cones": _cones,
+    "solve": _solve,
+    "solve, complementarity": _lcp,
+    "check, region": _statics,
+    "contact forces": _forces,
+    "stand": _command("stand", "go2", *RUN, "0.05"),
+    "stand, rigid": _command("stand", "go2", "--world", "rigid", *RUN, "0.05"),
+    "walk": _command("walk", "go2", "--terrain", "stairs:0.05,0.3", *RUN, "0.6"),
+}
+"""What is compiled, by the commands that need it."""

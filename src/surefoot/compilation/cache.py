@@ -1,0 +1,96 @@
+"""Compiled code on disk: Numba's files, in Numba's places, keyed by what they were made from."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import re
+import sys
+from typing import Any
+
+import numba
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.registry import CPUDispatcher
+
+from surefoot.compilation.progress import LOG, progress
+from surefoot.compilation.tree import PACKAGE, Tree
+
+_caches: list[Cache] = []
+_HOME = os.path.dirname(os.path.dirname(__file__)) + os.sep
+
+
+class Cache(FunctionCache):  # type: ignore[misc]
+    """Numba's files with compiled code, where Numba keeps them, one index per kernel, keyed by its tree.
+
+    Code beside the sources is read where nobody may write to it, too: an administrator can run `surefoot
+    warmup` for all. What cannot be written is compiled again by the next process, and no error.
+    """
+
+    def __init__(self, py_func: Any, tree: Tree) -> None:
+        super().__init__(py_func)
+        self._tree = tree
+        # no line number in the name, or every change of a file would leave old code behind
+        name = self._impl.get_filename_base(f"{py_func.__module__}.{py_func.__qualname__}", "")
+        name = name.replace(f"-{self._impl.locator.get_disambiguator()}.", ".")
+        beside = os.path.join(os.path.dirname(py_func.__code__.co_filename), "__pycache__")
+        self._cache_file = IndexDataCacheFile(self._cache_path, name, tree.key)
+        _caches.append(self)
+        elsewhere = beside != self._cache_path and not numba.config.CACHE_DIR
+        self._beside = IndexDataCacheFile(beside, name, tree.key) if elsewhere else None
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what was compiled for argument types, or None."""
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            progress.start(self._tree)
+        return found
+
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+        with contextlib.suppress(OSError, EOFError, pickle.UnpicklingError):
+            if (found := super()._load_overload(sig, target_context)) is not None or self._beside is None:
+                return found
+            data = self._beside.load(self._index_key(sig, target_context.codegen()))
+            return None if data is None else self._impl.rebuild(target_context, data)
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what has been compiled."""
+        for env in data._find_referenced_environments():  # of the parts, which had no place for them yet
+            data.library.codegen.set_env(env.env_name, env)
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            LOG.info("compiled code is not kept: %s", error)
+        progress.end(self._tree)
+
+
+def cache_folders() -> list[str]:
+    """Return where the compiled code of the kernels that have been called is kept."""
+    return sorted({cache.cache_path for cache in _caches})
+
+
+def tidy() -> int:
+    """Delete compiled code of kernels that are gone from modules that are loaded; return how many files.
+
+    And, beside the package's own files, what older versions left.
+    """
+    files = [
+        os.path.join(folder, name)
+        for folder in cache_folders()
+        for name in os.listdir(folder)
+        if name.endswith((".nbi", ".nbc")) and _stale(folder, name)
+    ]
+    for file in files:
+        with contextlib.suppress(OSError):
+            os.remove(file)
+    return len(files)
+
+
+def _stale(folder: str, name: str) -> bool:
+    """Tell whether a file holds compiled code that no kernel owns; `Cache` names them module.function."""
+    owner = re.sub(r"\.py\d+\w*(\.\d+)?\.nb[ci]$", "", name)
+    module, _, function = owner.rpartition(".")
+    if module in sys.modules and function.isidentifier():
+        return not isinstance(vars(sys.modules[module]).get(function), CPUDispatcher)
+    return not owner.startswith(PACKAGE) and folder.startswith(_HOME)

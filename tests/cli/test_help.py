@@ -1,0 +1,62 @@
+"""Help, version, and how the program ends when nobody reads on."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import typer
+
+import surefoot as sf
+from surefoot.cli.main import app, main
+
+
+def commands(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield every command with its path, those of groups included."""
+    for name, command in (group or typer.main.get_command(app)).commands.items():
+        if hasattr(command, "commands"):
+            yield from commands(command, (*path, name))
+        else:
+            yield (*path, name), command
+
+
+@pytest.mark.parametrize(("path", "command"), [pytest.param(*c, id=" ".join(c[0])) for c in commands()])
+def test_help_shows_every_bracket_of_its_texts(
+    path: tuple[str, ...], command: Any, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    assert main([*path, "--help"]) == 0
+    said = capfd.readouterr().out
+    written = [command.help, *(p.help for p in command.params if getattr(p, "help", None))]
+    units = [u for text in written for u in re.findall(r"\[[^]]*\]", text.replace("\\", ""))]
+    for unit in units:
+        assert said.count(unit) >= 1, f"{unit} is missing"
+    assert "\\" not in said
+
+
+def test_units_are_in_the_help_of_stand(capfd: pytest.CaptureFixture[str]) -> None:
+    main(["stand", "--help"])
+    said = capfd.readouterr().out
+    for unit in ("+x [deg]", "time [s]", "know [kg]", "[s, N, s]"):
+        assert unit in said
+
+
+def test_version(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capfd.readouterr().out == f"surefoot {sf.__version__}\n"
+
+
+def test_the_module_is_the_command_and_a_closed_pipe_is_no_traceback() -> None:
+    program = [sys.executable, "-m", "surefoot", "cone", "--facets", "900", "--json", "--no-picture"]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert process.stdout.readline() == "{\n"
+        process.stdout.close()
+        said = process.stderr.read()
+    assert said == ""
+    assert process.returncode == 1

@@ -1,0 +1,89 @@
+"""Without optional packages: a verdict without its picture, or one line that names all that is missing."""
+
+from __future__ import annotations
+
+import json
+import sys
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+
+import pytest
+
+from surefoot.cli import extras
+from surefoot.cli.main import main
+from surefoot.errors import MissingExtra
+
+STANCE = str(Path(__file__).parents[2] / "examples" / "stances" / "slope.yaml")
+
+
+def hide(monkeypatch: pytest.MonkeyPatch, *modules: str) -> None:
+    """Make the modules look as if they were not installed."""
+    for module in modules:
+        monkeypatch.setitem(sys.modules, module, None)
+
+
+@pytest.mark.parametrize("arguments", [["check", STANCE], ["region", STANCE], ["cone"]], ids=lambda a: a[0])
+def test_verdict_without_matplotlib(
+    arguments: list[str], tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hide(monkeypatch, "matplotlib")
+    assert main([*arguments, "--out", str(tmp_path)]) == 0
+    out = capfd.readouterr()
+    assert "no picture: matplotlib is not installed; run: pip install 'surefoot[viz]'" in out.out
+    assert out.err == ""
+    assert not list(tmp_path.iterdir())
+    assert main([*arguments, "--json", "--out", str(tmp_path)]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert facts["picture"] is None
+    assert "surefoot[viz]" in facts["note"]
+
+
+def test_all_that_is_missing_is_named_at_once(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def absent(name: str) -> None:
+        raise PackageNotFoundError(name)
+
+    hide(monkeypatch, "pinocchio", "mujoco", "matplotlib", "imageio", "imageio_ffmpeg")
+    monkeypatch.setattr(extras, "distribution", absent)
+    for options, named, extra in (
+        ([], "pin, example-robot-data, mujoco, imageio, imageio-ffmpeg and matplotlib", "robot,sim,viz"),
+        (["--no-video"], "pin, example-robot-data, mujoco and matplotlib", "robot,sim,viz"),
+        (["--no-video", "--no-report"], "pin, example-robot-data and mujoco", "robot,sim"),
+        (["--urdf", "a.urdf", "--feet", "b", "--no-video", "--no-report"], "pin and mujoco", "robot,sim"),
+    ):
+        for command in ("stand", "walk"):
+            assert main([command, *options, "--out", str(tmp_path)]) == 2
+            line = f"surefoot: {named} are not installed; run: pip install 'surefoot[{extra}]'\n"
+            assert capfd.readouterr().err == line
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_without_pictures_says_so_in_one_line(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hide(monkeypatch, "matplotlib", "imageio", "imageio_ffmpeg")
+    for command, seconds in (("stand", "0.1"), ("walk", "0.5")):
+        assert main([command, "solo12", "--duration", seconds, "--out", str(tmp_path)]) == 0
+        said = capfd.readouterr().out
+        assert said.count("pictures left out") == 1
+        assert "matplotlib" in said
+        assert "imageio-ffmpeg" in said
+        assert "surefoot[sim,viz]" in said
+    assert len(list(tmp_path.rglob("report.html"))) == 2
+
+
+@pytest.mark.parametrize("name", ["contact", "forces", "momentum", "rigid", "walk", "faults"])
+def test_benchmarks_ask_before_they_work(
+    name: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hide(monkeypatch, "pinocchio")
+    assert main(["bench", name]) == 2
+    assert "pin is not installed; run: pip install 'surefoot[robot]'" in capfd.readouterr().err
+
+
+def test_errors_that_are_joined_name_each_once() -> None:
+    joined = MissingExtra.of(
+        [MissingExtra("mujoco", "sim"), MissingExtra(["imageio", "mujoco"], ["sim", "sim"])]
+    )
+    assert (joined.packages, joined.extras) == (("mujoco", "imageio"), ("sim",))

@@ -1,0 +1,125 @@
+"""Every command that README and docs show runs, and ends with the exit code that the page promises.
+
+They run in a folder that holds the files they name. To save time benchmarks get `--quick`, runs make no film
+and no report (tests/cli/test_stand.py and test_walk.py make those), and walks end after `SHORT` seconds where
+nothing is to happen later: past the ramp and several steps up the stairs.
+"""
+
+from __future__ import annotations
+
+import runpy
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.cli.main import main
+from surefoot.contact import ContactProblem
+from surefoot.control.gait_files import write_gaits
+from surefoot.control.gait_library import named_gait
+from surefoot.robot.catalog import find, robots_folder
+from surefoot.solvers import solver as solvers
+
+ROOT = Path(__file__).resolve().parents[2]
+CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
+PAGES = [page for page in CHECK["PAGES"] if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")]
+SHORT = 5.0
+
+
+def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Return a command as it is run here."""
+    if words[0] == "bench":
+        return words if "--quick" in words else (*words, "--quick")
+    if words[0] not in ("stand", "walk"):
+        return words
+    out = [*words, "--no-video", "--no-report"]
+    events = [float(words[k + 1].split(":")[0]) for k, w in enumerate(words) if w in ("--push", "--ice")]
+    if words[0] == "walk" and max(events, default=0.0) < SHORT - 1.0:
+        at = out.index("--duration") if "--duration" in out else len(out)
+        out[at : at + 2] = ["--duration", f"{SHORT:g}"]
+    return tuple(out)
+
+
+def same_run(words: tuple[str, ...]) -> tuple[str, ...]:
+    """Return what tells one run from another: not how a benchmark prints, nor counts that --quick sets."""
+    if words[0] != "bench":
+        return words
+    out, rest = [], iter(words)
+    for word in rest:
+        if word in ("--out", "--instances", "--seeds", "--duration"):
+            next(rest)
+        elif word != "--json":
+            out.append(word)
+    return tuple(out)
+
+
+def all_shown() -> list[Any]:
+    """Return (words as run, exit code), each once, the id naming page and command."""
+    found: dict[Any, Any] = {}
+    for shown in (s for page in PAGES for s in CHECK["shown_commands"](page)):
+        words = as_run(shown.words)
+        before = found.get((same_run(words), shown.code))
+        if before is None or len(words) > len(before[0]):
+            found[same_run(words), shown.code] = (words, shown)
+    return [pytest.param(words, s.code, id=f"{s.page}: {shlex.join(s.words)}") for words, s in found.values()]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with every file that the pages' commands name."""
+    place = tmp_path_factory.mktemp("shown")
+    G = np.diag([1.0, 1.0, 0.5, 2.0, 1.0, 1.0]) + 0.1
+    problem = ContactProblem(G, np.array([0.3, -0.1, -1.0, 0.0, 0.2, -0.5]), 0.5)
+    (place / "problems").mkdir()
+    (place / "FOLDER").mkdir()
+    for name in ("problem.npz", "problem.dat", "problem.hdf5", "problems/a.dat", "FOLDER/a.npz"):
+        sf.write_problem(problem, place / name)
+    sf.write_problem(problem, place / "problems" / "b.hdf5")
+    (place / "lcp.dat").write_text("2\n0\n2\n2\n2 2\n2 1\n1 2\n-5 -6\n")
+    (place / "examples").symlink_to(ROOT / "examples")
+    (place / "FILE").write_bytes((ROOT / "examples" / "stances" / "slope.yaml").read_bytes())
+    (place / "speeds.txt").write_text("0 0.3 0 0\n2 0.5 0 0.2\n")
+    write_gaits({"trot": named_gait("trot")}, place / "gait.info")
+    text = (robots_folder() / find("a1").urdf).read_text()
+    for foot, name in zip(find("a1").feet, "abcd", strict=True):
+        text = text.replace(f'"{foot}"', f'"{name}"')
+    (place / "my.urdf").write_text(text)
+    (place / "example-robot-data").symlink_to(robots_folder().parent)
+    return place
+
+
+@pytest.fixture
+def my_method() -> Iterator[None]:
+    """Register the solver that docs/adding-a-solver.md makes up."""
+    entry = solvers.registry()["nsgs"]
+    solvers.register("my_method", laws=entry.laws, bilateral=entry.bilateral)(entry.function)
+    yield
+    solvers.registry().pop("my_method")
+
+
+def expanded(words: tuple[str, ...], place: Path) -> list[str]:
+    """Return the words with patterns of files replaced by the files, as a shell does."""
+    out: list[str] = []
+    for word in words:
+        files = sorted(str(f.relative_to(place)) for f in place.glob(word)) if "*" in word else []
+        out += files or [word]
+    return out
+
+
+@pytest.mark.parametrize(("words", "code"), all_shown())
+@pytest.mark.usefixtures("my_method")
+def test_shown_command_ends_as_the_page_says(
+    words: tuple[str, ...], code: int, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    assert main(expanded(words, folder)) == code
+
+
+def test_every_page_with_commands_is_run() -> None:
+    pages = {str(p.id).split(":")[0] for p in all_shown()}
+    assert {"README.md", "standing.md", "walking.md", "statics.md", "cones.md", "contact-files.md"} <= pages
+    assert len(all_shown()) > 50

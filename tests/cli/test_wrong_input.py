@@ -1,0 +1,167 @@
+"""Wrong input on purpose, to every command: one line that names it, exit code 2, nothing written."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.cli.main import main
+from surefoot.contact import ContactProblem
+from surefoot.simulation.log import read_log
+
+STANCE = Path(__file__).parents[2] / "examples" / "stances" / "slope.yaml"
+LINK = "<link name='b'><inertial><mass value='{}'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"
+BROKEN = {
+    "cut.urdf": "<robot name='a'><link name='b'/><joint",
+    "twice.urdf": "<robot name='a'><link name='b'/><link name='b'/></robot>",
+    "sdf.urdf": "<?xml version='1.0'?><sdf/>",
+    "weightless.urdf": "<robot name='a'><link name='b'/></robot>",
+    "words.urdf": f"<robot name='a'>{LINK.format('heavy')}</inertial></link></robot>",
+    "negative.urdf": f"<robot name='a'>{LINK.format('-3')}</inertial></link></robot>",
+    "empty.urdf": "",
+}
+BOTH = ("stand solo12 --no-video", "walk solo12 --no-video")
+NOT_FINITE = ("nan", "inf", "-inf", "-1")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with files that are not what they are taken for."""
+    place = tmp_path_factory.mktemp("wrong")
+    for name, text in BROKEN.items():
+        (place / name).write_text(text)
+    (place / "folder").mkdir()
+    (place / "folder.npz").mkdir()
+    (place / "noise.dat").write_bytes(np.random.default_rng(0).bytes(400))
+    (place / "empty.npz").write_bytes(b"")
+    (place / "stance.yaml").write_text(STANCE.read_text())
+    (place / "list.yaml").write_text("- 1\n- 2\n")
+    text = "mass: {}\ncom: [0, 0, 0.4]\nmu: {}\ncontacts:\n  - {{name: a, position: [0, 0, 0]}}\n"
+    (place / "heavy.yaml").write_text(text.format("1.0e+300", 0.5))
+    (place / "nan.yaml").write_text(text.format(".nan", 0.5))
+    (place / "sticky.yaml").write_text(text.format(10, 5000))
+    sf.write_problem(ContactProblem(np.eye(3), [0.0, 0.0, -1.0], 0.5), place / "good.npz")
+    return place
+
+
+CASES = [
+    *(
+        (f"{c} {f}", "unknown robot")
+        for c in ("stand", "walk", "model")
+        for f in ("''", ".", "GO2", "'go2 '")
+    ),
+    *(
+        (f"{c} --urdf {f} --feet b", "surefoot: ")
+        for c in ("stand", "walk", "check", "region", "model")
+        for f in (*BROKEN, "folder", "''", "noise.dat", "none.urdf")
+    ),
+    *(
+        (f"{c} go2 --feet {f}", "empty name")
+        for c in ("stand", "walk", "model")
+        for f in ("''", "FL_foot,,RR_foot")
+    ),
+    *((f"{c} --push 99:1,0,0:1", "starts at 99 s, when the run is over") for c in BOTH),
+    *((f"{c} --duration 2 --ice 2:0.1", "starts at 2 s, when the run is over") for c in BOTH),
+    ("stand solo12 --lift FL:9:10", "--lift 'FL:9:10' starts at 9 s"),
+    *((f"{c} --push 1:1e300,0,0:1", "must not exceed") for c in BOTH),
+    *((f"{c} --push 1:1,0,0:1e-5", "DURATION >= 0.001 s") for c in BOTH),
+    *((f"{c} --ice 1:1e9", "MU between 0 and 1000") for c in BOTH),
+    *((f"{c} --duration 0.0001", "--duration must be between") for c in BOTH),
+    *((f"{c} --seed 1{'0' * 400}", "--seed must be a whole number") for c in BOTH),
+    *((f"{c} {o} {n}", o) for c in BOTH for o in ("--mu", "--payload", "--duration") for n in NOT_FINITE),
+    *(
+        (f"{c} --facets {n}", "--facets must be a whole number")
+        for c in ("stand", "check stance.yaml")
+        for n in ("2", "x", "''", "1000000")
+    ),
+    *((f"walk solo12 {o} {n}", o) for o in ("--noise", "--delay", "--believed-mu") for n in NOT_FINITE),
+    *((f"walk solo12 --velocity={n}", "--velocity") for n in ("nan", "inf,0,0", "1,2,3,4", ",,")),
+    ("walk solo12 --gait stand", "gait 'stand' takes no steps"),
+    *(
+        (f"walk solo12 --{k}-file {f}", "cannot read")
+        for k in ("velocity", "gait")
+        for f in ("folder", "noise.dat")
+    ),
+    *(
+        (f"{c} {f}", "surefoot: ")
+        for c in ("check", "region")
+        for f in ("folder", "''", "list.yaml", "nan.yaml", "none.yaml", "noise.dat")
+    ),
+    *((f"{c} heavy.yaml", "mass must be a number between 0 and 1e+09") for c in ("check", "region")),
+    *((f"{c} sticky.yaml", "mu must be a number between 0 and 1000") for c in ("check", "region")),
+    *((f"{c} stance.yaml --mu {n}", "--mu must be") for c in ("check", "region") for n in NOT_FINITE),
+    *((f"{c} stance.yaml --lift {n}", "") for c in ("check", "region") for n in ("toe", "''")),
+    *(
+        (f"{c} --robot solo12 --slope {n}", "--slope must be")
+        for c in ("check", "region")
+        for n in ("nan", "89")
+    ),
+    *((f"{c} --robot ''", "unknown robot ''") for c in ("check", "region")),
+    *((f"cone {o} {n}", o) for o in ("--mu", "--phase") for n in ("nan", "inf", "1e300")),
+    ("cone --facets 1000000", "--facets must be a whole number from 3 to 1000"),
+    *(
+        (f"solve {f}", "surefoot: ")
+        for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz", "stance.yaml")
+    ),
+    *((f"solve good.npz --tol {n}", "--tol") for n in NOT_FINITE),
+    ("bench contact --quick --tol 0", "--tol must be"),
+    ("bench contact --quick --tol nan", "--tol must be"),
+    ("bench contact --quick --seed -1", "--seed must be"),
+    ("bench statics --quick --seed -1", "--seed must be"),
+    *(
+        (f"bench {b} --out good.npz/x", "cannot write to --out good.npz/x")
+        for b in ("contact", "faults", "forces", "momentum", "walk")
+    ),
+    ("bench rigid --seconds inf", "--seconds must be"),
+    ("bench rigid --height nan", "--height"),
+    ("bench walk --robot rex", "unknown robot 'rex'"),
+    ("bench faults rex", "unknown robot 'rex'"),
+]
+
+
+@pytest.mark.parametrize(("line", "words"), CASES, ids=[line[:60] for line, _ in CASES])
+def test_it_is_named_in_one_line(
+    line: str, words: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    before = sorted(folder.iterdir())
+    assert main(shlex.split(line)) == 2
+    out = capfd.readouterr()
+    assert words in out.err
+    assert out.err.count("\n") == 1
+    assert sorted(folder.iterdir()) == before
+
+
+def test_a_robot_that_gets_nowhere_did_not_walk(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    options = ["--mu", "0", "--duration", "3", "--no-video", "--no-report", "--out", str(tmp_path)]
+    assert main(["walk", "go2", *options]) == 1
+    assert "did not follow its command" in capfd.readouterr().out
+
+
+def test_what_mujoco_warns_of_is_a_line_of_ours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    options = ["--push", "0.1:99999,0,0:0.05", "--duration", "0.2", "--no-video", "--no-report"]
+    assert main(["stand", "solo12", *options]) == 1
+    out = capfd.readouterr()
+    assert "MuJoCo: " in out.out
+    assert out.err == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["runs"]
+
+
+def test_many_facets_are_shown_in_part(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["cone", "--facets", "1000", "--no-picture"]) == 0
+    out = capfd.readouterr().out
+    assert "and 968 more, see --json" in out
+    assert out.count("\n") < 100
+
+
+def test_the_shortest_run_is_judged(tmp_path: Path) -> None:
+    options = ["--duration", "0.1", "--no-video", "--no-report", "--json", "--out", str(tmp_path)]
+    assert main(["stand", "solo12", *options]) == 0
+    assert len(read_log(next(tmp_path.rglob("log.npz")))) == 100

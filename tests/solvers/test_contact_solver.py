@@ -1,0 +1,154 @@
+"""The real-time path against the general one, and on input that should never make it raise."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.bench.problems import problem_set
+
+
+def four_contacts() -> list[sf.ContactProblem]:
+    return [p.problem for p in problem_set("robot", seed=3) if p.problem.contacts == 4]
+
+
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+def test_answers_are_those_of_solve(law: str) -> None:
+    """The same kernel on the same numbers: bit for bit, cold; and the certificate is the problem's own."""
+    for base in four_contacts():
+        p = base.replace(law=law)
+        found = sf.ContactSolver(4, p.mu, law, tol=1e-9, warm_start=False).solve(p.G, p.g)  # type: ignore[arg-type]
+        expected = sf.solve(p, tol=1e-9)
+        assert found.status is expected.status is sf.Status.SOLVED
+        assert np.array_equal(found.forces, expected.forces)
+        assert np.array_equal(found.velocities, expected.velocities)
+        assert found.residuals == expected.residuals == sf.residuals(p, found.forces)
+        assert found.iterations == expected.iterations
+        assert found.velocity_error == found.residuals.velocity_error
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"normal_min": [0.0, 0.02, 0.0], "normal_max": [0.05, 1.0, np.inf]},
+        {"bilateral": np.array([False, True, False])},
+        {"mu": [0.5, 0.0, 0.5]},
+        {"normal_max": [np.inf, 0.0, np.inf]},
+        {"compliance": 0.5},
+        {"facets": 6, "fit": "outer"},
+        {"law": "convex", "facets": 4},
+    ],
+)
+def test_every_setting_is_that_of_the_problem(settings: dict[str, object]) -> None:
+    J = np.random.default_rng(4).normal(size=(9, 12))
+    G, g = J @ J.T, np.tile([0.3, 0.0, -1.0], 3)
+    arguments = {"mu": 0.5} | settings
+    found = sf.ContactSolver(3, **arguments).solve(G, g)  # type: ignore[arg-type]
+    problem = sf.ContactProblem(G, g, **arguments)  # type: ignore[arg-type]
+    assert found.solved
+    assert np.allclose(found.forces, sf.solve(problem).forces, atol=1e-7)
+    assert found.residuals == sf.residuals(problem, found.forces)
+
+
+def test_warm_starts_and_their_end() -> None:
+    p = next(p for p in four_contacts() if sf.solve(p).iterations > 3)
+    solver = sf.ContactSolver(4, p.mu)
+    first = solver.solve(p.G, p.g)
+    again = solver.solve(p.G, p.g)
+    assert again.iterations <= first.iterations
+    assert not np.shares_memory(first.forces, again.forces)
+    solver.reset()
+    assert solver.solve(p.G, p.g).iterations == first.iterations
+    out = np.empty((11, 3))
+    found = solver.solve(p.G, p.g, out=out)
+    assert np.shares_memory(found.forces, out)
+
+
+def test_hard_input_is_answered_and_forgotten() -> None:
+    """NaN, no solution, overflow: a status, finite forces, and the next call is not spoilt."""
+    p = four_contacts()[0]
+    solver = sf.ContactSolver(4, p.mu, max_iterations=2000)
+    good = solver.solve(p.G, p.g).forces.copy()
+    for bad in (np.nan, np.inf):
+        for G, g in ((np.full((12, 12), bad), p.g), (p.G, np.full(12, bad))):
+            found = solver.solve(G, g)
+            assert found.status is sf.Status.INVALID
+            assert not found.forces.any()
+            assert np.isnan(found.velocity_error)
+    squeezed = np.zeros((12, 12))
+    squeezed[:2, :2] = np.eye(2)
+    found = solver.solve(squeezed, np.tile([1.0, 0.0, -0.05], 4))
+    assert found.status is sf.Status.INFEASIBLE
+    assert found.proof is not None
+    assert found.proof.conclusive
+    assert np.isfinite(found.forces).all()
+    for scale in (1e-300, 1e300):
+        assert np.isfinite(solver.solve(scale * p.G, p.g).forces).all()
+    assert np.allclose(solver.solve(p.G, p.g).forces, good, atol=1e-6)
+
+
+def test_single_precision_and_lists_are_read() -> None:
+    p = four_contacts()[0]
+    solver = sf.ContactSolver(4, p.mu, tol=1e-6, warm_start=False)
+    rough = solver.solve(p.G.astype(np.float32), p.g.astype(np.float32))  # type: ignore[arg-type]
+    assert rough.solved
+    assert np.allclose(rough.velocities, solver.solve(p.G, p.g).velocities, atol=1e-5)
+    assert solver.solve(np.asfortranarray(p.G), p.g.tolist()).solved  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("G", "g", "words"),
+    [
+        (np.eye(11), np.zeros(12), r"G must have shape \(12, 12\), got \(11, 11\)"),
+        (np.eye(12), np.zeros((4, 3)), r"g must have shape \(12,\), got \(4, 3\)"),
+        (np.eye(12) + np.triu(np.ones((12, 12)), 1), np.zeros(12), "G must be symmetric"),
+        (-np.eye(12), np.zeros(12), "positive semidefinite"),
+        ([["a"] * 12] * 12, np.zeros(12), "G must be an array of numbers"),
+    ],
+)
+def test_what_is_no_problem_is_named(G: np.ndarray, g: np.ndarray, words: str) -> None:
+    with pytest.raises(sf.ProblemError, match=words):
+        sf.ContactSolver(4, 0.5).solve(G, g)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        {"mu": -1.0},
+        {"mu": 0.5, "law": "glue"},
+        {"mu": 0.5, "tol": np.nan},
+        {"mu": [0.5, 0.5]},
+        {"contacts": 1.5},
+    ],
+)
+def test_wrong_settings_are_named(arguments: dict[str, object]) -> None:
+    with pytest.raises(sf.SurefootError):
+        sf.ContactSolver(**({"contacts": 4, "mu": 0.5} | arguments))  # type: ignore[arg-type]
+
+
+def test_no_contacts() -> None:
+    found = sf.ContactSolver(0, 0.5).solve(np.zeros((0, 0)), np.zeros(0))
+    assert found.solved
+    assert found.forces.shape == (0, 3)
+
+
+def test_one_solver_per_thread() -> None:
+    """Threads with a solver each answer what one thread does: nothing is shared, and the lock is released."""
+    problems = four_contacts()
+    expected = [sf.ContactSolver(4, p.mu, warm_start=False).solve(p.G, p.g).forces for p in problems]
+    found: list[list[np.ndarray]] = [[], []]
+
+    def work(into: list[np.ndarray]) -> None:
+        for p in problems:
+            into.append(sf.ContactSolver(4, p.mu, warm_start=False).solve(p.G, p.g).forces)
+
+    threads = [threading.Thread(target=work, args=(into,)) for into in found]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for answers in found:
+        assert all(np.array_equal(a, b) for a, b in zip(answers, expected, strict=True))
