@@ -107,7 +107,7 @@ def summarise(log: Log) -> dict[str, Any]:
 def measured(log: Log) -> bool:
     """Return whether every state, torque and contact of a run is a finite number."""
     names = ("q", "v", "torques", "forces", "gaps", "contact_velocities", "contact_positions")
-    return all(bool(np.isfinite(log[name]).all()) for name in names)
+    return all(bool(np.isfinite(piece[name]).all()) for piece in log.chunks() for name in names)
 
 
 def tilt_angles(q: FloatArray) -> FloatArray:
