@@ -80,7 +80,8 @@ def real_number(name: str, value: float, *, low: float = -np.inf, high: float = 
     try:
         number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise ProblemError(f"{name} must be a number that a float can hold, got {value!r:.80}") from error
+        wanted = "a number that a float can hold" if isinstance(error, OverflowError) else "a number"
+        raise ProblemError(f"{name} must be {wanted}, got {value!r:.80}") from error
     if not low <= number <= high:
         wanted = f">= {low:g}" if high == np.inf else f"between {low:g} and {high:g}"
         raise ProblemError(

@@ -39,7 +39,7 @@ def test_exact_forces_do_not_depend_on_the_start():
 def test_exact_forces_are_optimal_by_the_problem_alone():
     for instance in random_instances(20, seed=6):
         f = exact_forces(instance, np.zeros((instance.mu.size, 3)), 0.1)
-        assert sf.residuals(contact_problem(instance, 0.1), f).natural_map < 1e-9
+        assert sf.residuals(contact_problem(instance, 0.1), f).velocity_error < 1e-9
         assert fixed_point_residual(instance, f, 0.1) < 1e-8
         assert cone_violation(instance, f) < 1e-12
         p = program(instance, force_weight=0.1)

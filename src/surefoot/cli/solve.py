@@ -26,7 +26,12 @@ def solve(
     solver: Annotated[
         str, typer.Option(help="Who solves; LCPs: lemke (auto), pgs, newton, qp, interior_point.")
     ] = "auto",
-    tol: Annotated[float, typer.Option(min=0.0, help="Natural map that counts as solved.")] = 1e-8,
+    tol: Annotated[
+        float,
+        typer.Option(
+            min=0.0, help="Velocity error that counts as solved, relative to the problem's own speeds."
+        ),
+    ] = 1e-8,
     max_time: Annotated[float, typer.Option(min=0.0, help="Bound on each solve [s].")] = math.inf,
     json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
@@ -75,7 +80,7 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
 
     found = solve_problem(problem, solver, tol, max_time=max_time)
     shared = redundancy(problem)
-    given = None if problem.reference is None else residuals(problem, problem.reference).natural_map
+    given = None if problem.reference is None else residuals(problem, problem.reference).velocity_error
     return {
         "file": path.name,
         "kind": "contact",
@@ -84,8 +89,17 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
         "rows": shared.size,
         "solver": found.solver,
         "status": found.status.value,
-        "natural_map": found.residuals.natural_map,
-        "reference_natural_map": given,
+        "velocity_error": found.residuals.velocity_error,
+        "rounding": found.residuals.rounding,
+        "natural_map": found.residuals.velocity_error,  # the old name, for one release
+        "reference_velocity_error": given,
+        "proof": None
+        if found.proof is None
+        else {
+            "direction": found.proof.direction,
+            "reach": found.proof.reach,
+            "work": found.proof.work,
+        },
         "iterations": found.iterations,
         "seconds": found.solve_time,
         "notes": list(problem.notes),
@@ -155,14 +169,14 @@ def _print(records: list[dict[str, Any]], tol: float) -> None:
     if not records:
         return
     console = plain_console()
-    table = _table("Contact", tol, ("n", "rank", "status", "natural map", "steps", "ms"))
+    table = _table("Contact", tol, ("n", "rank", "status", "velocity error", "steps", "ms"))
     for r in records:
         table.add_row(
             r["file"],
             str(r["contacts"]),
             f"{r['rank']}/{r['rows']}",
             r["status"],
-            f"{r['natural_map']:.1e}",
+            f"{r['velocity_error']:.1e}",
             str(r["iterations"]),
             f"{1e3 * r['seconds']:.2f}",
         )
@@ -170,3 +184,9 @@ def _print(records: list[dict[str, Any]], tol: float) -> None:
     for r in records:
         for note in r["notes"]:
             console.print(f"{r['file']}: {note}")
+        if r["proof"] is not None:
+            pushed = [k for k, d in enumerate(r["proof"]["direction"]) if any(d)]
+            console.print(
+                f"{r['file']}: no forces with a sum of norms below {r['proof']['reach']:.2g} N solve it: "
+                f"contacts {', '.join(map(str, pushed))} close on each other (proof in --json)"
+            )

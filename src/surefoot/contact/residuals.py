@@ -290,23 +290,24 @@ def _measure(
 
 
 @inline_kernel
-def _force_sizes(forces: FloatArray, scales: FloatArray) -> float:
-    """Return Σ_j sqrt(trace G_jj) ||λ_j||; ||G_kj|| is at most sqrt(trace G_kk trace G_jj)."""
-    total = 0.0
+def _rounding_bound(scales: FloatArray, forces: FloatArray) -> float:
+    """Return a bound on Σ_j ||G_kj|| ||λ_j|| / s_k: ||G_kj|| is at most sqrt(trace G_kk trace G_jj)."""
+    size = most = 0.0
     for k in range(scales.shape[1]):
-        total += math.sqrt(abs(scales[2, k])) * _size(forces[3 * k], forces[3 * k + 1], forces[3 * k + 2])
-    return total
+        x, y, z, s = forces[3 * k], forces[3 * k + 1], forces[3 * k + 2], scales[1, k]
+        product = abs(scales[2, k]) * (x * x + y * y + z * z)
+        if 0.0 < product < 1e-250 and s > 0.0:
+            return np.inf
+        size += math.sqrt(product)
+        most = max(most, abs(scales[2, k]) / (s * s) if s > 0.0 else 0.0)
+    return math.sqrt(most) * size
 
 
 @inline_kernel
 def _rounding_dense(G: FloatArray, scales: FloatArray, forces: FloatArray) -> float:
-    """Return the field `rounding`: by the bound of `_force_sizes` if that is small, else by blocks' norms."""
+    """Return the field `rounding`: by `_rounding_bound` if that is small, else by the blocks' norms."""
     n = scales.shape[1]
-    size = _force_sizes(forces, scales)
-    bound = 0.0
-    for k in range(n):
-        if scales[1, k] > 0.0:
-            bound = max(bound, math.sqrt(abs(scales[2, k])) * size / scales[1, k])
+    bound = _rounding_bound(scales, forces)
     if ROUNDING * bound <= SURE:
         return ROUNDING * bound
     worst = 0.0

@@ -77,47 +77,44 @@ def _join(label: IntArray, k: int, j: int) -> None:
 
 
 @inline_kernel
-def _block_exceeds(G: FloatArray, k: int, j: int, bound: float) -> bool:
-    """Tell whether some entry of the block G_kj exceeds the bound in size."""
+def _largest_entry(G: FloatArray, k: int, j: int) -> float:
+    """Return the size of the largest entry of the block G_kj."""
+    most = 0.0
     for a in range(3):
         for b in range(3):
-            if abs(G[3 * k + a, 3 * j + b]) > bound:
-                return True
-    return False
-
-
-@inline_kernel
-def _parts(label: IntArray) -> int:
-    """Return the number of parts: each is named after its smallest contact."""
-    count = 0
-    for k in range(label.size):
-        count += label[k] == k
-    return count
+            most = max(most, abs(G[3 * k + a, 3 * j + b]))
+    return most
 
 
 @kernel
-def _labels_dense(G: FloatArray, on: FloatArray, trace: FloatArray, noise: float, label: IntArray) -> int:
-    """Fill the labels (smallest contact) of the connected parts of a dense G; return the number of parts."""
+def _labels_dense(G: FloatArray, on: FloatArray, trace: FloatArray, noise: float, label: IntArray) -> bool:
+    """Fill the labels (smallest contact) of the parts of a dense G; tell whether noise joins some."""
     for k in range(label.size):
         label[k] = k
+    faint = False
     for k in range(1, label.size):
         for j in range(k):
-            if label[k] == label[j] or on[k] == 0.0 or on[j] == 0.0:
+            if on[k] == 0.0 or on[j] == 0.0 or label[k] == label[j]:
                 continue
-            if _block_exceeds(G, k, j, noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j]))):
+            entry = _largest_entry(G, k, j)
+            if entry > noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j])):
                 _join(label, k, j)
-    return _parts(label)
+            else:
+                faint = faint or entry > 0.0
+    return faint
 
 
 @kernel
 def _labels_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, on: FloatArray, trace: FloatArray, noise: float,
     label: IntArray,
-) -> int:  # fmt: skip
-    """Fill the labels of the parts of a block matrix, by search from each contact not yet reached."""
+) -> bool:  # fmt: skip
+    """Do what `_labels_dense` does for a block matrix, by search from each contact not yet reached."""
     n = label.size
     queue = np.empty(n, dtype=np.int64)
-    label[:] = -1
+    faint = False
+    for k in range(n):
+        label[k] = -1
     for first in range(n):
         if label[first] >= 0:
             continue
@@ -130,10 +127,13 @@ def _labels_blocks(
                 j = columns[at]
                 if label[j] >= 0 or on[k] == 0.0 or on[j] == 0.0:
                     continue
-                if np.abs(values[at]).max() > noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j])):
+                entry = np.abs(values[at]).max()
+                if entry > noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j])):
                     label[j], queue[tail] = first, j
                     tail += 1
-    return _parts(label)
+                else:
+                    faint = faint or entry > 0.0
+    return faint
 
 
 @inline_kernel
@@ -248,10 +248,11 @@ def _scales_of_parts(
                 noise[i] += abs(part)
     if preloaded:
         _drop_noise(velocities, noise)
-    parts = _labels_dense(G, on, trace, NOISE, label)
+    faint = _labels_dense(G, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
     _energies(w, s, label, energy)
-    if parts > 1 and _labels_dense(G, on, trace, 0.0, label) < parts:
+    if faint:
+        _labels_dense(G, on, trace, 0.0, label)
         _largest_speeds(velocities, on, label, LENT, s)
 
 
@@ -277,8 +278,9 @@ def scales_blocks(
             nearest[3 * k + 2] = max(low[k], 0.0)
         velocities = block_product(starts, columns, values, nearest) + g
         _drop_noise(velocities, block_product(starts, columns, np.abs(values), nearest) + np.abs(g))
-    parts = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
+    faint = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
     _energies(w, s, label, energy)
-    if parts > 1 and _labels_blocks(starts, columns, values, on, trace, 0.0, label) < parts:
+    if faint:
+        _labels_blocks(starts, columns, values, on, trace, 0.0, label)
         _largest_speeds(velocities, on, label, LENT, s)

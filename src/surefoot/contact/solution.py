@@ -10,8 +10,8 @@ from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.errors import NoSolution
 
-Details = tuple[FloatArray, Residuals, dict[str, float]]
-"""Velocities, residuals and timings."""
+Details = tuple[FloatArray, Residuals, dict[str, float], InfeasibilityProof | None]
+"""Velocities, residuals, timings and the proof of INFEASIBLE."""
 
 
 class Status(Enum):
@@ -42,10 +42,8 @@ class ContactSolution:
     problem, forces, status, solver, iterations, solve_time
         See the attributes.
     rest
-        Velocities, residuals and timings; or the (2n + 3, 3) buffer of a compiled solver, from which they are
-        cut when first read: forces, velocities, and the seven numbers of `Residuals`.
-    proof
-        See the attributes.
+        Velocities, residuals, timings and proof; or the (2n + 3, 3) buffer of a compiled solver, from which
+        they are cut when first read: forces, velocities, and the seven numbers of `Residuals`.
 
     Attributes
     ----------
@@ -69,7 +67,7 @@ class ContactSolution:
         The proof that there is no solution where the status is INFEASIBLE, else None.
     """
 
-    __slots__ = ("_forces", "_iterations", "_problem", "_proof", "_rest", "_solve_time", "_solver", "_status")
+    __slots__ = ("_forces", "_iterations", "_problem", "_rest", "_solve_time", "_solver", "_status")
 
     def __init__(
         self,
@@ -80,7 +78,6 @@ class ContactSolution:
         iterations: int,
         solve_time: float,
         rest: Details | FloatArray,
-        proof: InfeasibilityProof | None = None,
     ) -> None:
         self._problem = problem
         self._forces = forces
@@ -89,7 +86,6 @@ class ContactSolution:
         self._iterations = iterations
         self._solve_time = solve_time
         self._rest = rest
-        self._proof = proof
 
     @property
     def problem(self) -> ContactProblem:
@@ -139,15 +135,15 @@ class ContactSolution:
     @property
     def proof(self) -> InfeasibilityProof | None:
         """The proof of INFEASIBLE, else None."""
-        return self._proof
+        return self._details()[3]
 
     def _details(self) -> Details:
-        """Return velocities, residuals and timings; cut them out of the buffer the first time."""
+        """Return what `rest` holds; cut it out of the buffer the first time."""
         found = self._rest
         if not isinstance(found, tuple):
             n = self._problem.contacts
             numbers = found[2 * n :].ravel()[:7].tolist()
-            found = self._rest = (found[n : 2 * n], Residuals(*numbers), {})
+            found = self._rest = (found[n : 2 * n], Residuals(*numbers), {}, None)
         return found
 
     def __repr__(self) -> str:

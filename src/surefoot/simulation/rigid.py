@@ -97,7 +97,7 @@ class RigidWorld:
     unsolved
         Steps so far whose contact problem was left above the tolerance.
     worst_residual
-        Largest natural map residual so far.
+        Largest velocity error so far, see `Residuals`.
 
     Raises
     ------
@@ -365,7 +365,7 @@ class RigidWorld:
             g += swerve[near].ravel()
         problem = self._problem(G, g, self.mu, self.law)
         self.solution = solve(problem, self.solver, self.tol, warm_start=warm)
-        residual = self.solution.residuals.natural_map
+        residual = self.solution.residuals.velocity_error
         self.unsolved += not self.solution.solved
         self.worst_residual = max(self.worst_residual, residual)
         self._impulses[near] = self.solution.forces

@@ -59,6 +59,8 @@ of few contacts and of many."""
 ON_BLOCKS, ADMM_AND_NEWTON, PROOF = "sweeps and newton on blocks", "admm and newton", "infeasibility proof"
 MORE_NEWTON = "more newton on blocks"
 """What is asked besides solvers; see `_PARTS`."""
+NEARLY = 1e-2
+"""A velocity error of the compiled call's forces below which other methods come before a look for a proof."""
 Plan = tuple[tuple[str, int | None, bool], ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
@@ -145,6 +147,8 @@ def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArr
         names = CONES[problem.law]
         if problem.contacts > FEW:  # a dense iteration of ADMM costs more than a sweep on blocks
             names = tuple(sorted(names, key=lambda entry: entry[0] not in (PROOF, ON_BLOCKS)))
+        if warm_start is not None and worst_of(problem, warm_start) < NEARLY:  # it has a solution, probably
+            names = (*names[1:2], *names[:1], *names[2:])
         return _hand_on(problem, settings, warm_start, 0, names, start)
     forces = start_forces(problem, warm_start)
     done, error, far = alternate(problem, settings, forces)

@@ -60,7 +60,7 @@ def solve_distribution(problem: ContactProblem, settings: Settings, warm_start: 
         )
         iterations += used
         last, forces = forces, (points[VALUE] * unit).reshape(n, 3)
-        # the velocity that the proximal term still adds: the natural map hardly sees soft directions
+        # the velocity that the proximal term still adds: the residual hardly sees soft directions
         drift = share * largest * float(np.linalg.norm(forces - last))
         residual = residuals(problem, forces).worst
         if not np.isfinite(residual):

@@ -80,7 +80,7 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
     cones += [clarabel.SecondOrderConeT(3)] * n
     options = clarabel.DefaultSettings()
     options.verbose = False
-    # its stopping test is not ours: on a cone's boundary the natural map is about the root of its gap
+    # its stopping test is not ours: on a cone's boundary the velocity error is about the root of its gap
     options.tol_gap_abs = options.tol_gap_rel = max(settings.tol**2, 1e-16)
     options.tol_feas = max(1e-3 * settings.tol, 1e-14)
     if settings.max_iterations is not None:

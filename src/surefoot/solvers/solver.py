@@ -279,8 +279,8 @@ def certify(
         status, proof = Status.ALMOST, None
     else:
         status, proof = stop, None
-    details = velocities, Residuals(*numbers), answer.timings or {}
-    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details, proof)
+    details = velocities, Residuals(*numbers), answer.timings or {}, proof
+    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details)
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
