@@ -54,6 +54,23 @@ def _unique(names: str | Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
 
 
+class WriteError(SurefootError, OSError):
+    """A file that cannot be written: the disk is full, a quota is used up, ...
+
+    Parameters
+    ----------
+    path
+        What was to be written.
+    cause
+        The system's own error.
+    kept
+        What is left all the same, to be added to the message.
+    """
+
+    def __init__(self, path: object, cause: OSError, kept: str = "") -> None:
+        super().__init__(f"cannot write {path}: {cause.strerror or cause}{kept}")
+
+
 class NoSolution(SurefootError, RuntimeError):
     """Raised by `ContactSolution.raise_if_failed`; carries the problem and what was reached."""
 

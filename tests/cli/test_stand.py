@@ -152,3 +152,25 @@ def test_without_a_gl_the_run_finishes(
     monkeypatch.setattr(mujoco, "Renderer", broken)
     assert main(["stand", "--duration", "0.2", "--out", str(tmp_path)]) == 0
     assert "no pictures: MuJoCo found no OpenGL to draw with (no display)" in capfd.readouterr().out
+
+
+def test_two_point_feet_cannot_stand_still(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["stand", "bolt", "--out", str(tmp_path)]) == 2
+    assert capfd.readouterr().err == (
+        "surefoot: bolt cannot stand still: 2 point feet span no area to stand on\n"
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_mujoco_refuses_is_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Romeo's file holds an inertia that no body can have."""
+    assert main(["stand", "romeo", "--duration", "0.1", "--out", str(tmp_path)]) == 2
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith("surefoot: MuJoCo cannot simulate romeo: inertia must satisfy A + B >= C")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["talos", "icub"])
+def test_humanoids_stand(name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = main(["stand", name, "--duration", "0.3", "--out", str(tmp_path), "--no-video", "--json"])
+    assert code == 0, capfd.readouterr()

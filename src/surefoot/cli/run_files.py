@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from surefoot.cli.output import to_json
-from surefoot.errors import MissingExtra, SurefootError
+from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.robot import Robot
 from surefoot.simulation.log import Log
 from surefoot.stance import Terrain
 
+PARTS = "log.parts"
+"""Folder that the log's rows go to during a run; log.npz takes its place at the end."""
 CAPTIONS = {
     "normal_forces": "Normal forces",
     "cone_use": "Every force inside the cross-section of its cone",
@@ -24,6 +26,29 @@ CAPTIONS = {
     "cone_over_time": "Use of the cones over time",
     "path": "Path",
 }
+
+
+class Written:
+    """What a run leaves, file by file; a full disk costs the files that do not fit, and no others.
+
+    Attributes
+    ----------
+    notes
+        One line for each file that could not be written.
+    """
+
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+
+    def attempt(self, path: Path, write: Callable[[], object]) -> None:
+        """Write a file, or note why it is not there; no half file stays."""
+        try:
+            write()
+        except WriteError as error:
+            self.notes.append(str(error))
+        except OSError as error:
+            self.notes.append(str(WriteError(path, error)))
+            path.unlink(missing_ok=True)
 
 
 class Pictures:
@@ -46,12 +71,16 @@ class Pictures:
         """Film the run, or note why not: no package, no OpenGL, no patience."""
         from surefoot.viz.video import write_video
 
+        path = self._folder / "film.mp4"
         try:
-            self._film = write_video(self._log, robot, terrain, self._folder / "film.mp4", progress=progress)
+            self._film = write_video(self._log, robot, terrain, path, progress=progress)
         except MissingExtra as error:
             self._missing.append(error)
         except SurefootError as error:
             self._notes.append(str(error))
+        except OSError as error:
+            self._notes.append(str(WriteError(path, error)))
+            path.unlink(missing_ok=True)
         except KeyboardInterrupt:
             self._notes.append("no video: interrupted")
 
@@ -65,6 +94,8 @@ class Pictures:
             self._missing.append(error)
         except SurefootError as error:
             self._notes.append(str(error))
+        except OSError as error:
+            self._notes.append(str(WriteError(self._folder, error)))
 
     def notes(self) -> list[str]:
         """Return why pictures are missing, a line each; all missing packages are one line."""

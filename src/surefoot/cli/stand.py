@@ -15,10 +15,10 @@ from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.robots import load
+from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
 
 WORLDS = ("mujoco", "rigid")
-INTERRUPTED = 130
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
 
@@ -54,6 +54,7 @@ def stand(
     Exit code 0 if it stood and no law was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
+    from surefoot.cli.run_files import PARTS
     from surefoot.simulation.run import Scenario
     from surefoot.simulation.standing import run_standing
 
@@ -85,19 +86,20 @@ def stand(
             }
             print(to_json({**facts, "statics": statics}))
         return 1
-    folder = new_run_folder(out, f"stand-{setup.robot.name}")
     controller = setup.controller(mu, allocation)
     physics = setup.world(world, mu, payload)
-    with progress_bar(not as_json, "standing", duration) as tell, engine_warnings() as warned:
-        log = run_standing(physics, controller, setup.q, scenario, tell)
-    for line in warned:
-        console.print(line, soft_wrap=True, highlight=False)
-    summary = _write(setup, log, statics, folder, video, report, console)
-    if as_json:
-        print(to_json(summary))
+    folder = new_run_folder(out, f"stand-{setup.robot.name}")
+    with ends_softly() as stop:
+        with progress_bar(not as_json, "standing", duration) as tell, engine_warnings() as warned:
+            log = run_standing(physics, controller, setup.q, scenario, tell, folder / PARTS)
+        for line in warned:
+            console.print(line, soft_wrap=True, highlight=False)
+        summary = _write(setup, log, statics, folder, video, report, console)
+        if as_json:
+            print(to_json(summary))
     if summary["outcome"] == "interrupted":
-        return INTERRUPTED
-    return 0 if summary["stood"] and not summary["laws_broken"] else 1
+        return stop.code
+    return 0 if summary["stood"] and not summary["laws_broken"] and not summary["unwritten"] else 1
 
 
 def _check(mu: float, world: str, duration: float, payload: float, seed: int | None) -> None:
@@ -147,6 +149,9 @@ def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float,
     from surefoot.stance import FlatTerrain, SlopeTerrain
 
     robot = load(name, urdf, feet, feet_needed=True)
+    if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
+        count = len(robot.feet)
+        raise ProblemError(f"{robot.name} cannot stand still: {count} point feet span no area to stand on")
     real_number("--slope", slope, low=-80.0, high=80.0)
     terrain = SlopeTerrain(slope) if slope else FlatTerrain()
     q = place(robot, terrain)
@@ -211,10 +216,11 @@ def _write(
     from surefoot.simulation.summary import summarise
     from surefoot.viz.report import write_report
 
-    log.save(folder / "log.npz")
+    written, page = run_files.Written(), folder / "report.html"
+    written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
     summary = summarise(log)
-    summary["statics"] = statics
-    run_files.write_summary(summary, folder)
+    summary["statics"], summary["unwritten"] = statics, written.notes
+    written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
     pictures = run_files.Pictures(log, folder)
     if video and summary["outcome"] != "interrupted":
         with progress_bar(not console.quiet, "filming", 1.0) as tell:
@@ -225,15 +231,11 @@ def _write(
     if report:
         pictures.plot()
         sections = stand_output.report_sections(summary, [phase["text"] for phase in statics])
-        write_report(
-            folder / "report.html",
-            f"{setup.robot.name} standing",
-            (headline, good),
-            sections + pictures.sections(),
-            shlex.join(["surefoot", *sys.argv[1:]]),
-        )
-    for note in pictures.notes():
+        sections += pictures.sections()
+        title, command = f"{setup.robot.name} standing", shlex.join(["surefoot", *sys.argv[1:]])
+        written.attempt(page, lambda: write_report(page, title, (headline, good), sections, command))
+    for note in pictures.notes() + written.notes:
         console.print(note, soft_wrap=True, highlight=False)
     console.print(headline, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    console.print(f"report: {folder / 'report.html' if report else folder}", soft_wrap=True, highlight=False)
+    console.print(f"report: {page if page.exists() else folder}", soft_wrap=True, highlight=False)
     return summary

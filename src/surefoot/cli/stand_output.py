@@ -13,6 +13,7 @@ OUTCOMES = {
     "fell": "fell",
     "displaced": "did not hold its place",
     "interrupted": "was interrupted",
+    "stopped": "was stopped",
     "invalid": "was lost: the simulated state is no longer finite",
 }
 
@@ -20,6 +21,8 @@ OUTCOMES = {
 def headline(summary: dict[str, Any]) -> str:
     """Return one line that says how the run ended."""
     text = f"{summary['robot']} {OUTCOMES[summary['outcome']]}"
+    if summary["error"]:
+        text += f": {summary['error']}"
     if summary["laws_broken"]:
         text += "; laws broken: " + ", ".join(summary["laws_broken"])
     elif summary["stood"]:

@@ -15,9 +15,9 @@ from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.robots import load
+from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
 
-INTERRUPTED = 130
 SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
 
@@ -65,6 +65,7 @@ def walk(
     Exit code 0 if it walked to the end and no law was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
+    from surefoot.cli.run_files import PARTS
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.walking import WalkScenario, run_walking
 
@@ -86,16 +87,17 @@ def walk(
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
-    with progress_bar(not as_json, "walking", duration) as tell, engine_warnings() as warned:
-        log = run_walking(world, controller, q, scenario, tell)
-    for line in warned:
-        console.print(line, soft_wrap=True, highlight=False)
-    summary = _write(model, ground, log, folder, video, report, console)
-    if as_json:
-        print(to_json(summary))
+    with ends_softly() as stop:
+        with progress_bar(not as_json, "walking", duration) as tell, engine_warnings() as warned:
+            log = run_walking(world, controller, q, scenario, tell, folder / PARTS)
+        for line in warned:
+            console.print(line, soft_wrap=True, highlight=False)
+        summary = _write(model, ground, log, folder, video, report, console)
+        if as_json:
+            print(to_json(summary))
     if summary["outcome"] == "interrupted":
-        return INTERRUPTED
-    return 0 if summary["walked"] and not summary["laws_broken"] else 1
+        return stop.code
+    return 0 if summary["walked"] and not summary["laws_broken"] and not summary["unwritten"] else 1
 
 
 def _check_numbers(
@@ -184,9 +186,11 @@ def _write(
     from surefoot.viz.report import write_report
     from surefoot.viz.walk_plots import draw_walk
 
-    log.save(folder / "log.npz")
+    written, page = run_files.Written(), folder / "report.html"
+    written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
     summary = summarise_walk(log)
-    run_files.write_summary(summary, folder)
+    summary["unwritten"] = written.notes
+    written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
     pictures = run_files.Pictures(log, folder)
     if video and summary["outcome"] != "interrupted":
         with progress_bar(not console.quiet, "filming", 1.0) as tell:
@@ -197,16 +201,11 @@ def _write(
     if report:
         pictures.plot(draw_walk)
         sections = walk_output.report_sections(summary) + pictures.sections()
-        write_report(
-            folder / "report.html",
-            f"{robot.name} walking",
-            (line, good),
-            sections,
-            shlex.join(["surefoot", *sys.argv[1:]]),
-        )
-    for note in pictures.notes():
+        title, command = f"{robot.name} walking", shlex.join(["surefoot", *sys.argv[1:]])
+        written.attempt(page, lambda: write_report(page, title, (line, good), sections, command))
+    for note in pictures.notes() + written.notes:
         console.print(note, soft_wrap=True, highlight=False)
     console.print(line, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    where = folder / "report.html" if report else folder
+    where = page if page.exists() else folder
     console.print(f"report: {where}", soft_wrap=True, highlight=False)
     return summary

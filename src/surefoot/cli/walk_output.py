@@ -11,6 +11,7 @@ OUTCOMES = {
     "did not follow": "did not follow its command: it moved",
     "fell": "fell",
     "interrupted": "was interrupted",
+    "stopped": "was stopped",
     "invalid": "was lost: the simulated state is no longer finite",
 }
 VELOCITY_HEADER = ("velocity after 2 s", "commanded", "measured mean", "error", "within 10 %")
@@ -22,6 +23,8 @@ def headline(summary: dict[str, Any]) -> str:
     text = f"{summary['robot']} {OUTCOMES[summary['outcome']]}"
     text += f" {'after' if summary['outcome'] == 'fell' else 'for'} {summary['duration']:.2f} s"
     text += f" and {summary['distance']:.2f} m"
+    if summary["error"]:
+        text += f": {summary['error']}"
     if summary["laws_broken"]:
         text += "; laws broken: " + ", ".join(summary["laws_broken"])
     elif summary["walked"]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,6 +67,11 @@ class Foot:
         left, right = xy[xy[:, 0] < middle[0], 0].max(), xy[xy[:, 0] >= middle[0], 0].min()
         down, up = xy[xy[:, 1] < middle[1], 1].max(), xy[xy[:, 1] >= middle[1], 1].min()
         return np.array([left, down]), np.array([right, up])
+
+
+def shaped_foot(model: Any, name: str, centres: Sequence[tuple[float, float, float]], radius: float) -> Foot:
+    """Return the foot at a frame with the given (k, 3) sphere centres in that frame and radius [m]."""
+    return Foot(name, model.getFrameId(name), np.array(centres, dtype=np.float64), radius)
 
 
 def read_foot(model: Any, geometry: Any, name: str, rotation_world_foot: FloatArray) -> Foot:

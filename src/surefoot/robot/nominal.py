@@ -101,5 +101,5 @@ def _bend(
         if best is None or found.cost < 0.999 * best.cost:
             best = found
     out = q.copy()
-    out[index] = best.x
+    out[index] = np.clip(best.x, model.lowerPositionLimit[index], model.upperPositionLimit[index])
     return out

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError
 from surefoot.robot.robot import Robot
-from surefoot.spatial import quaternion_from_rotation, rotation_log
+from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion, rotation_log
 from surefoot.stance import FlatTerrain, Terrain
 
 ITERATIONS = 60
@@ -60,10 +60,11 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: 
     import pinocchio
 
     level = any(foot.flat for foot in robot.feet)
-    rotation = np.eye(3) if level else ground.frame([0.0, 0.0])
+    slope = np.eye(3) if level else ground.frame([0.0, 0.0])
+    rotation = slope @ rotation_from_quaternion(robot.nominal[3:7])  # some bases have other axes
     middle = robot.foot_positions(start).mean(axis=0)
     lowest = min(robot._sphere_bottoms(start))
-    start[:3] = rotation @ (start[:3] - [middle[0], middle[1], lowest])
+    start[:3] = slope @ (start[:3] - [middle[0], middle[1], lowest])
     start[2] += float(ground.height([0.0, 0.0]))
     start[3:7] = quaternion_from_rotation(rotation)
     anchors = robot.foot_positions(start)[:, :2]
@@ -71,7 +72,7 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: 
     now = start.copy()
     worst = np.inf
     for _ in range(ITERATIONS):
-        residual, jacobian, worst = _miss(robot, ground, now, rotation, anchors, offset)
+        residual, jacobian, worst = _miss(robot, ground, now, slope, rotation, anchors, offset)
         stay = pinocchio.difference(robot.model, start, now)[6:]
         lower = np.hstack([np.zeros((robot.joints, 6)), np.eye(robot.joints)])
         stacked = np.vstack([POSE_WEIGHT * jacobian, lower])
@@ -95,6 +96,7 @@ def _miss(
     robot: Robot,
     ground: Terrain,
     q: FloatArray,
+    slope: FloatArray,
     rotation: FloatArray,
     anchors: FloatArray,
     offset: FloatArray,
@@ -122,9 +124,9 @@ def _miss(
         arm = pose.rotation @ foot.centre
         rows.extend((J[:3] - pinocchio.skew(arm) @ J[3:])[:2])
         values.extend((pose.translation + arm)[:2] - anchor)
-        if foot.flat:  # toes along the base's heading
-            rows.append(rotation[:, 2] @ J[3:])
-            values.append(float(rotation[:, 1] @ pose.rotation[:, 0]))
+        if foot.flat:  # toes along the heading
+            rows.append(slope[:, 2] @ J[3:])
+            values.append(float(slope[:, 1] @ pose.rotation[:, 0]))
     base = data.oMi[1].rotation
     turn = np.zeros((3, model.nv))
     turn[:, 3:6] = base

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import MissingExtra, ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
-from surefoot.robot.foot import Foot, read_foot
+from surefoot.robot.foot import Foot, read_foot, shaped_foot
 from surefoot.robot.nominal import bend_legs
 from surefoot.robot.parser_output import parser_output
 from surefoot.stance import Contact, FlatTerrain, PatchContact, PointContact, Stance, Terrain
@@ -54,15 +54,21 @@ class Robot:
         feet: Sequence[str],
         nominal: FloatArray,
         floating: bool,
+        shapes: Sequence[catalog.FootShape] = (),
     ) -> None:
         self.name, self.model, self.collision, self._load_visual = name, model, collision, visual
         self.data = model.createData()
         self.floating = floating
         self.nominal = nominal
         self._forward(nominal)
-        self.feet = tuple(
-            read_foot(model, collision, f, self.data.oMf[model.getFrameId(f)].rotation) for f in feet
-        )
+        if shapes:
+            self.feet = tuple(
+                shaped_foot(model, f, s.centres, s.radius) for f, s in zip(feet, shapes, strict=True)
+            )
+        else:
+            self.feet = tuple(
+                read_foot(model, collision, f, self.data.oMf[model.getFrameId(f)].rotation) for f in feet
+            )
         if floating and self.feet:
             self.nominal = nominal.copy()
             self.nominal[2] -= min(self._sphere_bottoms(nominal))
@@ -236,8 +242,8 @@ def load_robot(
     """
     text = str(robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
-        path, srdf = Path(text).expanduser(), None
-        chosen, fixed = tuple(feet or ()), bool(fixed_base)
+        path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))
+        chosen, fixed, srdf = tuple(feet or ()), bool(fixed_base), None
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
             raise ModelError(f"no URDF file at {text}")
@@ -248,6 +254,9 @@ def load_robot(
         fixed = entry.fixed_base if fixed_base is None else fixed_base
         folders = [root, root.parent.parent]
     model, collision, visual = _build(path, folders, fixed)
+    for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
+        if entry.unlimited and title.startswith(entry.unlimited):
+            model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
     frames = [f.name for f in model.frames]
     for name in chosen:
         if name not in frames:
@@ -256,8 +265,14 @@ def load_robot(
     if len(set(chosen)) != len(chosen):
         raise ModelError(f"feet must differ, got {', '.join(chosen)}")
     name = path.stem if path.suffix and "/" in text else text
-    nominal = _nominal(model, collision, srdf, chosen, fixed)
-    return Robot(name, model, collision, visual, chosen, nominal, not fixed)
+    shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if _drawn(entry, chosen) else ()
+    nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
+    return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+
+
+def _drawn(entry: catalog.CatalogEntry, feet: Sequence[str]) -> bool:
+    """Return whether the catalogue knows the shape of all of these feet."""
+    return bool(entry.shapes) and set(feet) <= set(entry.feet)
 
 
 def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
@@ -304,14 +319,22 @@ def _parsed(path: Path, root: Sequence[Any]) -> Any:
     return model
 
 
-def _nominal(model: Any, collision: Any, srdf: Path | None, feet: Sequence[str], fixed: bool) -> FloatArray:
+def _nominal(
+    model: Any,
+    collision: Any,
+    srdf: Path | None,
+    feet: Sequence[str],
+    fixed: bool,
+    entry: catalog.CatalogEntry,
+    shapes: Sequence[catalog.FootShape],
+) -> FloatArray:
     """Return the SRDF's standing pose or, without one, a pose with feet under bent legs."""
     import pinocchio
 
     if srdf is not None:
         pinocchio.loadReferenceConfigurations(model, str(srdf), False)
         poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
-        for name in NOMINAL_POSES:
+        for name in NOMINAL_POSES if entry.pose is None else (entry.pose,):
             if name in poses:
                 return poses[name]
     q = np.array(pinocchio.neutral(model))
@@ -319,5 +342,9 @@ def _nominal(model: Any, collision: Any, srdf: Path | None, feet: Sequence[str],
         low, high = model.lowerPositionLimit, model.upperPositionLimit
         usable = np.isfinite(low) & np.isfinite(high) & ((q < low) | (q > high))
         return np.where(usable, 0.5 * (low + high), q)
-    flat = [read_foot(model, collision, name, np.eye(3)).flat for name in feet]
+    q[3:7] = entry.upright
+    if shapes:
+        flat = [len(shape.centres) >= 3 for shape in shapes]
+    else:
+        flat = [read_foot(model, collision, name, np.eye(3)).flat for name in feet]
     return bend_legs(model, q, feet, flat)

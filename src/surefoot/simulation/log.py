@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import json
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.errors import ProblemError
+from surefoot.errors import ProblemError, WriteError
 
 SCHEMA = 1
+MEMORY = 64 << 20
+"""Largest log that is held in memory; a longer one is mapped from files [bytes]."""
 
 FIELDS: dict[str, str] = {
     "time": "(T,) time at the start of each step [s]",
@@ -45,13 +51,17 @@ class Log:
     Attributes
     ----------
     arrays
-        Name to array, cut to the steps that were made.
+        Name to array, cut to the steps that were made; of a long run mapped from files, read-only.
     facts
-        Scalars and lists of strings: robot, mass, dt, feet, contact_foot, effort_limits, ...
+        Scalars and lists of strings: robot, mass, dt, feet, contact_foot, effort_limits, outcome, ...;
+        ``error`` if something ended the run or its recording.
+    parts
+        Folder that the rows were written to during the run, until `save` has them in one file.
     """
 
     arrays: dict[str, Any]
     facts: dict[str, Any] = field(default_factory=dict)
+    parts: Path | None = None
 
     def __getitem__(self, name: str) -> Any:
         return self.arrays[name]
@@ -59,54 +69,111 @@ class Log:
     def __len__(self) -> int:
         return len(self.arrays["time"])
 
+    def chunks(self, rows: int = 1 << 16) -> Iterator[Log]:
+        """Yield the log in pieces of consecutive rows; a log of at most `rows` rows as it is."""
+        if len(self) <= rows:
+            yield self
+            return
+        for start in range(0, len(self), rows):
+            yield Log({name: array[start : start + rows] for name, array in self.arrays.items()}, self.facts)
+            for array in self.arrays.values():
+                _let_go(array)
+
     def save(self, path: Path) -> Path:
         """Write to a new .npz file: the arrays, and each fact as ``fact_NAME``.
+
+        The parts that the run left are removed when all is in the file, and kept if it cannot be written.
 
         Raises
         ------
         ProblemError
             If the file exists already; nothing is overwritten.
+        WriteError
+            If the disk has no room for it; no half file stays.
         """
-        if path.exists():
-            raise ProblemError(f"{path} exists already")
+        path = path if path.name.endswith(".npz") else path.with_name(path.name + ".npz")
         facts = {f"fact_{k}": np.asarray(v) for k, v in self.facts.items()}
         contents: dict[str, Any] = {"schema": np.int64(SCHEMA), **self.arrays, **facts}
-        np.savez_compressed(path, **contents)
+        try:
+            with path.open("xb") as file:
+                try:
+                    np.savez_compressed(file, **contents)
+                except BaseException:
+                    path.unlink(missing_ok=True)
+                    raise
+        except FileExistsError as error:
+            raise ProblemError(f"{path} exists already") from error
+        except OSError as error:
+            path.unlink(missing_ok=True)
+            kept = "" if self.parts is None else f"; its rows are in {self.parts}"
+            raise WriteError(path, error, kept) from error
+        if self.parts is not None:
+            from surefoot.simulation.log_stream import remove_parts
+
+            remove_parts(self.parts, self.arrays)
+            self.parts = None
         return path
 
 
+def _let_go(array: Any) -> None:
+    """Tell the system that the pages of a mapped array are not needed for now."""
+    mapped = array
+    while isinstance(mapped, np.ndarray):
+        mapped = mapped.base
+    if hasattr(mapped, "madvise"):
+        import mmap
+
+        mapped.madvise(mmap.MADV_DONTNEED)
+
+
 def read_log(path: Path | str) -> Log:
-    """Read a log that `Log.save` wrote.
+    """Read a log that `Log.save` wrote, or the folder of parts that a killed run left.
+
+    A log of more than `MEMORY` bytes is unpacked into a temporary folder and mapped from there.
 
     Raises
     ------
     ProblemError
         If the file is missing, not a log, or of a schema that this version does not know.
     """
+    path = Path(path)
     try:
+        if path.is_dir():
+            return Log(*read_parts(path))
         with np.load(path, allow_pickle=False) as file:
             if int(file["schema"]) != SCHEMA:
                 raise ProblemError(f"{path} has log schema {int(file['schema'])}, expected {SCHEMA}")
-            arrays = {k: file[k] for k in file.files if k in FIELDS}
+            names = [k for k in file.files if k in FIELDS]
             facts = {k[5:]: file[k].tolist() for k in file.files if k.startswith("fact_")}
-    except (OSError, ValueError, KeyError) as error:
+            large = sum(item.file_size for item in file.zip.infolist()) > MEMORY
+            arrays = _unpack(file.zip, names) if large else {k: file[k] for k in names}
+    except ProblemError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zlib.error, zipfile.BadZipFile) as error:
         raise ProblemError(f"{path} is not a Surefoot log: {error}") from error
     return Log(arrays, facts)
 
 
-class Recorder:
-    """Collects the rows of a log in arrays that are allocated once."""
+def _unpack(archive: zipfile.ZipFile, names: list[str]) -> dict[str, Any]:
+    """Return arrays that are mapped from temporary files."""
+    with tempfile.TemporaryDirectory(prefix="surefoot-log-") as folder:
+        paths = {name: archive.extract(f"{name}.npy", folder) for name in names}
+        return {name: np.load(at, mmap_mode="r") for name, at in paths.items()}
 
-    def __init__(self, steps: int, **rows: tuple[int, ...]) -> None:
-        self.arrays: dict[str, FloatArray] = {
-            name: np.zeros(
-                (steps, *shape),
-                dtype=bool if name in ("active", "planned", "attained", "saturated") else float,
-            )
-            for name, shape in rows.items()
-        }
-        self.count = 0
 
-    def finish(self, facts: dict[str, Any]) -> Log:
-        """Return the log of the rows written so far."""
-        return Log({name: array[: self.count].copy() for name, array in self.arrays.items()}, facts)
+def read_parts(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the arrays, mapped, and the facts of a folder that a run wrote its rows to.
+
+    Only rows that are in every file count.
+
+    Raises
+    ------
+    ValueError
+        If the folder holds no log.
+    """
+    facts = json.loads((folder / "facts.json").read_text(encoding="utf-8"))
+    arrays = {p.stem: np.load(p, mmap_mode="r") for p in sorted(folder.glob("*.npy")) if p.stem in FIELDS}
+    if "time" not in arrays:
+        raise ValueError("no time.npy")
+    rows = min(map(len, arrays.values()))
+    return {name: array[:rows] for name, array in arrays.items()}, facts

@@ -102,7 +102,11 @@ class MujocoWorld:
         spec.option.timestep = self.dt
         self._mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is told, not hidden
-        self.model = spec.compile()
+        try:
+            self.model = spec.compile()
+        except ValueError as error:
+            told = " ".join(str(error).split()).removeprefix("Error: ")
+            raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
         self.data = mujoco.MjData(self.model)
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
         self.contact_foot = np.array(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,19 +30,26 @@ def run_standing(
     q: FloatArray,
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
+    folder: Path | None = None,
 ) -> Log:
     """Run the controller in the world and return the log, also when interrupted or fallen.
 
-    The log's fact ``outcome`` is "done", "fell", "interrupted" or "invalid" (the state stopped being
-    finite). `progress` is called with the simulated time about every 20 ms of it.
+    The log's fact ``outcome`` is that of `surefoot.simulation.run.Ended`. `progress` is called with the
+    simulated time about every 20 ms of it. The rows go to the new `folder` as they come, and what a killed
+    run leaves there `surefoot.simulation.log.read_log` reads; without one, only a long log goes to disk.
     """
     _warm_up(world, controller, q)
     q = q.copy()
     q[:3] -= START_DEPTH * world.terrain.normal(q[:2])
     world.reset(q, start_velocity(world.robot, scenario.seed))
     p = len(world.contact_foot)
+    facts = {
+        "normal_min": controller.normal_min,
+        "normal_max": controller.normal_max,
+        "mu_controller": controller.mu,
+    }
     recorder = recorder_of(
-        world, scenario.steps(world.dt), wrench_desired=(6,), wrench_error=(6,), grasp_map=(6, 3 * p)
+        world, scenario, folder, facts, wrench_desired=(6,), wrench_error=(6,), grasp_map=(6, 3 * p)
     )
     up = rotation_from_quaternion(q[3:7])
     last: list[Command] = []
@@ -58,10 +66,7 @@ def run_standing(
         world, scenario, recorder, control, lambda rows, k: _note(rows, k, last[0]),
         lambda state: fallen(state, q, up), progress,
     )  # fmt: skip
-    return finish(
-        world, scenario, recorder, ended, normal_min=controller.normal_min, normal_max=controller.normal_max,
-        mu_controller=controller.mu,
-    )  # fmt: skip
+    return finish(recorder, ended)
 
 
 def _warm_up(world: World, controller: StandingController, q: FloatArray) -> None:

@@ -43,7 +43,7 @@ def _loaded(log: Log) -> BoolArray:
 def summarise(log: Log) -> dict[str, Any]:
     """Return the summary of a standing run, ready for JSON.
 
-    Keys: robot, mass, duration (simulated) [s], outcome, stood, laws_judged, laws_broken, feet (name,
+    Keys: robot, mass, duration (simulated) [s], outcome, error, stood, laws_judged, laws_broken, feet (name,
     normal_force_mean [N], weight_share, cone_use_max, slip [m]), normal_force_total_mean [N], laws
     (see `surefoot.audit.Laws`), torque_use_max, saturated_share, attained_share, base (position and
     tilt: largest and last deviation from the start [m, deg]), controller_step_us, real_time_factor.
@@ -78,6 +78,7 @@ def summarise(log: Log) -> dict[str, Any]:
         "mass": facts["mass"],
         "duration": len(log) * facts["dt"],
         "outcome": outcome,
+        "error": str(facts.get("error", "")),
         "stood": outcome == "stood",
         "laws_judged": list(laws.judged),
         "laws_broken": laws.broken(weight),
@@ -106,7 +107,7 @@ def summarise(log: Log) -> dict[str, Any]:
 def measured(log: Log) -> bool:
     """Return whether every state, torque and contact of a run is a finite number."""
     names = ("q", "v", "torques", "forces", "gaps", "contact_velocities", "contact_positions")
-    return all(bool(np.isfinite(log[name]).all()) for name in names)
+    return all(bool(np.isfinite(piece[name]).all()) for piece in log.chunks() for name in names)
 
 
 def tilt_angles(q: FloatArray) -> FloatArray:
@@ -131,11 +132,11 @@ def _base(log: Log) -> dict[str, float]:
 
 
 def _outcome(log: Log, slip: float, base: dict[str, float]) -> str:
-    """Return "stood", or why it did not: "interrupted", "invalid", "slipped", "fell" or "displaced"."""
+    """Return "stood", or why not: "interrupted", "stopped", "invalid", "slipped", "fell", "displaced"."""
     ended = str(log.facts["outcome"])
     if ended == "invalid" or not measured(log):
         return "invalid"
-    if ended == "interrupted":
+    if ended in ("interrupted", "stopped"):
         return ended
     if slip > SLIP_LIMIT:
         return "slipped"

@@ -6,6 +6,7 @@ import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -45,14 +46,25 @@ def run_walking(
     q: FloatArray,
     scenario: WalkScenario,
     progress: Callable[[float], None] | None = None,
+    folder: Path | None = None,
 ) -> Log:
     """Run the controller in the world and return the log, also when interrupted or fallen.
 
-    The log's fact ``outcome`` is "done", "fell", "interrupted" or "invalid" (the state stopped being
-    finite). `progress` is called with the simulated time about every 20 ms of it.
+    The log's fact ``outcome`` is that of `surefoot.simulation.run.Ended`. `progress` is called with the
+    simulated time about every 20 ms of it. The rows go to the new `folder` as they come, and what a killed
+    run leaves there `surefoot.simulation.log.read_log` reads; without one, only a long log goes to disk.
     """
     world.reset(q, start_velocity(world.robot, scenario.seed))
-    recorder = recorder_of(world, scenario.steps(world.dt), planned=(len(world.robot.feet),), command=(3,))
+    settings, weight = controller.settings, world.robot.mass * GRAVITY
+    facts = {
+        "kind": "walk",
+        "normal_min": settings.normal_min * weight,
+        "normal_max": settings.normal_max * weight,
+        "mu_controller": settings.mu,
+        "gait": getattr(controller.schedule, "name", "schedule"),
+    }
+    feet = len(world.robot.feet)
+    recorder = recorder_of(world, scenario, folder, facts, planned=(feet,), command=(3,))
     faults = (scenario.faults or Faults()).start(world, scenario.seed)
     height = float(q[2] - world.terrain.height(q[:2]))
     last: list[WalkCommand] = []
@@ -71,12 +83,7 @@ def run_walking(
         world, scenario, recorder, control, lambda rows, k: _note(rows, k, last[0], controller),
         lambda state: _fallen(world, state, height), progress,
     )  # fmt: skip
-    settings, weight = controller.settings, world.robot.mass * GRAVITY
-    return finish(
-        world, scenario, recorder, ended, kind="walk", normal_min=settings.normal_min * weight,
-        normal_max=settings.normal_max * weight, mu_controller=settings.mu, notes=list(controller.notes),
-        gait=getattr(controller.schedule, "name", "schedule"),
-    )  # fmt: skip
+    return finish(recorder, ended, notes=list(controller.notes))
 
 
 def _felt(world: World, reading: ContactReading) -> BoolArray:

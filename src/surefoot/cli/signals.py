@@ -1,0 +1,60 @@
+"""SIGTERM and a closed terminal end a run as Ctrl-C does: what there is so far is written."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+import typer
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+NAMES = ("SIGTERM", "SIGHUP")
+
+
+class Terminated(KeyboardInterrupt):
+    """A signal that asks the process to end."""
+
+
+class Stop:
+    """Which signal asked for the end, if any."""
+
+    number: int | None = None
+
+    @property
+    def code(self) -> int:
+        """The exit code of an interrupted run: 128 and the signal's number, as shells count."""
+        return INTERRUPTED if self.number is None else 128 + self.number
+
+
+@contextmanager
+def ends_softly() -> Iterator[Stop]:
+    """Let SIGTERM and SIGHUP raise a `KeyboardInterrupt` while the context lasts.
+
+    Signals that are ignored (nohup) or handled by somebody else stay as they are, and so does everything
+    outside the main thread. A signal that nothing catches inside ends the command with the signal's code.
+    """
+    stop = Stop()
+
+    def end(number: int, frame: FrameType | None) -> None:
+        stop.number = number
+        raise Terminated
+
+    earlier = {}
+    if threading.current_thread() is threading.main_thread():
+        for name in NAMES:
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+                earlier[number] = signal.signal(number, end)
+    try:
+        yield stop
+    except Terminated:
+        print("terminated", file=sys.stderr)
+        raise typer.Exit(stop.code) from None
+    finally:
+        for number, handler in earlier.items():
+            signal.signal(number, handler)
