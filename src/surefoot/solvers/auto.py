@@ -3,8 +3,8 @@
 Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
 out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: sweeps on 3x3 blocks,
 then Newton steps by sparse factorisation with sweeps between them. What these leave unsolved is handed on:
-for Coulomb's law above all to ADMM, with Newton steps from where it is, and for the convex law to Newton's
-method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a
+for Coulomb's law above all to an interior point (many contacts: sparse) and ADMM, with Newton steps from where
+it is, and for the convex law to Newton's method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a
 QP solver (convex). The forces returned are the best that any of them found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit.
@@ -89,7 +89,8 @@ CONES_LARGE: dict[str, Plan] = {
         (ADMM_AND_NEWTON, 6000, True),
         (PROOF, None, False),
         (MORE_NEWTON, 30_000, True),
-        (ADMM_AND_NEWTON, 12_000, True),
+        (ADMM_AND_NEWTON, 20_000, True),
+        (MORE_NEWTON, 100_000, True),
     ),
     "convex": (
         (PROOF, None, False),
