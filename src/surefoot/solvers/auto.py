@@ -3,9 +3,10 @@
 Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
 out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: sweeps on 3x3 blocks,
 then Newton steps by sparse factorisation with sweeps between them. What these leave unsolved is handed on:
-for Coulomb's law above all to an interior point (many contacts: sparse) and ADMM, with Newton steps from where
-it is, and for the convex law to Newton's method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a
-QP solver (convex). The forces returned are the best that any of them found; the status is theirs.
+for Coulomb's law to an interior point and ADMM, with Newton steps from where it is, and for the convex law to
+Newton's method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method
+(Coulomb) or a QP solver (convex). The forces returned are the best that any of them found; the status is
+theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit.
 """
