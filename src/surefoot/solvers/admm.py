@@ -11,7 +11,8 @@ efficient approach", RSS 2024; S. Boyd et al., "Distributed optimization and sta
 2011; A. Tasora et al., "Solving variational inequalities and cone complementarity problems in nonsmooth
 dynamics using ADMM", IJNME 122, 2021.
 
-Limits: linear convergence, a dense (3n, 3n) inverse or sparse factors; for Coulomb's law a heuristic, as all of its kind.
+Limits: linear convergence, a dense (3n, 3n) inverse or sparse factors; for Coulomb's law a heuristic, as all
+of its kind.
 """
 
 from __future__ import annotations
@@ -40,6 +41,8 @@ CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
 """Iterations between two looks at residual and penalty, for few and for many contacts; and what is few."""
 ENTRY = 4e-10
 """Seconds per entry of G that an iteration takes."""
+ADAPTING = 0.8
+"""Share of the iterations on many contacts in which the penalty may change: mass ratios find theirs late."""
 FINISH_FROM, FINISH_GROWTH = 100, 1.5
 """Iterations after which something else may try to finish, and by how much more each time."""
 SPARSE_BELOW = 0.2
@@ -48,6 +51,10 @@ PROXIMAL = 1e-9
 RELAXATION = 1.6
 BALANCE = 3.0
 """The penalty changes when one residual exceeds the other by this factor."""
+
+
+Laws = tuple[FloatArray, FloatArray, FloatArray, bool, int, bool]
+"""mu, bounds below and above, whether Coulomb's law, facets, whether they are inside the cone."""
 
 
 @inline_kernel
@@ -123,7 +130,7 @@ def _half_step(
 
 
 def _iterate_sparse(
-    factor: Any, g: FloatArray, laws: tuple[Any, ...], rho: float, eta: float, x: FloatArray, z: FloatArray,
+    factor: Any, g: FloatArray, laws: Laws, rho: float, eta: float, x: FloatArray, z: FloatArray,
     y: FloatArray, count: int,
 ) -> tuple[float, float]:  # fmt: skip
     """Run `count` iterations with a sparse factorisation; see `_iterate`."""
@@ -289,9 +296,9 @@ def run_admm(
     warm_start: FloatArray | None,
     finish: Callable[[FloatArray], tuple[FloatArray, float]] | None,
 ) -> Answer:
-    """Run ADMM on many contacts; after `FINISH_FROM` iterations, and then ever less often, `finish` may try.
+    """Run ADMM on many contacts; after `FINISH_FROM` iterations, then ever less often, `finish` may try.
 
-    `finish` takes flat forces and returns others with their velocity error; it does not disturb the iteration.
+    `finish` takes flat forces, returns others with their velocity error, and does not disturb the iteration.
     """
     s = _Scaled(problem, settings, warm_start)
     *_, coulomb, facets, inner = s.laws
@@ -315,13 +322,13 @@ def run_admm(
             break
         if time.perf_counter() > s.end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
-        if done < 0.5 * s.limit:
+        if done < ADAPTING * s.limit:
             rho = _next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
     return Answer(best.reshape(-1, 3), done)
 
 
 def _factorised(s: _Scaled, shift: float) -> Callable[[float, int], tuple[float, float]]:
-    """Return what runs iterations at one penalty: with the inverse of G + shift I, or sparse factors of it."""
+    """Return what runs iterations at one penalty: with the inverse of G + shift I, or its sparse factors."""
     if s.sparse is None:
         inverse = _inverse(s.G, shift)
         return lambda rho, count: _iterate(inverse, s.g, *s.laws, rho, s.eta, s.x, s.z, s.y, count)

@@ -3,9 +3,10 @@
 Exact cones, up to 45 contacts: one compiled call that alternates bursts of Gauss-Seidel sweeps, which find
 out who sticks, slides or takes off, with Newton steps, which finish. Larger problems: sweeps on 3x3 blocks,
 then Newton steps by sparse factorisation with sweeps between them. What these leave unsolved is handed on:
-for Coulomb's law above all to ADMM, with Newton steps from where it is, and for the convex law to Newton's
-method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a
-QP solver (convex). The forces returned are the best that any of them found; the status is theirs.
+for Coulomb's law to an interior point and ADMM, with Newton steps from where it is, and for the convex law to
+Newton's method on its dual (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method
+(Coulomb) or a QP solver (convex). The forces returned are the best that any of them found; the status is
+theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit.
 """
@@ -45,22 +46,25 @@ NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
 Try = tuple[float, int, int, int | None]
-FIRST_TRY: Try = (0.3, 50, 20, 6)
+FIRST_TRY: Try = (0.3, 50, 8, 6)
 """Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
 NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
 GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.0, 50, 25, None))
-"""What follows, after ADMM, if that found no guess (mass ratios of 1e6 bear no large proximal term), and if it
-did."""
+"""What follows, after ADMM, if that found no guess (mass ratios of 1e6 bear no large proximal term), and if
+it did."""
 FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations on small problems, and sweeps before the first Newton step (then twice as many each time),
 of few contacts and of many."""
 ON_BLOCKS, ADMM_AND_NEWTON, PROOF = "sweeps and newton on blocks", "admm and newton", "infeasibility proof"
-MORE_NEWTON = "more newton on blocks"
+MORE_NEWTON, EARLY_PROOF = "more newton on blocks", "infeasibility proof, in small parts only"
 """What is asked besides solvers; see `_PARTS`."""
 NEARLY = 1e-2
 """A velocity error of the compiled call's forces below which other methods come before a look for a proof."""
+POSSIBLE, EARLY_TIME = 1e-3, 0.1
+"""A velocity error of many contacts below which no proof of infeasibility is looked for before all else has
+failed, and seconds for an early look."""
 Plan = tuple[tuple[str, int | None, bool], ...]
 CONES: dict[str, Plan] = {
     "coulomb": (
@@ -83,10 +87,13 @@ CONES: dict[str, Plan] = {
 }
 CONES_LARGE: dict[str, Plan] = {
     "coulomb": (
-        (ADMM_AND_NEWTON, 2000, True),
+        (EARLY_PROOF, None, False),
+        ("interior_point", 40, False),
+        (ADMM_AND_NEWTON, 6000, True),
         (PROOF, None, False),
+        (MORE_NEWTON, 30_000, True),
+        (ADMM_AND_NEWTON, 20_000, True),
         (MORE_NEWTON, 100_000, True),
-        (ADMM_AND_NEWTON, None, True),
     ),
     "convex": (
         (PROOF, None, False),
@@ -177,8 +184,11 @@ def _hand_on(
         if left <= 0.0 or (settings.max_iterations is not None and done >= settings.max_iterations):
             stop = Status.MAX_TIME if left <= 0.0 else Status.MAX_ITERATIONS
             break
-        if name == PROOF:
-            if (proof := find_proof(problem, left)) is not None:
+        if name in (PROOF, EARLY_PROOF):
+            if problem.contacts > COMPILED_CONTACTS and best_error <= POSSIBLE:
+                continue
+            given = left if name == PROOF else min(left, EARLY_TIME)
+            if (proof := find_proof(problem, given)) is not None:
                 return Answer(best, done, Status.INFEASIBLE, proof=proof)
             continue
         function = _PARTS.get(name)

@@ -9,17 +9,22 @@ L. Vandenberghe, "The CVXOPT linear and quadratic cone program solvers", 2010 (s
 V. Acary, P. Armand, H. M. Nguyen, "High-accuracy computation of rolling friction contact problems", 2022
 (interior point with the shift).
 
-Limits: a dense factorisation per iteration; no warm start; for Coulomb's law without a proof.
+Limits: a factorisation per iteration, sparse where many contacts have few neighbours; no warm start; for
+Coulomb's law without a proof.
 """
 
 from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
@@ -29,6 +34,12 @@ from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.solver import Answer, Settings, register
 
 MAX_ITERATIONS = 100
+LARGE, SPARSE_BELOW = 40, 0.4
+"""Contacts above which, and share of stored blocks below which, matrices are sparse."""
+REGULAR = 1e-15
+"""The share of the reduced matrix's largest diagonal entry that is added to its diagonal."""
+PIVOT = 0.01
+"""Share of its column that a diagonal entry must reach to serve as pivot of a sparse factorisation."""
 POLISH = 1e-3
 """Velocity error below which Newton steps on the contact laws take out what the barrier leaves.
 
@@ -39,9 +50,10 @@ The barrier leaves about the root of its gap in contacts that are only just acti
 class _Program:
     """The problem in scaled unknowns: cones s = A y + b, first a block of 3 per cone, then single rows."""
 
-    H: FloatArray
+    H: Any
+    """Dense, or sparse in compressed rows as A is then."""
     c: FloatArray
-    A: FloatArray
+    A: Any
     b: FloatArray
     cones: int
     columns: IntArray
@@ -65,7 +77,14 @@ def _program(problem: ContactProblem) -> _Program:
     trace = np.where(trace > 1e-12 * top, trace, top if top > 0.0 else 1.0)
     D = np.repeat(1.0 / np.sqrt(trace), 3)
     scale = D[columns]
-    H = scale[:, None] * problem.G[np.ix_(columns, columns)] * scale[None, :]
+    sparse = problem.contacts > LARGE and problem.blocks.density < SPARSE_BELOW
+    if sparse:
+        b = problem.blocks
+        whole = sp.bsr_matrix((b.values, b.columns, b.starts), shape=problem.G.shape).tocsr()
+        H = sp.diags(scale) @ whole[columns][:, columns] @ sp.diags(scale)
+        H = H.tocsr()
+    else:
+        H = scale[:, None] * problem.G[np.ix_(columns, columns)] * scale[None, :]
     place = np.full(keep.size, -1)
     place[columns] = np.arange(columns.size)
     k = np.flatnonzero(rough)
@@ -85,9 +104,10 @@ def _program(problem: ContactProblem) -> _Program:
         row[np.arange(i.size), place[3 * i + 2]] = sign
         rows.append(row)
         ends.append(-sign * bound[i] / D[3 * i + 2])
+    A = np.vstack(rows)
     return _Program(
-        H, scale * problem.g[columns], np.vstack(rows), np.concatenate(ends), m, columns, scale,
-        problem.mu[k], place[np.column_stack([3 * k, 3 * k + 1])], place[3 * k + 2],
+        H, scale * problem.g[columns], sp.csr_matrix(A) if sparse else A, np.concatenate(ends), m, columns,
+        scale, problem.mu[k], place[np.column_stack([3 * k, 3 * k + 1])], place[3 * k + 2],
     )  # fmt: skip
 
 
@@ -223,33 +243,33 @@ def _advance(
     """Take one predictor-corrector step."""
     m = p.cones
     gap = float(s @ z) / max(degree, 1)
-    K, shift = p.H, np.zeros(p.c.size)
+    shift, tilt = np.zeros(p.c.size), np.zeros((m, 2))
     if coulomb and m:
         slide = p.H @ y + p.c
         t = slide[p.tangents]
         length = np.sqrt((t * t).sum(axis=1) + 1e-2 * gap)
         shift[p.normals] = p.mu * length
-        K = p.H.copy()
-        e = p.mu[:, None] * t / length[:, None]
-        K[p.normals] += e[:, :1] * p.H[p.tangents[:, 0]] + e[:, 1:] * p.H[p.tangents[:, 1]]
+        tilt = p.mu[:, None] * t / length[:, None]
     dual = p.H @ y + p.c + shift - p.A.T @ z
     primal = p.A @ y + p.b - s
     W = _Scaling(s, z, m)
-    WA = W.normal_matrix(p.A)
-    K0, K = K, K + WA.T @ WA
-    K[np.diag_indices_from(K)] += 1e-15 * float(np.abs(np.diagonal(K)).max(initial=0.0))
-    lu, pivots, _ = scipy.linalg.lapack.dgetrf(K)  # singular gives infinities, which end the solve
+    solve = _factorised(p, W, tilt)
+
+    def product(v: FloatArray) -> FloatArray:
+        out = p.H @ v
+        out[p.normals] += (tilt * out[p.tangents]).sum(axis=1)
+        return np.asarray(out)
+
     middle = W.apply(z)
 
     def direction(target: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         rest = _divide(middle, target, m) - W.apply(primal, inverse=True)
-        dy = scipy.linalg.lapack.dgetrs(lu, pivots, WA.T @ rest - dual)[0]
-        scaled = rest - WA @ dy
-        dz = W.apply(scaled, inverse=True)
+        dy = solve(p.A.T @ W.apply(rest, inverse=True) - dual)
+        dz = W.apply(rest - W.apply(p.A @ dy, inverse=True), inverse=True)
         for _ in range(2):  # refine: W⁻¹ is huge on the active cones
-            more = scipy.linalg.lapack.dgetrs(lu, pivots, p.A.T @ dz - K0 @ dy - dual)[0]
+            more = solve(p.A.T @ dz - product(dy) - dual)
             dy = dy + more
-            dz = dz - W.apply(WA @ more, inverse=True)
+            dz = dz - W.apply(W.apply(p.A @ more, inverse=True), inverse=True)
         return dy, p.A @ dy + primal, dz
 
     square = _product(middle, middle, m)
@@ -260,3 +280,37 @@ def _advance(
     dy, ds, dz = direction(sigma * gap * unit - square - cross)
     length = min(1.0, 0.99 * min(_longest(s, ds, m), _longest(z, dz, m)) if degree else 1.0)
     return y + length * dy, s + length * ds, z + length * dz
+
+
+def _factorised(p: _Program, W: _Scaling, tilt: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return what solves with the reduced matrix K = H + (rows of normals tilted by tangents') + Aᵀ W⁻² A."""
+    if sp.issparse(p.H):
+        return _factorised_sparse(p, W, tilt)
+    K = p.H.copy()
+    K[p.normals] += tilt[:, :1] * p.H[p.tangents[:, 0]] + tilt[:, 1:] * p.H[p.tangents[:, 1]]
+    WA = W.normal_matrix(p.A)
+    K += WA.T @ WA
+    K[np.diag_indices_from(K)] += REGULAR * float(np.abs(np.diagonal(K)).max(initial=0.0))
+    lu, pivots, _ = scipy.linalg.lapack.dgetrf(K)  # singular gives infinities, which end the solve
+    return lambda b: np.asarray(scipy.linalg.lapack.dgetrs(lu, pivots, b)[0])
+
+
+def _factorised_sparse(p: _Program, W: _Scaling, tilt: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Do the same for many contacts: W is block diagonal, so K has hardly more entries than H."""
+    m, size = p.cones, p.c.size
+    squares = np.einsum("kij,kjl->kil", W.Wi, W.Wi)
+    parts: list[Any] = [sp.bsr_matrix((squares, np.arange(m), np.arange(m + 1)), shape=(3 * m, 3 * m))]
+    parts.append(sp.diags(W.d**-2.0))
+    middle: Any = sp.block_diag([part for part in parts if part.shape[0]], format="csr")
+    lean: Any = sp.csr_matrix(
+        (tilt.ravel(), (np.repeat(p.normals, 2), p.tangents.ravel())), shape=(size, size)
+    )
+    K: Any = p.H + lean @ p.H + p.A.T @ middle @ p.A
+    K = K + REGULAR * float(np.abs(K.diagonal()).max(initial=0.0)) * sp.identity(size)
+    try:
+        factor = scipy.sparse.linalg.splu(
+            K.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True}
+        )
+    except (RuntimeError, ValueError):  # singular, or not finite: ends the solve as above
+        return lambda b: np.full(b.size, np.nan)
+    return lambda b: np.asarray(factor.solve(b))

@@ -1,0 +1,61 @@
+"""Sparse factors give what dense ones give: ADMM's iteration and the interior point's reduced matrix."""
+
+import numpy as np
+import pytest
+
+from surefoot.bench.problems import capsules
+from surefoot.contact import ContactProblem
+from surefoot.solvers import admm, interior_point
+from surefoot.solvers.solver import Settings
+
+
+@pytest.fixture(scope="module")
+def heap() -> ContactProblem:
+    return capsules(np.random.default_rng(5), 40, 90, 0.5)
+
+
+def project(w: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    """Onto Coulomb's cones, contact by contact."""
+    out = w.reshape(-1, 3).copy()
+    for k, (x, y, z) in enumerate(out):
+        t = np.hypot(x, y)
+        if t <= mu[k] * z:
+            continue
+        if mu[k] * t + z <= 0.0:
+            out[k] = 0.0
+            continue
+        r = (mu[k] * t + z) / (1.0 + mu[k] ** 2)
+        out[k] = mu[k] * r * x / t, mu[k] * r * y / t, r
+    return out.ravel()
+
+
+def test_admm_with_sparse_factors_matches_a_dense_twin(heap: ContactProblem) -> None:
+    s = admm._Scaled(heap, Settings(1e-8), None)
+    assert s.sparse is not None
+    rho, mu = 0.3, heap.mu
+    x, y, z = (np.zeros(s.g.size) for _ in range(3))
+    for _ in range(30):
+        shift = np.zeros(s.g.size)
+        shift[2::3] = mu * np.hypot(y[0::3], y[1::3])
+        x = np.linalg.solve(s.G + (rho + s.eta) * np.eye(s.g.size), rho * z - y + s.eta * x - s.g - shift)
+        r = admm.RELAXATION * x + (1.0 - admm.RELAXATION) * z
+        z = project(r + y / rho, mu)
+        y = y + rho * (r - z)
+    admm._factorised(s, rho + s.eta)(rho, 30)
+    np.testing.assert_allclose(s.z, z, atol=1e-10 * np.abs(z).max())
+    np.testing.assert_allclose(s.y, y, atol=1e-10 * np.abs(y).max())
+    assert np.abs(z).max() > 0.0
+
+
+@pytest.mark.parametrize("law", ["coulomb", "convex"])
+def test_interior_point_takes_the_same_step_sparse_and_dense(
+    heap: ContactProblem, law: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = heap.replace(law=law, normal_max=np.where(np.arange(heap.contacts) % 7 == 0, 1e-3, np.inf))
+    steps = []
+    for below in (0.0, 1.0):
+        monkeypatch.setattr(interior_point, "SPARSE_BELOW", below)
+        answer = interior_point.solve_interior_point(problem, Settings(1e-12, 3), None)
+        steps.append(answer.forces)
+    assert np.abs(steps[0]).max() > 0.0
+    np.testing.assert_allclose(steps[1], steps[0], atol=1e-8 * np.abs(steps[0]).max())
