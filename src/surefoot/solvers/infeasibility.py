@@ -1,6 +1,6 @@
 """Look for a direction that proves a contact problem infeasible.
 
-The directions that prove something form a cone C = {d in D : G d = 0} (`contact.proof`), and the projection of
+The directions that prove something form a cone C = {d in D : G d = 0} (`contact.proof`); the projection of
 -g onto it is not zero exactly if one of them has g·d < 0. With V an orthonormal basis of the range of G, that
 projection is the residual of a least-squares problem::
 
