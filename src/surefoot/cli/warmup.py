@@ -210,8 +210,8 @@ TASKS: dict[str, Callable[[], None]] = {
     "solve, complementarity": _lcp,
     "check, region": _statics,
     "contact forces": _forces,
-    "stand": _command("stand", "go2", *RUN, "0.05"),
-    "stand, rigid": _command("stand", "go2", "--world", "rigid", *RUN, "0.05"),
+    "stand": _command("stand", "go2", *RUN, "0.1"),
+    "stand, rigid": _command("stand", "go2", "--world", "rigid", *RUN, "0.1"),
     "walk": _command("walk", "go2", "--terrain", "stairs:0.05,0.3", *RUN, "0.6"),
 }
 """What is compiled, by the commands that need it."""
