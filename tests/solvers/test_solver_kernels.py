@@ -14,12 +14,12 @@ from surefoot.solvers import (
     elimination,
     lcp_iterative,
     lemke,
-    natural_map,
     newton,
     newton_sparse,
     nsgs,
     pyramid,
     solver,
+    stopping,
 )
 
 
@@ -56,9 +56,9 @@ def test_projection_and_errors() -> None:
     for _ in range(10):
         x, mu, (low, high) = rng.normal(size=3), rng.uniform(0.1, 1.0), np.sort(rng.uniform(0, 1.5, 2))
         expected = twin_project(x, mu, low, high)
-        assert np.allclose(natural_map.project(*x, mu, low, high), expected, atol=1e-6)
+        assert np.allclose(stopping.project(*x, mu, low, high), expected, atol=1e-6)
         assert np.allclose(pyramid.project_any(*x, mu, low, high, 0, True), expected, atol=1e-6)
-    assert natural_map.project(1.0, 2.0, -3.0, 0.1, -np.inf, np.inf) == (1.0, 2.0, -3.0)
+    assert stopping.project(1.0, 2.0, -3.0, 0.1, -np.inf, np.inf) == (1.0, 2.0, -3.0)
     p = problem(1)
     force, u = rng.normal(size=12), rng.normal(size=12)
     w, s = p.scales[:2]
@@ -69,15 +69,15 @@ def test_projection_and_errors() -> None:
         gaps.append(
             force[i] - twin_project(force[i] - shifted / w[k], p.mu[k], p.normal_min[k], p.normal_max[k])
         )
-    measure, gap = natural_map.measure_of(p), np.linalg.norm(gaps, axis=1)
-    found = natural_map.velocity_error(force, u, *laws(p), measure, False)
+    measure, gap = stopping.measure_of(p), np.linalg.norm(gaps, axis=1)
+    found = stopping.velocity_error(force, u, *laws(p), measure, False)
     assert found == pytest.approx((w * gap / s).max(), rel=1e-4)
     assert admm.error_any(force, u, *laws(p), measure, True, 0, True) == pytest.approx(found, rel=1e-12)
-    far = natural_map.force_error(force, u, p.g, *laws(p), measure, False)
+    far = stopping.force_error(force, u, p.g, *laws(p), measure, False)
     size = w @ np.sum(force.reshape(4, 3) ** 2, axis=1)
     reach = np.sum(p.g.reshape(4, 3) ** 2, axis=1) @ (1.0 / w)
     assert far == pytest.approx(np.sqrt(w @ gap**2 / max(size, reach)), rel=1e-4)
-    assert natural_map.velocity_error(np.full(12, np.nan), u, *laws(p), measure, False) == np.inf
+    assert stopping.velocity_error(np.full(12, np.nan), u, *laws(p), measure, False) == np.inf
 
 
 @pytest.mark.parametrize("facets", [3, 4, 8])
@@ -237,7 +237,7 @@ def test_admm_iterations() -> None:
         x = np.linalg.solve(p.G + (rho + eta) * np.eye(n), rho * z - y + eta * x - p.g - shift)
         mixed = admm.RELAXATION * x + (1 - admm.RELAXATION) * z
         new = np.concatenate([
-            natural_map.project(
+            stopping.project(
                 *(mixed + y / rho)[3 * k : 3 * k + 3], p.mu[k], p.normal_min[k], p.normal_max[k]
             )
             for k in range(4)

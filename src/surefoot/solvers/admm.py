@@ -32,9 +32,9 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.elimination import invert_shifted
-from surefoot.solvers.natural_map import measure_of
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.stopping import measure_of
 
 MAX_ITERATIONS = 20_000
 CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
@@ -148,7 +148,7 @@ def error_any(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
     measure: FloatArray, coulomb: bool, facets: int, inner: bool,
 ) -> float:  # fmt: skip
-    """Return the velocity error of flat forces on cones or pyramids; see `natural_map.velocity_error`."""
+    """Return the velocity error of flat forces on cones or pyramids; see `stopping.velocity_error`."""
     worst = total = 0.0
     for k in range(mu.size):
         i = 3 * k

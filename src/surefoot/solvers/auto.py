@@ -27,7 +27,6 @@ from surefoot.errors import MissingExtra, SolverNotFound
 from surefoot.kernels import kernel
 from surefoot.solvers.admm import run_admm
 from surefoot.solvers.infeasibility import find_proof
-from surefoot.solvers.natural_map import settle
 from surefoot.solvers.newton import FEW, SHARES_MANY, run_dense
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
 from surefoot.solvers.solver import (
@@ -41,6 +40,7 @@ from surefoot.solvers.solver import (
     registry,
     start_forces,
 )
+from surefoot.solvers.stopping import settle
 
 NEWTON_ROUNDS, UNBOUNDED = 40, 1 << 40
 CHUNK, STEP_WORTH = 10, 50

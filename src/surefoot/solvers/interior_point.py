@@ -29,9 +29,9 @@ import scipy.sparse.linalg
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.natural_map import measure_of, velocity_error
 from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS = 100
 LARGE, SPARSE_BELOW = 40, 0.4

@@ -24,8 +24,8 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel
 from surefoot.solvers.elimination import lu_solve, symmetric_solve
-from surefoot.solvers.natural_map import velocity_error
 from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
+from surefoot.solvers.stopping import velocity_error
 
 PATIENCE = 10
 """Newton steps that may pass without a better velocity error."""

@@ -13,7 +13,6 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
-from surefoot.solvers.natural_map import force_error, velocity_error
 from surefoot.solvers.newton import (
     PATIENCE,
     PROXIMAL,
@@ -22,6 +21,7 @@ from surefoot.solvers.newton import (
     spread,
 )
 from surefoot.solvers.nsgs import prepare_blocks, run_blocks
+from surefoot.solvers.stopping import force_error, velocity_error
 
 SWEEPS_GROW, SWEEPS_MOST = 1.1, 400
 """By how much more sweeps follow each further step, and the most of them."""

@@ -19,9 +19,9 @@ from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.natural_map import fill_measure, velocity_error
 from surefoot.solvers.one_contact import WIDTH, block_of, prepare, solve_one
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.stopping import fill_measure, velocity_error
 
 MAX_SWEEPS = 100_000
 CIRCLE = 40

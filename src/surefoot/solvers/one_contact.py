@@ -24,7 +24,7 @@ LOCAL_DAMPING = 1e-12
 FRICTIONLESS = 1e-140
 """Friction below this is none: its square would not be a number."""
 WIDTH = 16
-"""Numbers kept of a contact: 14 by `prepare`, 2 by `natural_map.fill_measure`."""
+"""Numbers kept of a contact: 14 by `prepare`, 2 by `stopping.fill_measure`."""
 Block = tuple[float, ...]
 """The first twelve of them: a tuple lives in registers, where a view of an array is counted and reloaded."""
 CLOSE = 1e-4

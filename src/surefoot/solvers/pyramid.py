@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from surefoot.kernels import inline_kernel
-from surefoot.solvers.natural_map import project
+from surefoot.solvers.stopping import project
 
 
 @inline_kernel

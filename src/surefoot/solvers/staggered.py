@@ -23,8 +23,8 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.solvers.auto import alternate, call_compiled
-from surefoot.solvers.natural_map import measure_of, velocity_error
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS = 500
 INNER = 4000
