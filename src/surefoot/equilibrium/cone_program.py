@@ -37,7 +37,7 @@ _ROUNDING = 1e-14
 _REFINE = 1e-12
 """Share of their terms by which the equations may be missed before a step mends them."""
 _FEASIBLE = 1e-9
-"""Share of their terms by which the equations may be missed where an unbounded program is claimed."""
+"""Share of their terms by which the equations may be missed by an iterate that is worth anything."""
 
 
 @inline_kernel
@@ -268,11 +268,11 @@ def minimise(
     for iteration in range(_MOST_ITERATIONS):
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
         left = _missing(B, b, x, rp)
-        if lost <= 1e-12 and gap <= tol + 1e-10 * abs(value - zero) + rounding:
+        if lost <= 1e-12 and left <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
             return OPTIMAL, iteration
         if value < floor and left <= _FEASIBLE:
             return UNBOUNDED, iteration
-        merit = gap if lost <= 1e-9 else 1e30 * lost
+        merit = gap if lost <= _FEASIBLE and left <= _FEASIBLE else 1e30 * max(lost, left)
         if merit < best:
             best, best_x[:], best_y[:], best_z[:] = merit, x, y, z
         elif not gap < 1e6 * best:  # rounding has taken over

@@ -1,23 +1,22 @@
 """From a stance's equations to polygons: the interior that the search needs, and the gap of what it found.
 
 Where the equations leave the forces room inside their cones, one search gives both polygons. Where they
-hardly do (friction at its very limit, contacts that cannot take part), the inner polygon comes from the face
-of the cones that the solutions are in (`faces`), and the outer one from cones that are widened by a hair: the
-first has forces within the band of a verdict, the second leaves none out, and the gap is between the two.
+hardly do (friction at its very limit, contacts that cannot take part), the cones are widened by a hair, the band
+of a verdict: the inner polygon then has forces that a verdict would call possible, and the outer one leaves
+none out. Half-planes from cones widened by more, which rounding troubles less, are added where they help.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.faces import smallest_face
 from surefoot.equilibrium.limits import Equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, most_margin
-from surefoot.equilibrium.outline import WITHOUT_BOUND, trace
+from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
 
@@ -27,6 +26,8 @@ Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _MOST_DIRECTIONS = 2000
 _ROOM = 1e-8
 """Margin, in loads, below which the forces count as having no room inside their cones."""
+_HAIR = 0.5 * BAND
+"""Margin, in loads, that the widened cones leave at least."""
 _AIM = 0.9999
 """Share of the tolerance spent on the gap; the rest on corners that hardly stand out."""
 _AIMS = (_AIM, 0.25, 0.05)
@@ -68,7 +69,7 @@ _NONE = np.zeros((0, 2))
 def traced(eq: Equations, rows: Rows, tol: float) -> Traced:
     """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it."""
     whole = _program(eq, rows)
-    outcome, margin, whole.start, y, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
+    outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
     if outcome in (INFEASIBLE, UNREACHABLE):
         return Traced(_NONE, _NONE, np.zeros(0), 0.0)
     if outcome == ENDLESS:
@@ -76,8 +77,10 @@ def traced(eq: Equations, rows: Rows, tol: float) -> Traced:
     if outcome != FEASIBLE:
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
     if margin > _ROOM:
-        return _certified(whole, whole, tol)
-    return _certified(_on_its_face(whole, margin, y), _widened(whole, margin), tol)
+        return _certified(whole, None, tol)
+    return _certified(
+        _widened(whole, max(BAND, _HAIR - margin)), _widened(whole, _ROOM - min(0.0, margin)), tol
+    )
 
 
 def _program(eq: Equations, rows: Rows) -> _Program:
@@ -93,19 +96,22 @@ def _program(eq: Equations, rows: Rows) -> _Program:
     return _Program(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
 
 
-def _certified(inside: _Program, around: _Program, tol: float) -> Traced:
+def _certified(inside: _Program, around: _Program | None, tol: float) -> Traced:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
     best = Traced(_NONE, _NONE, np.zeros(0), math.inf)
     for share in _AIMS:
         outcome, points, directions, heights = _outline(inside, share * tol)
-        if outcome != WITHOUT_BOUND and around is not inside:
-            outcome, _, directions, heights = _outline(around, share * tol)
         if outcome == WITHOUT_BOUND:
             return Traced(_NONE, _NONE, np.zeros(0), math.inf, unbounded=True)
         inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
+        if gap > tol and around is not None:
+            other, _, further, higher = _outline(around, share * tol)
+            if other != WITHOUT_BOUND:
+                directions, heights = np.vstack([directions, further]), np.concatenate([heights, higher])
+                inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
         if gap < best.gap or not len(best.inner):
             best = Traced(inner, directions, heights, gap)
-        if best.gap <= tol:
+        if best.gap <= tol or outcome != TRACED:
             break
     return best
 
@@ -126,38 +132,12 @@ def _outline(program: _Program, tol: float) -> tuple[int, FloatArray, FloatArray
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _on_its_face(program: _Program, margin: float, y: FloatArray) -> _Program:
-    """Replace the cones by the face that the solutions are in, until there is room inside."""
-    best = _with_start(program, program.start + (2.0 * BAND - min(0.0, margin)) * program.e)
-    A, G, e, lorentz = program.A, program.G, program.e, program.lorentz
-    for _ in range(program.A.shape[1]):
-        face, axes, left = smallest_face(A.T @ y, e, lorentz)
-        if face.shape[1] == A.shape[1] or not face.shape[1]:
-            return best
-        A, G = np.ascontiguousarray(A @ face), np.ascontiguousarray(G @ face)
-        e, lorentz = axes, left
-        outcome, margin, start, y, _ = most_margin(A, e, program.w, lorentz)
-        if outcome not in (FEASIBLE, ENDLESS):
-            return best
-        inside = margin > _ROOM
-        start = start if inside else start + (2.0 * BAND - min(0.0, margin)) * e
-        best = _Program(A, program.w, e, lorentz, G, program.offset, start)
-        if inside:
-            return best
-    return best
-
-
-def _widened(program: _Program, margin: float) -> _Program:
-    """Move the cones' apices back until the forces have room: x + s e in K, in coordinates x + s e."""
-    s = _ROOM - min(0.0, margin)
-    wide = _with_start(program, program.start + s * program.e)
-    wide.w = program.w + s * (program.A @ program.e)
-    wide.offset = program.offset - s * (program.G @ program.e)
-    return wide
-
-
-def _with_start(program: _Program, start: FloatArray) -> _Program:
-    """Return the same program with another start."""
-    return _Program(
-        program.A, program.w, program.e, program.lorentz, program.G, program.offset, start
-    )  # fmt: skip
+def _widened(program: _Program, s: float) -> _Program:
+    """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e."""
+    shift = s * program.e
+    return replace(
+        program,
+        w=program.w + program.A @ shift,
+        offset=program.offset - program.G @ shift,
+        start=program.start + shift,
+    )
