@@ -176,7 +176,8 @@ def _widest_gap(
 ) -> tuple[float, int]:
     """Return the largest distance of an outer corner from its inner edge, and the edge to go on from.
 
-    That is the one with the largest distance of those that a further direction can mend; -1 if there are none.
+    That is the one with the largest distance of those that a further direction can mend; -1 if there are
+    none.
     """
     widest, mendable, at = 0.0, 0.0, -1
     for k in range(count):
@@ -197,7 +198,7 @@ def _widest_gap(
 @inline_kernel
 def _play(directions: FloatArray, heights: FloatArray, points: FloatArray, k: int) -> float:
     """Return how far the half-plane of a direction is from the point reached: what no search can close."""
-    return heights[k] - directions[k, 0] * points[k, 0] - directions[k, 1] * points[k, 1]
+    return float(heights[k] - directions[k, 0] * points[k, 0] - directions[k, 1] * points[k, 1])
 
 
 @inline_kernel

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 from typing import Literal
 
 import numpy as np
@@ -37,7 +38,8 @@ _RUNAWAY = 1e3
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
 _MOST_MU = 1e4
-"""A stance that needs more friction than this counts as one that no friction saves."""
+"""A stance that needs more friction than this counts as one that no friction saves; where more friction leaves
+rounding no answer, forces are looked for within this much."""
 
 
 def can_stand(
@@ -103,6 +105,11 @@ def can_stand(
     if limits is None and facets is None and not stance.bounded and stance.contacts:
         points = stance.points()
         outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
+        if outcome == UNDECIDED and float(points.mu.max()) > _MOST_MU:
+            less = np.minimum(points.mu, _MOST_MU)
+            again = stand(points.positions, points.rotations, less, about, load)
+            if again[0] in (FEASIBLE, ENDLESS):  # forces in a part of the cones; a proof would not hold
+                outcome, margin, x, _, _ = again
         if outcome in (FEASIBLE, ENDLESS):
             forces = x if points is stance else stance.corner_map @ x
             return Verdict(stance, about, load, "possible", margin, forces, None, x)
@@ -145,12 +152,27 @@ def _general(
     y[6:] = np.maximum(y[6:], 0.0)
     reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
     if reach < REACH:
+        if stance.contacts and float(stance.points().mu.max()) > _MOST_MU:
+            held_by_less = _general(_with_less_friction(stance), about, load, facets, fit, limits)
+            if held_by_less:
+                return Verdict(
+                    stance, about, load, "possible", held_by_less.margin, held_by_less.forces, None,
+                    held_by_less.corner_forces, bounds, None, facets, fit,
+                )  # fmt: skip
         return Verdict(stance, about, load, "undecided", margin, None, None, None, bounds, None, facets, fit)
     multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
     return Verdict(
         stance, about, load, "impossible", margin, None, eq.wrench_multiplier(y), None, bounds,
         multipliers, facets, fit, reach * eq.scale,
     )  # fmt: skip
+
+
+def _with_less_friction(stance: Stance) -> Stance:
+    """Return the stance with no more friction than rounding can deal with: its forces are in the cones too."""
+    twins = [copy(contact) for contact in stance.contacts]
+    for twin in twins:
+        twin.mu = min(twin.mu, _MOST_MU)
+    return Stance(twins)
 
 
 def _held_back(

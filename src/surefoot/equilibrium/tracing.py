@@ -1,9 +1,10 @@
 """From a stance's equations to polygons: the interior that the search needs, and the gap of what it found.
 
 Where the equations leave the forces room inside their cones, one search gives both polygons. Where they
-hardly do (friction at its very limit, contacts that cannot take part), the cones are widened by a hair, the band
-of a verdict: the inner polygon then has forces that a verdict would call possible, and the outer one leaves
-none out. Half-planes from cones widened by more, which rounding troubles less, are added where they help.
+hardly do (friction at its very limit, contacts that cannot take part), the cones are widened by a hair, the
+band of a verdict: the inner polygon then has forces that a verdict would call possible, and the outer one
+leaves none out. Half-planes from cones widened by more, which rounding troubles less, are added where they
+help.
 """
 
 from __future__ import annotations
