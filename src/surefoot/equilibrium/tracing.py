@@ -10,13 +10,14 @@ help.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.equilibrium.limits import Equations
-from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, most_margin
+from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, depth, most_margin
 from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
@@ -29,6 +30,10 @@ _ROOM = 1e-8
 """Margin, in loads, below which the forces count as having no room inside their cones."""
 _HAIR = 0.5 * BAND
 """Margin, in loads, that the widened cones leave at least."""
+_MOST_BACK = 30.0
+"""Steps along its axis by which a cone is moved back at most, for each by which its faces should move."""
+_LEAST_ROOM = 1e-12
+"""Margin, in loads, below which widened cones leave no room either."""
 _AIM = 0.9999
 """Share of the tolerance spent on the gap; the rest on corners that hardly stand out."""
 _AIMS = (_AIM, 0.25, 0.05)
@@ -67,9 +72,12 @@ class _Program:
 _NONE = np.zeros((0, 2))
 
 
-def traced(eq: Equations, rows: Rows, tol: float) -> Traced:
-    """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it."""
-    whole = _program(eq, rows)
+def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float) -> Traced:
+    """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it.
+
+    `equations_of` returns the equations of the stance with so much more friction at every contact.
+    """
+    whole = _program(equations_of(0.0), rows)
     outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
     if outcome in (INFEASIBLE, UNREACHABLE):
         return Traced(_NONE, _NONE, np.zeros(0), 0.0)
@@ -79,9 +87,10 @@ def traced(eq: Equations, rows: Rows, tol: float) -> Traced:
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
     if margin > _ROOM:
         return _certified(whole, None, tol)
-    return _certified(
-        _widened(whole, max(BAND, _HAIR - margin)), _widened(whole, _ROOM - min(0.0, margin)), tol
-    )
+    inside = _widened(_program(equations_of(BAND), rows), max(BAND, _HAIR - margin))
+    if inside is None:
+        return Traced(_NONE, _NONE, np.zeros(0), math.inf)
+    return _certified(inside, _widened(_program(equations_of(_ROOM), rows), _ROOM - min(0.0, margin)), tol)
 
 
 def _program(eq: Equations, rows: Rows) -> _Program:
@@ -133,12 +142,20 @@ def _outline(program: _Program, tol: float) -> tuple[int, FloatArray, FloatArray
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _widened(program: _Program, s: float) -> _Program:
-    """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e."""
-    shift = s * program.e
+def _widened(program: _Program, s: float) -> _Program | None:
+    """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
+
+    Cones of little friction are moved by no more than `_MOST_BACK` s: their width is in their friction.
+    """
+    outcome, _, start, _, _ = most_margin(program.A, program.e, program.w, program.lorentz)
+    if outcome != FEASIBLE:
+        return None
+    shift = s * np.minimum(program.e, _MOST_BACK)
+    if not depth(start + shift, program.e, program.lorentz) > _LEAST_ROOM:
+        return None
     return replace(
         program,
         w=program.w + program.A @ shift,
         offset=program.offset - program.G @ shift,
-        start=program.start + shift,
+        start=start + shift,
     )
