@@ -202,12 +202,12 @@ def _region(
     def with_more_friction(more: float) -> Equations:
         return equations(_with_more_friction(stance, more), about, load, bounds, facets, fit)
 
-    found = traced(with_more_friction, rows, tol)
+    found = traced(with_more_friction, rows, tol, facets or 1)
     if found.unbounded:
         force_limit = SQUEEZE * float(np.linalg.norm(load[:3]))
         squeeze = squeeze_limit(stance, force_limit)
         bounds = squeeze if bounds is None else bounds.and_also(squeeze)
-        found = traced(with_more_friction, rows, tol)
+        found = traced(with_more_friction, rows, tol, facets or 1)
     if found.empty:
         return Region.nothing(plane, axis, force_limit)
     if found.unbounded:

@@ -38,8 +38,8 @@ _RUNAWAY = 1e3
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
 _MOST_MU = 1e4
-"""A stance that needs more friction than this counts as one that no friction saves; where more friction leaves
-rounding no answer, forces are looked for within this much."""
+"""A stance that needs more friction than this counts as one that no friction saves; where rounding leaves
+more friction no answer, forces are looked for within this much."""
 
 
 def can_stand(
@@ -168,7 +168,7 @@ def _general(
 
 
 def _with_less_friction(stance: Stance) -> Stance:
-    """Return the stance with no more friction than rounding can deal with: its forces are in the cones too."""
+    """Return the stance with friction that arithmetic can deal with: its forces are in the cones too."""
     twins = [copy(contact) for contact in stance.contacts]
     for twin in twins:
         twin.mu = min(twin.mu, _MOST_MU)

@@ -72,10 +72,11 @@ class _Program:
 _NONE = np.zeros((0, 2))
 
 
-def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float) -> Traced:
+def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float, rays: int = 1) -> Traced:
     """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it.
 
-    `equations_of` returns the equations of the stance with so much more friction at every contact.
+    `equations_of` returns the equations of the stance with so much more friction at every contact, whose cones
+    have so many `rays` each (1 for exact cones: one axis).
     """
     whole = _program(equations_of(0.0), rows)
     outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
@@ -87,10 +88,12 @@ def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float) -
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
     if margin > _ROOM:
         return _certified(whole, None, tol)
-    inside = _widened(_program(equations_of(BAND), rows), max(BAND, _HAIR - margin))
+    most = _MOST_BACK / rays
+    inside = _widened(_program(equations_of(BAND), rows), max(BAND, _HAIR - margin), most)
     if inside is None:
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
-    return _certified(inside, _widened(_program(equations_of(_ROOM), rows), _ROOM - min(0.0, margin)), tol)
+    around = _widened(_program(equations_of(_ROOM), rows), _ROOM - min(0.0, margin), most)
+    return _certified(inside, around, tol)
 
 
 def _program(eq: Equations, rows: Rows) -> _Program:
@@ -142,15 +145,15 @@ def _outline(program: _Program, tol: float) -> tuple[int, FloatArray, FloatArray
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _widened(program: _Program, s: float) -> _Program | None:
+def _widened(program: _Program, s: float, most: float) -> _Program | None:
     """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
 
-    Cones of little friction are moved by no more than `_MOST_BACK` s: their width is in their friction.
+    Cones of little friction are moved by no more than `most` s: their width is in their friction.
     """
     outcome, _, start, _, _ = most_margin(program.A, program.e, program.w, program.lorentz)
     if outcome != FEASIBLE:
         return None
-    shift = s * np.minimum(program.e, _MOST_BACK)
+    shift = s * np.minimum(program.e, most)
     if not depth(start + shift, program.e, program.lorentz) > _LEAST_ROOM:
         return None
     return replace(
