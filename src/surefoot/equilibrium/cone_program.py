@@ -183,12 +183,12 @@ def minimise(
     iteration = 0
     for iteration in range(_MOST_ITERATIONS):
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
-        left = _missing(B, b, x, rp)
-        if lost <= 1e-12 and left <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
+        left, missed = _missing(B, b, x, rp)
+        if lost <= 1e-12 and missed <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
             return OPTIMAL, iteration
         if value < floor and left <= _FEASIBLE:
             return UNBOUNDED, iteration
-        merit = gap if lost <= _FEASIBLE and left <= _FEASIBLE else 1e30 * max(lost, left)
+        merit = gap if max(lost, missed) <= _FEASIBLE else 1e30 * max(lost, missed)
         if merit < best:
             best = merit
             _copy(x, y, z, best_x, best_y, best_z)
@@ -279,17 +279,21 @@ def _gap(
 
 
 @inline_kernel
-def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> float:
-    """Set rp = b - B x, or zero where that is rounding; return the largest share of its terms."""
-    worst = 0.0
+def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> tuple[float, float]:
+    """Set rp = b - B x, or zero where that is rounding; return its largest share of its own terms, and of all.
+
+    An equation among small numbers may miss much of its own terms and be of no weight among the others.
+    """
+    worst, most, largest = 0.0, 0.0, 0.0
     for j in range(rp.size):
         s, size = b[j], abs(b[j])
         for i in range(x.size):
             s -= B[j, i] * x[i]
             size += abs(B[j, i] * x[i])
         worst = max(worst, abs(s) / size if size > 0.0 else 0.0)
+        most, largest = max(most, abs(s)), max(largest, size)
         rp[j] = s if abs(s) > _REFINE * size else 0.0
-    return worst
+    return worst, (most / largest if largest > 0.0 else 0.0)
 
 
 @inline_kernel

@@ -75,7 +75,7 @@ _NONE = np.zeros((0, 2))
 def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float, rays: int = 1) -> Traced:
     """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it.
 
-    `equations_of` returns the equations of the stance with so much more friction at every contact, whose cones
+    `equations_of` returns the equations of the stance with so much more friction at every contact; its cones
     have so many `rays` each (1 for exact cones: one axis).
     """
     whole = _program(equations_of(0.0), rows)
