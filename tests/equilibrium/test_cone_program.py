@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix
 
-from surefoot.equilibrium import cone_program, margin, reduction, scaling
+from surefoot.equilibrium import margin, reduction, scaling
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 
 

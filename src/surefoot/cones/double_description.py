@@ -56,8 +56,7 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
         Their number and the rays (number, d) of length one.
     """
     n, d = V.shape
-    words = (n + 63) // 64
-    room = 256
+    words, room = (n + 63) // 64, 256
     rays, bits = np.empty((room, d)), np.zeros((room, words), dtype=np.uint64)
     slack = np.empty(room)
     count = d

@@ -26,7 +26,15 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.scaling import apply, corrector_target, scale, step_to_boundary
+from surefoot.equilibrium.scaling import (
+    advance,
+    apply,
+    corrector_target,
+    dot,
+    negate,
+    scale,
+    step_to_boundary,
+)
 from surefoot.kernels import inline_kernel, kernel
 
 OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
@@ -37,6 +45,7 @@ _ROUNDING = 1e-14
 """Share of the terms of a gap that may be rounding."""
 _REFINE = 1e-12
 """Share of their terms by which the equations may be missed before a step mends them."""
+_ENOUGH_DIGITS, _FEW_DIGITS, _NO_DIGITS = 0, 1, 2
 _WEAK = 1e-8
 """Share of a diagonal entry below which a pivot has lost too many digits."""
 _FEASIBLE = 1e-9
@@ -44,27 +53,28 @@ _FEASIBLE = 1e-9
 
 
 @inline_kernel
-def _factor(M: FloatArray) -> float:
+def _factor(M: FloatArray) -> int:
     """Replace the lower triangle of M by its Cholesky factor; pivots that vanish are made huge.
 
-    Returns the smallest share of a diagonal entry that was left as a pivot, NaN where M is not finite.
+    Returns how many digits its pivots have left; none where M is not finite.
     """
-    r, weakest = M.shape[0], 1.0
+    r, digits = M.shape[0], _ENOUGH_DIGITS
     for j in range(r):
         top = M[j, j]
         s = top
         for k in range(j):
             s -= M[j, k] * M[j, k]
         if not math.isfinite(s):
-            return math.nan
-        weakest = min(weakest, max(0.0, s) / top) if top > 0.0 else 0.0
+            return _NO_DIGITS
+        if s < _WEAK * top:
+            digits = _FEW_DIGITS
         M[j, j] = math.sqrt(s) if s > 1e-15 * top else 1e100
         for i in range(j + 1, r):
             s = M[i, j]
             for k in range(j):
                 s -= M[i, k] * M[j, k]
             M[i, j] = s / M[j, j]
-    return weakest
+    return digits
 
 
 @inline_kernel
@@ -215,11 +225,9 @@ def minimise(
     work = np.empty((11, m))
     v, lam, target, Wrd, dx, dz = work[0], work[1], work[2], work[3], work[4], work[5]
     ux, uz, rd, best_x, best_z, best_y = work[6], work[7], work[8], work[9], work[10], np.empty(r)
-    best = math.inf
-    BW, rows, M, eta = np.empty((r, m)), np.empty((r, m)), np.empty((r, r)), np.empty(lorentz)
+    BW, M, eta, best = np.empty((r, m)), np.empty((r, r)), np.empty(lorentz), math.inf
     dy, rp, rest = np.empty(r), np.empty(r), np.empty(r)
     _dual_start(B, c, lorentz, y, z)
-    iteration = 0
     for iteration in range(_MOST_ITERATIONS):
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
         left, missed = _missing(B, b, x, rp)
@@ -238,22 +246,19 @@ def minimise(
         apply(v, eta, lorentz, False, z, lam)
         apply(v, eta, lorentz, False, rd, Wrd)
         _normal_matrix(B, v, eta, lorentz, BW, M)
-        worst_pivot = _factor(M)
-        if not worst_pivot >= 0.0:
+        digits = _factor(M)
+        if digits == _NO_DIGITS:
             break
-        if worst_pivot < _WEAK:
-            _factor_rows(BW, M, rows)
-        sigma, primal, dual, product = 0.0, 0.0, 0.0, 0.0
-        for i in range(m):
-            product += x[i] * z[i]
+        if digits == _FEW_DIGITS:
+            _factor_rows(BW, M, np.empty((r, m)))
+        sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
         for corrector in range(2):
             if corrector:
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
-                for i in range(m):
-                    target[i] = -lam[i]
+                negate(lam, target)
             _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy)
-            if left > _REFINE or worst_pivot < _WEAK:
+            if left > _REFINE or digits == _FEW_DIGITS:
                 _refine(BW, M, rp, dx, dz, dy, rest)
             primal = step_to_boundary(lam, dx, lorentz)
             dual = step_to_boundary(lam, dz, lorentz)
@@ -261,9 +266,9 @@ def minimise(
         primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)
         apply(v, eta, lorentz, False, dx, ux)
         apply(v, eta, lorentz, True, dz, uz)
-        _advance(x, primal, ux)
-        _advance(z, dual, uz)
-        _advance(y, dual, dy)
+        advance(x, primal, ux)
+        advance(z, dual, uz)
+        advance(y, dual, dy)
         if lost * (1.0 - dual) < 1e-9:
             _set_slack(B, c, lorentz, y, z, rd)
         if max(primal, dual) < 1e-8:
@@ -271,13 +276,6 @@ def minimise(
     if best < math.inf:
         _copy(best_x, best_y, best_z, x, y, z)
     return STALLED, iteration
-
-
-@inline_kernel
-def _advance(x: FloatArray, step: float, d: FloatArray) -> None:
-    """Add step d to x."""
-    for i in range(x.size):
-        x[i] += step * d[i]
 
 
 @inline_kernel
@@ -309,8 +307,8 @@ def _gap(
             s -= part
             weight += abs(part)
         rd[i] = s
-        if weight > 0.0:
-            lost = max(lost, abs(s) / weight)
+        if abs(s) > lost * weight:  # divisions are dear
+            lost = abs(s) / weight
         product += x[i] * z[i]
         value += c[i] * x[i]
         size += abs(c[i] * x[i])
@@ -332,7 +330,8 @@ def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> tup
         for i in range(x.size):
             s -= B[j, i] * x[i]
             size += abs(B[j, i] * x[i])
-        worst = max(worst, abs(s) / size if size > 0.0 else 0.0)
+        if abs(s) > worst * size:
+            worst = abs(s) / size
         most, largest = max(most, abs(s)), max(largest, size)
         rp[j] = s if abs(s) > _REFINE * size else 0.0
     return worst, (most / largest if largest > 0.0 else 0.0)
