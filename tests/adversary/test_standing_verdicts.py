@@ -179,6 +179,26 @@ def test_friction_that_squeezing_needs_is_bounded():
     assert sf.friction_needed(stance, [0, 0, 0], 15.0, force_limit=math.inf) < 1e-6
 
 
+@pytest.mark.parametrize("facets", [None, 6])
+@pytest.mark.parametrize("bound", [math.inf, 200.0])
+def test_endless_friction_holds_what_much_friction_holds(facets, bound):
+    """A cone that is all but a half-space: forces within it still hold the robot, with the same margin."""
+    rise = math.tan(math.radians(25.0))
+    normal = np.array([-rise, 0.0, 1.0]) / math.hypot(1.0, rise)
+    feet = [[x, y, rise * x] for x in (0.17, -0.19) for y in (0.16, -0.16)]
+    margins = []
+    for mu in (1e4, 1e6, 1e8, 1e9, 1e12, 1e100):
+        stance = sf.Stance([sf.PointContact(p, normal, mu=mu, normal_max=bound) for p in feet])
+        verdict = sf.can_stand(stance, [0.0, 0.0, 0.31], 16.085, facets=facets)
+        assert verdict.status == "possible", f"mu {mu:g}: {verdict}"
+        assert verdict.verify()
+        assert forces_break_a_law(verdict, corner_contacts(stance)) == ""
+        margins.append(verdict.margin)
+        beside = sf.can_stand(stance, [5.0, 0.0, 0.31], 16.085, facets=facets)
+        assert beside.status != "possible", f"mu {mu:g}: {beside}"
+    np.testing.assert_allclose(margins, margins[0], rtol=1e-5)
+
+
 def test_margin_shrinks_with_friction_and_never_jumps():
     feet = [[x, y, 0.0] for x in (0.2, -0.2) for y in (0.1, -0.1)]
     for mu in 10.0 ** np.arange(-8.0, 1.0):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_matrix
 
-from surefoot.equilibrium import cone_program, margin, reduction
+from surefoot.equilibrium import margin, reduction, scaling
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 
 
@@ -86,8 +86,8 @@ def test_step_to_the_boundary_through_the_apex():
     """A direction that runs through the apex has a double root, which rounding must not lose."""
     x = np.array([1.0, 0.3, 0.2])
     for scale in (1.0, 3.7, 1e-3):
-        assert cone_program._step_to_boundary.py_func(x, -scale * x, 1) == pytest.approx(1.0 / scale)
-    assert np.isinf(cone_program._step_to_boundary.py_func(x, x, 1))
+        assert scaling.step_to_boundary.py_func(x, -scale * x, 1) == pytest.approx(1.0 / scale)
+    assert np.isinf(scaling.step_to_boundary.py_func(x, x, 1))
 
 
 @pytest.mark.parametrize("rank", [1, 3, 5, 6])

@@ -9,7 +9,6 @@ import surefoot as sf
 from surefoot.bench.random_stances import random_case
 from surefoot.bench.statics_rivals import highs_region
 from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
-from surefoot.equilibrium.faces import smallest_face
 from surefoot.equilibrium.limits import squeeze_limit
 from surefoot.equilibrium.polygons import without_flat_corners
 from surefoot.equilibrium.region import convex_hull, polygon_area
@@ -275,15 +274,3 @@ def test_regions_without_interior_forces():
     useless = sf.Stance([sf.PointContact([0.3, 0.2, 0.0], mu=0.0), hand])
     region = sf.com_region(useless, 15.0)
     np.testing.assert_allclose(region.inner, [[0.3, 0.2]], atol=1e-6)
-
-
-def test_smallest_face():
-    """An interior part goes, a part on the boundary leaves one edge, a zero part stays whole."""
-    z = np.array([2.0, 0.5, 0.0, 1.0, 0.6, 0.8, 0.0, 0.0, 0.0, 0.7, 0.0])
-    face, axes, lorentz = smallest_face(z, np.arange(1.0, 12.0), 3)
-    assert (face.shape, lorentz) == ((11, 5), 1)
-    np.testing.assert_allclose(face[:, :3], np.eye(11)[:, 6:9])
-    np.testing.assert_allclose(face[3:6, 3], [1.0, -0.6, -0.8])
-    np.testing.assert_allclose(face[:, 4], np.eye(11)[10])
-    np.testing.assert_allclose(axes, [7.0, 8.0, 9.0, 4.0, 11.0])
-    np.testing.assert_allclose(z @ face, 0.0, atol=1e-12)

@@ -24,8 +24,8 @@ _TIGHT = 1e-10
 
 _Words: TypeAlias = NDArray[np.uint64]
 _M1, _M2, _M4 = np.uint64(0x5555555555555555), np.uint64(0x3333333333333333), np.uint64(0x0F0F0F0F0F0F0F0F)
-_SUM, _ONE = np.uint64(0x0101010101010101), np.uint64(1)
-_TWO, _FOUR, _TOP = np.uint64(2), np.uint64(4), np.uint64(56)
+_ONE, _TWO, _FOUR, _EIGHT = np.uint64(1), np.uint64(2), np.uint64(4), np.uint64(8)
+_SIXTEEN, _HALF, _LOW = np.uint64(16), np.uint64(32), np.uint64(0x7F)
 
 
 @inline_kernel
@@ -34,7 +34,9 @@ def _ones(word: np.uint64) -> int:
     a = word - ((word >> _ONE) & _M1)
     b = (a & _M2) + ((a >> _TWO) & _M2)
     c = (b + (b >> _FOUR)) & _M4
-    return np.int64((c * _SUM) >> _TOP)  # type: ignore[return-value]
+    c = c + (c >> _EIGHT)  # a product would do the same, and wrap around
+    c = c + (c >> _SIXTEEN)
+    return np.int64((c + (c >> _HALF)) & _LOW)  # type: ignore[return-value]
 
 
 @kernel
@@ -56,8 +58,7 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
         Their number and the rays (number, d) of length one.
     """
     n, d = V.shape
-    words = (n + 63) // 64
-    room = 256
+    words, room = (n + 63) // 64, 256
     rays, bits = np.empty((room, d)), np.zeros((room, words), dtype=np.uint64)
     slack = np.empty(room)
     count = d

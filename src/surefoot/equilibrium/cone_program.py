@@ -26,6 +26,15 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.equilibrium.scaling import (
+    advance,
+    apply,
+    corrector_target,
+    dot,
+    negate,
+    scale,
+    step_to_boundary,
+)
 from surefoot.kernels import inline_kernel, kernel
 
 OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
@@ -36,92 +45,69 @@ _ROUNDING = 1e-14
 """Share of the terms of a gap that may be rounding."""
 _REFINE = 1e-12
 """Share of their terms by which the equations may be missed before a step mends them."""
+_ENOUGH_DIGITS, _FEW_DIGITS, _NO_DIGITS = 0, 1, 2
+_WEAK = 1e-8
+"""Share of a diagonal entry below which a pivot has lost too many digits."""
 _FEASIBLE = 1e-9
-"""Share of their terms by which the equations may be missed where an unbounded program is claimed."""
+"""Share of their terms by which the equations may be missed by an iterate that is worth anything."""
 
 
 @inline_kernel
-def _step_to_boundary(x: FloatArray, d: FloatArray, lorentz: int) -> float:
-    """Return the largest step a with x + a d in the cone; infinity when no step leaves it."""
-    longest = math.inf
-    for k in range(lorentz):
-        i = 3 * k
-        c = (x[i] - math.hypot(x[i + 1], x[i + 2])) * (x[i] + math.hypot(x[i + 1], x[i + 2]))
-        b = x[i] * d[i] - x[i + 1] * d[i + 1] - x[i + 2] * d[i + 2]
-        a = d[i] * d[i] - d[i + 1] * d[i + 1] - d[i + 2] * d[i + 2]
-        disc = max(0.0, b * b - a * c)  # never negative but for rounding: x is inside
-        bottom = math.sqrt(disc) - b
-        if bottom > 0.0:
-            longest = min(longest, c / bottom)
-    for i in range(3 * lorentz, x.size):
-        if d[i] < 0.0:
-            longest = min(longest, -x[i] / d[i])
-    return longest
+def _factor(M: FloatArray) -> int:
+    """Replace the lower triangle of M by its Cholesky factor; pivots that vanish are made huge.
 
-
-@inline_kernel
-def _scale(x: FloatArray, z: FloatArray, lorentz: int, v: FloatArray, eta: FloatArray) -> bool:
-    """Fill the Nesterov-Todd scaling W = eta (2 v v' - J), W z = W^-1 x; False if x or z is outside."""
-    for k in range(lorentz):
-        i = 3 * k
-        hx = math.sqrt(x[i + 1] * x[i + 1] + x[i + 2] * x[i + 2])
-        hz = math.sqrt(z[i + 1] * z[i + 1] + z[i + 2] * z[i + 2])
-        det_x = (x[i] - hx) * (x[i] + hx)
-        det_z = (z[i] - hz) * (z[i] + hz)
-        if not (det_x > 0.0 and det_z > 0.0):
-            return False
-        sx, sz = 1.0 / math.sqrt(det_x), 1.0 / math.sqrt(det_z)
-        dot = (x[i] * z[i] + x[i + 1] * z[i + 1] + x[i + 2] * z[i + 2]) * sx * sz
-        half = 0.5 / math.sqrt(0.5 * (1.0 + dot))
-        w0 = half * (x[i] * sx + z[i] * sz)
-        w1 = half * (x[i + 1] * sx - z[i + 1] * sz)
-        w2 = half * (x[i + 2] * sx - z[i + 2] * sz)
-        root = 1.0 / math.sqrt(2.0 * (w0 + 1.0))
-        v[i], v[i + 1], v[i + 2] = (w0 + 1.0) * root, w1 * root, w2 * root
-        eta[k] = math.sqrt(sz / sx)
-    for i in range(3 * lorentz, x.size):
-        if not (x[i] > 0.0 and z[i] > 0.0):
-            return False
-        v[i] = math.sqrt(x[i] / z[i])
-    return True
-
-
-@inline_kernel
-def _apply(
-    v: FloatArray, eta: FloatArray, lorentz: int, inverse: bool, d: FloatArray, out: FloatArray
-) -> None:
-    """Set out = W d, or W^-1 d; W^-1 = (2 J v v' J - J) / eta."""
-    sign = -1.0 if inverse else 1.0
-    for k in range(lorentz):
-        i = 3 * k
-        e = 1.0 / eta[k] if inverse else eta[k]
-        a, b, c = v[i], sign * v[i + 1], sign * v[i + 2]
-        dot = 2.0 * (a * d[i] + b * d[i + 1] + c * d[i + 2])
-        out[i] = e * (dot * a - d[i])
-        out[i + 1] = e * (dot * b + d[i + 1])
-        out[i + 2] = e * (dot * c + d[i + 2])
-    for i in range(3 * lorentz, d.size):
-        out[i] = d[i] / v[i] if inverse else d[i] * v[i]
-
-
-@inline_kernel
-def _factor(M: FloatArray) -> bool:
-    """Replace the lower triangle of M by its Cholesky factor; pivots that vanish are made huge."""
-    r = M.shape[0]
+    Returns how many digits its pivots have left; none where M is not finite.
+    """
+    r, digits = M.shape[0], _ENOUGH_DIGITS
     for j in range(r):
         top = M[j, j]
         s = top
         for k in range(j):
             s -= M[j, k] * M[j, k]
         if not math.isfinite(s):
-            return False
+            return _NO_DIGITS
+        if s < _WEAK * top:
+            digits = _FEW_DIGITS
         M[j, j] = math.sqrt(s) if s > 1e-15 * top else 1e100
         for i in range(j + 1, r):
             s = M[i, j]
             for k in range(j):
                 s -= M[i, k] * M[j, k]
             M[i, j] = s / M[j, j]
-    return True
+    return digits
+
+
+@inline_kernel
+def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
+    """Set the lower triangle of M to the factor L of BW = L rows, by Gram-Schmidt, twice.
+
+    The same as `_factor` gives, to twice its digits: near the cones' boundary the products in M lose half.
+    """
+    r, m = BW.shape
+    for j in range(r):
+        top = 0.0
+        for i in range(m):
+            rows[j, i] = BW[j, i]
+            top += BW[j, i] * BW[j, i]
+        for k in range(j):
+            M[j, k] = 0.0
+        for _ in range(2):
+            for k in range(j):
+                s = 0.0
+                for i in range(m):
+                    s += rows[k, i] * rows[j, i]
+                for i in range(m):
+                    rows[j, i] -= s * rows[k, i]
+                M[j, k] += s
+        size = 0.0
+        for i in range(m):
+            size += rows[j, i] * rows[j, i]
+        size = math.sqrt(size)
+        if size <= 1e-14 * math.sqrt(top):
+            size = 1e100
+        M[j, j] = size
+        for i in range(m):
+            rows[j, i] /= size
 
 
 @inline_kernel
@@ -160,26 +146,6 @@ def _normal_matrix(
             for i in range(m):
                 s += BW[j, i] * BW[q, i]
             M[j, q] = s
-
-
-@inline_kernel
-def _corrector_target(
-    lam: FloatArray, dx: FloatArray, dz: FloatArray, sigma_mu: float, lorentz: int, out: FloatArray
-) -> None:
-    r"""Set out = lam \ (sigma_mu e - lam o lam - dx o dz), all in scaled coordinates."""
-    for k in range(lorentz):
-        i = 3 * k
-        a, b, c = lam[i], lam[i + 1], lam[i + 2]
-        r0 = sigma_mu - (a * a + b * b + c * c)
-        r0 -= dx[i] * dz[i] + dx[i + 1] * dz[i + 1] + dx[i + 2] * dz[i + 2]
-        r1 = -2.0 * a * b - (dx[i] * dz[i + 1] + dz[i] * dx[i + 1])
-        r2 = -2.0 * a * c - (dx[i] * dz[i + 2] + dz[i] * dx[i + 2])
-        h = math.sqrt(b * b + c * c)
-        out[i] = (a * r0 - b * r1 - c * r2) / ((a - h) * (a + h))
-        out[i + 1] = (r1 - b * out[i]) / a
-        out[i + 2] = (r2 - c * out[i]) / a
-    for i in range(3 * lorentz, lam.size):
-        out[i] = (sigma_mu - dx[i] * dz[i]) / lam[i] - lam[i]
 
 
 @inline_kernel
@@ -257,63 +223,70 @@ def minimise(
     r, m = B.shape
     degree = lorentz + (m - 3 * lorentz)
     work = np.empty((11, m))
-    v, lam, target, Wrd, dx, dz, ux, uz, rd = (
-        work[0], work[1], work[2], work[3], work[4], work[5], work[6], work[7], work[8],
-    )  # fmt: skip
-    best_x, best_z, best_y, best = work[9], work[10], np.empty(r), math.inf
-    BW, M, eta = np.empty((r, m)), np.empty((r, r)), np.empty(lorentz)
+    v, lam, target, Wrd, dx, dz = work[0], work[1], work[2], work[3], work[4], work[5]
+    ux, uz, rd, best_x, best_z, best_y = work[6], work[7], work[8], work[9], work[10], np.empty(r)
+    BW, M, eta, best = np.empty((r, m)), np.empty((r, r)), np.empty(lorentz), math.inf
     dy, rp, rest = np.empty(r), np.empty(r), np.empty(r)
     _dual_start(B, c, lorentz, y, z)
-    iteration = 0
     for iteration in range(_MOST_ITERATIONS):
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
-        left = _missing(B, b, x, rp)
-        if lost <= 1e-12 and gap <= tol + 1e-10 * abs(value - zero) + rounding:
+        left, missed = _missing(B, b, x, rp)
+        if lost <= 1e-12 and missed <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
             return OPTIMAL, iteration
         if value < floor and left <= _FEASIBLE:
             return UNBOUNDED, iteration
-        merit = gap if lost <= 1e-9 else 1e30 * lost
+        merit = gap if max(lost, missed) <= _FEASIBLE else 1e30 * max(lost, missed)
         if merit < best:
-            best, best_x[:], best_y[:], best_z[:] = merit, x, y, z
+            best = merit
+            _copy(x, y, z, best_x, best_y, best_z)
         elif not gap < 1e6 * best:  # rounding has taken over
             break
-        if not _scale(x, z, lorentz, v, eta):
+        if not scale(x, z, lorentz, v, eta):
             break
-        _apply(v, eta, lorentz, False, z, lam)
-        _apply(v, eta, lorentz, False, rd, Wrd)
+        apply(v, eta, lorentz, False, z, lam)
+        apply(v, eta, lorentz, False, rd, Wrd)
         _normal_matrix(B, v, eta, lorentz, BW, M)
-        if not _factor(M):
+        digits = _factor(M)
+        if digits == _NO_DIGITS:
             break
-        sigma, primal, dual, product = 0.0, 0.0, 0.0, 0.0
-        for i in range(m):
-            product += x[i] * z[i]
+        if digits == _FEW_DIGITS:
+            _factor_rows(BW, M, np.empty((r, m)))
+        sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
         for corrector in range(2):
             if corrector:
-                _corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
+                corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
-                for i in range(m):
-                    target[i] = -lam[i]
+                negate(lam, target)
             _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy)
-            if left > _REFINE:
+            if left > _REFINE or digits == _FEW_DIGITS:
                 _refine(BW, M, rp, dx, dz, dy, rest)
-            primal = _step_to_boundary(lam, dx, lorentz)
-            dual = _step_to_boundary(lam, dz, lorentz)
+            primal = step_to_boundary(lam, dx, lorentz)
+            dual = step_to_boundary(lam, dz, lorentz)
             sigma = (1.0 - min(1.0, primal, dual)) ** 3
         primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)
-        _apply(v, eta, lorentz, False, dx, ux)
-        _apply(v, eta, lorentz, True, dz, uz)
-        for i in range(m):
-            x[i] += primal * ux[i]
-            z[i] += dual * uz[i]
-        for j in range(r):
-            y[j] += dual * dy[j]
+        apply(v, eta, lorentz, False, dx, ux)
+        apply(v, eta, lorentz, True, dz, uz)
+        advance(x, primal, ux)
+        advance(z, dual, uz)
+        advance(y, dual, dy)
         if lost * (1.0 - dual) < 1e-9:
             _set_slack(B, c, lorentz, y, z, rd)
         if max(primal, dual) < 1e-8:
             break
     if best < math.inf:
-        x[:], y[:], z[:] = best_x, best_y, best_z
+        _copy(best_x, best_y, best_z, x, y, z)
     return STALLED, iteration
+
+
+@inline_kernel
+def _copy(
+    x: FloatArray, y: FloatArray, z: FloatArray, x_: FloatArray, y_: FloatArray, z_: FloatArray
+) -> None:
+    """Write x, y, z into x_, y_, z_ (as slices they would take seconds to compile)."""
+    for i in range(x.size):
+        x_[i], z_[i] = x[i], z[i]
+    for j in range(y.size):
+        y_[j] = y[j]
 
 
 @inline_kernel
@@ -334,8 +307,8 @@ def _gap(
             s -= part
             weight += abs(part)
         rd[i] = s
-        if weight > 0.0:
-            lost = max(lost, abs(s) / weight)
+        if abs(s) > lost * weight:  # divisions are dear
+            lost = abs(s) / weight
         product += x[i] * z[i]
         value += c[i] * x[i]
         size += abs(c[i] * x[i])
@@ -346,17 +319,22 @@ def _gap(
 
 
 @inline_kernel
-def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> float:
-    """Set rp = b - B x, or zero where that is rounding; return the largest share of its terms."""
-    worst = 0.0
+def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> tuple[float, float]:
+    """Set rp = b - B x, or zero where that is rounding; return its largest share of its terms, and of all.
+
+    An equation among small numbers may miss much of its own terms and be of no weight among the others.
+    """
+    worst, most, largest = 0.0, 0.0, 0.0
     for j in range(rp.size):
         s, size = b[j], abs(b[j])
         for i in range(x.size):
             s -= B[j, i] * x[i]
             size += abs(B[j, i] * x[i])
-        worst = max(worst, abs(s) / size if size > 0.0 else 0.0)
+        if abs(s) > worst * size:
+            worst = abs(s) / size
+        most, largest = max(most, abs(s)), max(largest, size)
         rp[j] = s if abs(s) > _REFINE * size else 0.0
-    return worst
+    return worst, (most / largest if largest > 0.0 else 0.0)
 
 
 @inline_kernel

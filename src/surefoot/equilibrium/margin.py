@@ -175,12 +175,7 @@ def most_margin(
     unit = alpha / steepest  # of the objective, for an axis that moves by one
     tol, floor = GAP * min(alpha, 4.0 * unit), b[0] - _ENDLESS_MARGIN * unit
     status, _ = minimise(Q[1:rank], b[1:rank], Q[0], lorentz, x, dual, z, tol, floor, b[0])
-    t = b[0]
-    for i in range(m):
-        t -= Q[0, i] * x[i]
-    t /= alpha
-    for i in range(m):
-        x[i] += t * e[i]
+    _raise_apices(Q, b, alpha, e, x)
     _restore(Q, b, rank, x)
     t = depth(x, e, lorentz)
     if status == UNBOUNDED:
@@ -197,6 +192,17 @@ def most_margin(
     pull_back(T, pivots, rank, full, y)
     reach = proof_reach(A, w, y, lorentz)
     return (INFEASIBLE if reach >= REACH else UNDECIDED), t, x, y, reach
+
+
+@inline_kernel
+def _raise_apices(Q: FloatArray, b: FloatArray, alpha: float, e: FloatArray, x: FloatArray) -> None:
+    """Turn x - t e, which meets all equations but the first, into x."""
+    t = b[0]
+    for i in range(x.size):
+        t -= Q[0, i] * x[i]
+    t /= alpha
+    for i in range(x.size):
+        x[i] += t * e[i]
 
 
 @inline_kernel

@@ -20,10 +20,13 @@ from surefoot.equilibrium.margin import GAP
 from surefoot.kernels import inline_kernel, kernel
 
 TRACED, WITHOUT_BOUND, OUT_OF_DIRECTIONS = 0, 1, 2
-"""Outcomes of `trace`: done; forces without bound; the gap stayed above the tolerance."""
+"""Outcomes of `trace`: done; forces without bound; the gap stayed above the tolerance, because there were too
+few directions or because no further one would have helped."""
 _MOST_FORCE = 1e6
 """Forces that may add up to more loads than this count as forces without bound."""
 _COARSE = 1e-2
+_MENDABLE = 1.5
+"""A corner this many times as far out as the half-planes beside it are from their points can be mended."""
 _ROUNDING = 32.0 * 2.0**-53
 """Share of the largest terms by which a dual slack may be wrong."""
 
@@ -161,7 +164,7 @@ def trace(
         gap, at = _widest_gap(directions, heights, points, count)
         if gap <= tol:
             return TRACED, count, gap
-        if count == most or not _insert(directions, heights, points, count, at):
+        if count == most or at < 0 or not _insert(directions, heights, points, count, at):
             return OUT_OF_DIRECTIONS, count, gap
         at += 1
         total += 1
@@ -171,8 +174,12 @@ def trace(
 def _widest_gap(
     directions: FloatArray, heights: FloatArray, points: FloatArray, count: int
 ) -> tuple[float, int]:
-    """Return the largest distance of an outer corner from its inner edge, and which edge."""
-    widest, at = -1.0, 0
+    """Return the largest distance of an outer corner from its inner edge, and the edge to go on from.
+
+    That is the one with the largest distance of those that a further direction can mend; -1 if there are
+    none.
+    """
+    widest, mendable, at = 0.0, 0.0, -1
     for k in range(count):
         n = (k + 1) % count
         qx, qy = _corner(
@@ -180,9 +187,18 @@ def _widest_gap(
             directions[n, 0], directions[n, 1], heights[n], points[k, 0], points[k, 1],
         )  # fmt: skip
         d = _distance(qx, qy, points[k, 0], points[k, 1], points[n, 0], points[n, 1])
-        if d > widest:
-            widest, at = d, k
+        widest = max(widest, d)
+        if d > mendable and d > _MENDABLE * max(
+            _play(directions, heights, points, k), _play(directions, heights, points, n)
+        ):
+            mendable, at = d, k
     return widest, at
+
+
+@inline_kernel
+def _play(directions: FloatArray, heights: FloatArray, points: FloatArray, k: int) -> float:
+    """Return how far the half-plane of a direction is from the point reached: what no search can close."""
+    return float(heights[k] - directions[k, 0] * points[k, 0] - directions[k, 1] * points[k, 1])
 
 
 @inline_kernel

@@ -119,7 +119,8 @@ def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray
                 other[size] = corners[i]
                 size += 1
         count = size
-        corners[:count] = other[:count]
+        for i in range(count):
+            corners[i, 0], corners[i, 1] = other[i, 0], other[i, 1]
     return corners[:count] + middle
 
 

@@ -109,7 +109,8 @@ def coordinates(T: FloatArray, pivots: IntArray, rank: int, w: FloatArray, out: 
 @kernel
 def pull_back(T: FloatArray, pivots: IntArray, rank: int, y: FloatArray, out: FloatArray) -> None:
     """Find u with A' u = Q' y: zero off the pivot rows, back substitution on them."""
-    out[:] = 0.0
+    for k in range(out.size):
+        out[k] = 0.0
     for k in range(rank - 1, -1, -1):
         s = y[k]
         for q in range(k + 1, rank):
@@ -128,7 +129,8 @@ def turn_first_row(Q: FloatArray, rank: int, a: FloatArray, h: FloatArray, b: Fl
     for j in range(rank):
         length += a[j] * a[j]
     length = math.sqrt(length)
-    h[:rank] = 0.0
+    for j in range(rank):
+        h[j] = 0.0
     if length == 0.0:
         return 0.0
     size = 0.0
@@ -138,7 +140,8 @@ def turn_first_row(Q: FloatArray, rank: int, a: FloatArray, h: FloatArray, b: Fl
     for j in range(rank):
         size += h[j] * h[j]
     if size < 1e-30:
-        h[:rank] = 0.0
+        for j in range(rank):
+            h[j] = 0.0
         return length
     size = 1.0 / math.sqrt(size)
     for j in range(rank):

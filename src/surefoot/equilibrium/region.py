@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.equilibrium.polygons import hull, intersection
 
+_TINY = 1e-300
+
 
 class Region:
     """A convex region between an inner and an outer polygon.
@@ -97,18 +99,13 @@ class Region:
         """Return the signed distance of a point to the inner polygon's border [m]: negative inside."""
         if self.empty:
             return math.inf
-        p = self._in_plane(point)
-        count = len(self.inner)
-        ends = np.roll(self.inner, -1, axis=0)
-        nearest = math.inf
-        inside = count >= 3
-        for a, b in zip(self.inner, ends, strict=True):
-            edge = b - a
-            length = float(edge @ edge)
-            s = min(1.0, max(0.0, float((p - a) @ edge) / length)) if length > 0.0 else 0.0
-            nearest = min(nearest, float(np.linalg.norm(p - a - s * edge)))
-            inside &= float(edge[0] * (p[1] - a[1]) - edge[1] * (p[0] - a[0])) >= 0.0
-        return -nearest if inside else nearest
+        to_point = self._in_plane(point) - self.inner
+        edges = np.roll(self.inner, -1, axis=0) - self.inner
+        length = np.maximum((edges * edges).sum(axis=1), _TINY)
+        share = np.clip((to_point * edges).sum(axis=1) / length, 0.0, 1.0)
+        nearest = float(np.hypot(*(to_point - share[:, None] * edges).T).min())
+        left = edges[:, 0] * to_point[:, 1] - edges[:, 1] * to_point[:, 0]
+        return -nearest if len(edges) >= 3 and bool(np.all(left >= 0.0)) else nearest
 
     def at_height(self, height: float) -> FloatArray:
         """Return the inner polygon in the plane of another height, moved along the axis: (k, 2)."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.equilibrium.limits import ForceLimits, equations, normal_limits, squeeze_limit
+from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
 from surefoot.equilibrium.region import Region, convex_hull
 from surefoot.equilibrium.statics import needed_wrench
 from surefoot.equilibrium.tracing import Rows, traced
@@ -197,12 +198,16 @@ def _region(
     bounds = normal_limits(stance)
     bounds = limits if bounds is None else bounds.and_also(limits)
     force_limit = math.inf
-    found = traced(equations(stance, about, load, bounds, facets, fit), rows, tol)
+
+    def with_more_friction(more: float) -> Equations:
+        return equations(_with_more_friction(stance, more), about, load, bounds, facets, fit)
+
+    found = traced(with_more_friction, rows, tol, facets or 1)
     if found.unbounded:
         force_limit = SQUEEZE * float(np.linalg.norm(load[:3]))
         squeeze = squeeze_limit(stance, force_limit)
         bounds = squeeze if bounds is None else bounds.and_also(squeeze)
-        found = traced(equations(stance, about, load, bounds, facets, fit), rows, tol)
+        found = traced(with_more_friction, rows, tol, facets or 1)
     if found.empty:
         return Region.nothing(plane, axis, force_limit)
     if found.unbounded:
@@ -210,6 +215,16 @@ def _region(
     return Region(
         found.inner, found.directions, found.heights, found.gap, plane, axis, force_limit, found.gap <= tol
     )
+
+
+def _with_more_friction(stance: Stance, more: float) -> Stance:
+    """Return the stance with every coefficient raised by `more`."""
+    if more == 0.0:
+        return stance
+    twins = [copy(contact) for contact in stance.contacts]
+    for twin in twins:
+        twin.mu = twin.mu + more
+    return Stance(twins)
 
 
 def support_polygon(stance: Stance) -> FloatArray:

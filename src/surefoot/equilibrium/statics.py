@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 from typing import Literal
 
 import numpy as np
@@ -37,7 +38,8 @@ _RUNAWAY = 1e3
 _SQUEEZES = (10.0, 100.0, 1000.0)
 """Total normal forces, in loads, that `friction_needed` counts with where less friction needs ever more."""
 _MOST_MU = 1e4
-"""A stance that needs more friction than this counts as one that no friction saves."""
+"""A stance that needs more friction than this counts as one that no friction saves; where rounding leaves
+more friction no answer, forces are looked for within this much."""
 
 
 def can_stand(
@@ -103,6 +105,11 @@ def can_stand(
     if limits is None and facets is None and not stance.bounded and stance.contacts:
         points = stance.points()
         outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
+        if outcome == UNDECIDED and float(points.mu.max()) > _MOST_MU:
+            less = np.minimum(points.mu, _MOST_MU)
+            again = stand(points.positions, points.rotations, less, about, load)
+            if again[0] in (FEASIBLE, ENDLESS):  # forces in a part of the cones; a proof would not hold
+                outcome, margin, x, _, _ = again
         if outcome in (FEASIBLE, ENDLESS):
             forces = x if points is stance else stance.corner_map @ x
             return Verdict(stance, about, load, "possible", margin, forces, None, x)
@@ -145,12 +152,27 @@ def _general(
     y[6:] = np.maximum(y[6:], 0.0)
     reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
     if reach < REACH:
+        if stance.contacts and float(stance.points().mu.max()) > _MOST_MU:
+            held_by_less = _general(_with_less_friction(stance), about, load, facets, fit, limits)
+            if held_by_less:
+                return Verdict(
+                    stance, about, load, "possible", held_by_less.margin, held_by_less.forces, None,
+                    held_by_less.corner_forces, bounds, None, facets, fit,
+                )  # fmt: skip
         return Verdict(stance, about, load, "undecided", margin, None, None, None, bounds, None, facets, fit)
     multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
     return Verdict(
         stance, about, load, "impossible", margin, None, eq.wrench_multiplier(y), None, bounds,
         multipliers, facets, fit, reach * eq.scale,
     )  # fmt: skip
+
+
+def _with_less_friction(stance: Stance) -> Stance:
+    """Return the stance with friction that arithmetic can deal with: its forces are in the cones too."""
+    twins = [copy(contact) for contact in stance.contacts]
+    for twin in twins:
+        twin.mu = min(twin.mu, _MOST_MU)
+    return Stance(twins)
 
 
 def _held_back(
@@ -215,44 +237,47 @@ def friction_needed(
         return math.inf if float(np.linalg.norm(load)) > 0.0 else 0.0
     size = load_scale(load, spread(points.positions, about))
     if most < math.inf:
-        return _friction_within(stance, about, load, most)
-    least = _friction_within(stance, about, load, math.inf)
+        return _friction_within(stance, about, load, most)[0]
+    least, total = _friction_within(stance, about, load, math.inf)
     if force_limit is not None or math.isinf(least):
         return least
     for loads in _SQUEEZES:
-        if _total_normal(stance, about, load, least) <= loads * size:
+        if total <= loads * size:
             return least
-        held = _friction_within(stance, about, load, loads * size)
+        held, _ = _friction_within(stance, about, load, loads * size)
         if held < math.inf:
             return held
     return least
 
 
-def _total_normal(stance: Stance, about: FloatArray, load: FloatArray, mu: float) -> float:
-    """Return the sum of normal forces [N] that hold with one friction everywhere; infinite if none do."""
-    if stance.bounded:
-        verdict = _general(stance.with_friction(mu), about, load, None, "inner", None)
-        return math.inf if verdict.corner_forces is None else float(verdict.corner_forces[:, 2].sum())
-    points = stance.points()
-    same = np.full(len(points), mu)
-    outcome, _, x, _, _ = stand(points.positions, points.rotations, same, about, load)
-    return float(x[2::3].sum()) if outcome in (FEASIBLE, ENDLESS) else math.inf
+def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: float) -> tuple[float, float]:
+    """Return the least friction with normal forces that add up to `most` [N] at the most, and that sum.
 
-
-def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: float) -> float:
-    """Return the least friction with normal forces that add up to `most` [N] at the most."""
+    The sum [N] is that of the forces found with this friction, infinite where none were.
+    """
     limit = None if math.isinf(most) else squeeze_limit(stance, most)
+    points = stance.points()
+    places, rotations, same = points.positions, points.rotations, np.empty(len(points))
+    held: FloatArray | None = None
+    held_at = math.nan
 
     def depth(mu: float) -> float:
         """Return how far the cones' apices may rise: its sign says whether mu is enough."""
+        nonlocal held, held_at
+        held_at = mu
         if limit is not None or stance.bounded:
-            return _general(stance.with_friction(mu), about, load, None, "inner", limit).margin
-        points = stance.points()
-        same = np.full(len(points), mu)
-        margin = stand(points.positions, points.rotations, same, about, load)[1]
+            verdict = _general(stance.with_friction(mu), about, load, None, "inner", limit)
+            held = verdict.corner_forces
+            return verdict.margin
+        same.fill(mu)
+        outcome, margin, x, _, _ = stand(places, rotations, same, about, load)
+        held = x.reshape(-1, 3) if outcome in (FEASIBLE, ENDLESS) else None
         return float(margin * axis_scale(mu))
 
-    return _least_root(depth, 1e-9 * float(np.linalg.norm(load)))
+    least = _least_root(depth, 1e-9 * float(np.linalg.norm(load)))
+    if held_at != least and least < math.inf:
+        depth(least)
+    return least, math.inf if held is None else float(held[:, 2].sum())
 
 
 def _least_root(depth: Callable[[float], float], band: float) -> float:

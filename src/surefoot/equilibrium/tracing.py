@@ -1,23 +1,24 @@
 """From a stance's equations to polygons: the interior that the search needs, and the gap of what it found.
 
 Where the equations leave the forces room inside their cones, one search gives both polygons. Where they
-hardly do (friction at its very limit, contacts that cannot take part), the inner polygon comes from the face
-of the cones that the solutions are in (`faces`), and the outer one from cones that are widened by a hair: the
-first has forces within the band of a verdict, the second leaves none out, and the gap is between the two.
+hardly do (friction at its very limit, contacts that cannot take part), the cones are widened by a hair, the
+band of a verdict: the inner polygon then has forces that a verdict would call possible, and the outer one
+leaves none out. Half-planes from cones widened by more, which rounding troubles less, are added where they
+help.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.faces import smallest_face
 from surefoot.equilibrium.limits import Equations
-from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, most_margin
-from surefoot.equilibrium.outline import WITHOUT_BOUND, trace
+from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, depth, most_margin
+from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
 
@@ -27,6 +28,12 @@ Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 _MOST_DIRECTIONS = 2000
 _ROOM = 1e-8
 """Margin, in loads, below which the forces count as having no room inside their cones."""
+_HAIR = 0.5 * BAND
+"""Margin, in loads, that the widened cones leave at least."""
+_MOST_BACK = 30.0
+"""Steps along its axis by which a cone is moved back at most, for each by which its faces should move."""
+_LEAST_ROOM = 1e-12
+"""Margin, in loads, below which widened cones leave no room either."""
 _AIM = 0.9999
 """Share of the tolerance spent on the gap; the rest on corners that hardly stand out."""
 _AIMS = (_AIM, 0.25, 0.05)
@@ -65,10 +72,14 @@ class _Program:
 _NONE = np.zeros((0, 2))
 
 
-def traced(eq: Equations, rows: Rows, tol: float) -> Traced:
-    """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it."""
-    whole = _program(eq, rows)
-    outcome, margin, whole.start, y, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
+def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float, rays: int = 1) -> Traced:
+    """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it.
+
+    `equations_of` returns the equations of the stance with so much more friction at every contact; its cones
+    have so many `rays` each (1 for exact cones: one axis).
+    """
+    whole = _program(equations_of(0.0), rows)
+    outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
     if outcome in (INFEASIBLE, UNREACHABLE):
         return Traced(_NONE, _NONE, np.zeros(0), 0.0)
     if outcome == ENDLESS:
@@ -76,8 +87,13 @@ def traced(eq: Equations, rows: Rows, tol: float) -> Traced:
     if outcome != FEASIBLE:
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
     if margin > _ROOM:
-        return _certified(whole, whole, tol)
-    return _certified(_on_its_face(whole, margin, y), _widened(whole, margin), tol)
+        return _certified(whole, None, tol)
+    most = _MOST_BACK / rays
+    inside = _widened(_program(equations_of(BAND), rows), max(BAND, _HAIR - margin), most)
+    if inside is None:
+        return Traced(_NONE, _NONE, np.zeros(0), math.inf)
+    around = _widened(_program(equations_of(_ROOM), rows), _ROOM - min(0.0, margin), most)
+    return _certified(inside, around, tol)
 
 
 def _program(eq: Equations, rows: Rows) -> _Program:
@@ -93,19 +109,22 @@ def _program(eq: Equations, rows: Rows) -> _Program:
     return _Program(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
 
 
-def _certified(inside: _Program, around: _Program, tol: float) -> Traced:
+def _certified(inside: _Program, around: _Program | None, tol: float) -> Traced:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
     best = Traced(_NONE, _NONE, np.zeros(0), math.inf)
     for share in _AIMS:
         outcome, points, directions, heights = _outline(inside, share * tol)
-        if outcome != WITHOUT_BOUND and around is not inside:
-            outcome, _, directions, heights = _outline(around, share * tol)
         if outcome == WITHOUT_BOUND:
             return Traced(_NONE, _NONE, np.zeros(0), math.inf, unbounded=True)
         inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
+        if gap > tol and around is not None:
+            other, _, further, higher = _outline(around, share * tol)
+            if other != WITHOUT_BOUND:
+                directions, heights = np.vstack([directions, further]), np.concatenate([heights, higher])
+                inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
         if gap < best.gap or not len(best.inner):
             best = Traced(inner, directions, heights, gap)
-        if best.gap <= tol:
+        if best.gap <= tol or outcome != TRACED:
             break
     return best
 
@@ -126,38 +145,20 @@ def _outline(program: _Program, tol: float) -> tuple[int, FloatArray, FloatArray
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _on_its_face(program: _Program, margin: float, y: FloatArray) -> _Program:
-    """Replace the cones by the face that the solutions are in, until there is room inside."""
-    best = _with_start(program, program.start + (2.0 * BAND - min(0.0, margin)) * program.e)
-    A, G, e, lorentz = program.A, program.G, program.e, program.lorentz
-    for _ in range(program.A.shape[1]):
-        face, axes, left = smallest_face(A.T @ y, e, lorentz)
-        if face.shape[1] == A.shape[1] or not face.shape[1]:
-            return best
-        A, G = np.ascontiguousarray(A @ face), np.ascontiguousarray(G @ face)
-        e, lorentz = axes, left
-        outcome, margin, start, y, _ = most_margin(A, e, program.w, lorentz)
-        if outcome not in (FEASIBLE, ENDLESS):
-            return best
-        inside = margin > _ROOM
-        start = start if inside else start + (2.0 * BAND - min(0.0, margin)) * e
-        best = _Program(A, program.w, e, lorentz, G, program.offset, start)
-        if inside:
-            return best
-    return best
+def _widened(program: _Program, s: float, most: float) -> _Program | None:
+    """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
 
-
-def _widened(program: _Program, margin: float) -> _Program:
-    """Move the cones' apices back until the forces have room: x + s e in K, in coordinates x + s e."""
-    s = _ROOM - min(0.0, margin)
-    wide = _with_start(program, program.start + s * program.e)
-    wide.w = program.w + s * (program.A @ program.e)
-    wide.offset = program.offset - s * (program.G @ program.e)
-    return wide
-
-
-def _with_start(program: _Program, start: FloatArray) -> _Program:
-    """Return the same program with another start."""
-    return _Program(
-        program.A, program.w, program.e, program.lorentz, program.G, program.offset, start
-    )  # fmt: skip
+    Cones of little friction are moved by no more than `most` s: their width is in their friction.
+    """
+    outcome, _, start, _, _ = most_margin(program.A, program.e, program.w, program.lorentz)
+    if outcome != FEASIBLE:
+        return None
+    shift = s * np.minimum(program.e, most)
+    if not depth(start + shift, program.e, program.lorentz) > _LEAST_ROOM:
+        return None
+    return replace(
+        program,
+        w=program.w + program.A @ shift,
+        offset=program.offset - program.G @ shift,
+        start=start + shift,
+    )
