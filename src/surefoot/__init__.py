@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from surefoot.contact import stewart_trinkle as stewart_trinkle
     from surefoot.contact import write_problem as write_problem
     from surefoot.control.force_distribution import ForceDistributor as ForceDistributor
-    from surefoot.control.force_distribution import distribute as distribute
     from surefoot.control.gait import Gait as Gait
     from surefoot.control.gait import ModeSchedule as ModeSchedule
     from surefoot.control.mpc import ConvexMpc as ConvexMpc
+    from surefoot.control.stance_forces import distribute as distribute
     from surefoot.control.standing import StandingController as StandingController
     from surefoot.control.standing_plan import StandingPlan as StandingPlan
     from surefoot.control.walking import WalkingController as WalkingController
@@ -101,9 +101,10 @@ _HOMES = {
         "stewart_trinkle",
         "write_problem",
     ),
-    "control.force_distribution": ("ForceDistributor", "distribute"),
+    "control.force_distribution": ("ForceDistributor",),
     "control.gait": ("Gait", "ModeSchedule"),
     "control.mpc": ("ConvexMpc",),
+    "control.stance_forces": ("distribute",),
     "control.standing": ("StandingController",),
     "control.standing_plan": ("StandingPlan",),
     "control.walking": ("WalkingController",),

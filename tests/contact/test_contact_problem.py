@@ -206,6 +206,9 @@ def test_semidefinite_matrices_are_never_refused() -> None:
         J = rng.normal(size=(3 * n, rank)) * 10.0 ** rng.uniform(-6, 6, size=rank)
         J[3 * (n - 1) :] = J[:3] * rng.choice([1.0, -1.0, 1.0 + 1e-15])
         G = (J @ J.T) * 10.0 ** rng.uniform(-100, 100)
-        sf.ContactProblem(G, np.zeros(3 * n), 0.5)
-        sf.ContactProblem(sp.csr_matrix(G), np.zeros(3 * n), 0.5)
-        sf.ContactProblem((J.astype(np.float32) @ J.T.astype(np.float32)), np.zeros(3 * n), 0.5)
+        single = J.astype(np.float32) @ J.T.astype(np.float32)
+        for given, matrix in ((G, G), (sp.csr_matrix(G), G), (single, single.astype(float))):
+            problem = sf.ContactProblem(given, np.zeros(3 * n), 0.5)
+            taken = problem.G.toarray() if sp.issparse(problem.G) else problem.G
+            assert np.array_equal(taken, 0.5 * (matrix + matrix.T))
+            assert problem.norm == pytest.approx(np.linalg.norm(taken, 2), rel=1e-8, abs=0.0)

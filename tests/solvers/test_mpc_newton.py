@@ -61,18 +61,6 @@ def over_steps(K):
     return out.reshape(6 * N, 6 * N)
 
 
-@pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 6, 7, 24, 60, 61, 62, 63])
-def test_the_factorisation_solves(size):
-    rng = np.random.default_rng(size)
-    root = rng.normal(size=(size, size))
-    A = root @ root.T + np.eye(size)
-    b = rng.normal(size=size)
-    U, x = np.triu(A), b.copy()
-    kernels.factor(U)
-    kernels.solve_factored(U, x)
-    assert np.allclose(x, np.linalg.solve(A, b), rtol=0, atol=1e-11 * np.linalg.norm(b))
-
-
 def test_the_newton_matrix_is_the_gradients_jacobian(program):
     _, K, _, step, M, bounds, _, point = program
     force = np.array([project(p, b) for p, b in zip(point, bounds, strict=True)])

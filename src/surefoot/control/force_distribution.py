@@ -10,14 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, check_order, finite_array, per_contact, real_array, real_number
+from surefoot.arrays import FloatArray, finite_array, real_array, real_number
 from surefoot.contact.solution import Status
+from surefoot.control.force_parameters import (
+    contact_count,
+    force_weights,
+    friction,
+    normal_bounds,
+    torque_limits,
+    wrench_metric,
+)
 from surefoot.errors import ProblemError
 from surefoot.kernels import MATRIX, VECTOR, entry_point
 from surefoot.solvers import distribution_work as layout
 from surefoot.solvers.distribution_rows import RowsWork, distribute_with_rows, rows_work
 from surefoot.solvers.distribution_wrench import distribute_wrench
-from surefoot.stance import Stance
 
 _STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
 _FLOAT = np.float64
@@ -99,39 +106,23 @@ class ForceDistributor:
             "mu": mu, "normal_min": normal_min, "normal_max": normal_max, "force_weight": force_weight,
         }  # fmt: skip
         self._given = [real_array(name, value) for name, value in given.items()]
-        weights = finite_array("wrench_weights", wrench_weights)
-        if weights.shape not in ((), (6,)):
-            raise ProblemError(f"wrench_weights must be a number or have shape (6,), got {weights.shape}")
-        if (weights < 0.0).any():
-            raise ProblemError(f"wrench_weights must be >= 0, got {weights.min():g}")
-        self._roots = np.sqrt(np.broadcast_to(weights, (6,)))
+        self._roots = np.sqrt(wrench_metric(wrench_weights))
         self._smoothness = real_number("smoothness", smoothness, low=0.0, high=1e300)
         self._tol = real_number("tol", tol, low=0.0)
         self._limit = int(real_number("max_iterations", max_iterations, low=1, high=10**9))
-        self._torque_limit = (
-            None if torque_limit is None else real_array("torque_limit", torque_limit, (None,))
-        )
-        if self._torque_limit is not None and not (self._torque_limit >= 0.0).all():
-            raise ProblemError(f"torque_limit must be >= 0, got {self._torque_limit.min():g}")
-        sizes = {len(a) for a in self._given if a.ndim > 0}
-        if len(sizes) > 1:
-            raise ProblemError(
-                "mu, normal_min, normal_max and force_weight must agree on the number of contacts, "
-                f"got {sorted(sizes)}"
-            )
-        self._fixed = bool(sizes)
-        self._build(sizes.pop() if sizes else 1)  # one contact, until the first grasp map says how many
+        self._torque_limit = None if torque_limit is None else torque_limits(torque_limit)
+        count = contact_count(self._given)
+        self._fixed = count is not None
+        self._build(1 if count is None else count)  # one contact, until the first grasp map says how many
 
     def _build(self, count: int) -> None:
         """Check the per-contact parameters for a number of contacts and make the work space."""
         _call_directly()
         mu, low, high, weight = self._given
-        self._mu = per_contact("mu", mu, count)
-        if np.isinf(self._mu).any():
-            raise ProblemError("mu must be finite, got inf")
-        self._low, self._high = _bounds(low, high, count)
+        self._mu = friction(mu, count)
+        self._low, self._high = normal_bounds(low, high, count)
         self._all = np.ones(count, dtype=np.bool_)
-        self._weights = _force_weights(weight, count)
+        self._weights = force_weights(weight, count)
         self._shape = (6, 3 * count)
         self._forces_shape = (count, 3)
         self._code = 3
@@ -333,7 +324,7 @@ class ForceDistributor:
             or high.shape != shape
             or layout.set_limits(self._work, low, high, self._all) >= 0
         ):
-            self._low, self._high = _bounds(normal_min, normal_max, self._mu.size)
+            self._low, self._high = normal_bounds(normal_min, normal_max, self._mu.size)
             self.set_active(self._all)
         else:
             self._low[:], self._high[:] = low, high
@@ -390,98 +381,3 @@ class ForceDistributor:
     def wrench_error(self) -> float:
         """``||A f - w||_W`` of the last forces; in newtons for unit weights. Infinite if that is unknown."""
         return float(self._results[layout.WRENCH_ERROR])
-
-
-def _bounds(low: ArrayLike, high: ArrayLike, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return the bounds on the normal forces as (n,) arrays, checked."""
-    lower, upper = per_contact("normal_min", low, count), per_contact("normal_max", high, count)
-    check_order(lower, upper)
-    return lower, upper
-
-
-def _force_weights(weight: ArrayLike, count: int) -> FloatArray:
-    """Return the (n, 2) tangential and normal force weights."""
-    weights = real_array("force_weight", weight)
-    if weights.ndim < 2:
-        weights = np.repeat(per_contact("force_weight", weights, count)[:, None], 2, axis=1)
-    if weights.shape != (count, 2):
-        raise ProblemError(
-            f"force_weight must be a number or have shape ({count},) or ({count}, 2), got {weights.shape}"
-        )
-    if not ((weights > 0.0) & np.isfinite(weights)).all():
-        raise ProblemError(f"force_weight must be positive and finite, got {weights.min():g}")
-    return weights
-
-
-def distribute(
-    stance: Stance,
-    wrench: ArrayLike,
-    about: ArrayLike = (0.0, 0.0, 0.0),
-    wrench_weights: ArrayLike = 1.0,
-    force_weight: float = 1e-4,
-) -> FloatArray:
-    """Return contact forces of a stance for a wanted wrench, with exact cones.
-
-    Parameters
-    ----------
-    stance
-        Point and patch contacts; a patch is allocated through its four corners.
-    wrench
-        (6,) wanted [force; moment about the point], world axes [N, N·m].
-    about
-        (3,) point that moments refer to, usually the centre of mass [m].
-    wrench_weights, force_weight
-        As for `ForceDistributor`.
-
-    Returns
-    -------
-    FloatArray
-        (n, 3) forces in contact frames [N]. If the stance has patches, the stacked (dim,) vector of
-        `Stance.slices` instead: three components for a point, a wrench of six about the patch's
-        centre for a patch.
-
-    Raises
-    ------
-    ProblemError
-        If the wrench or the point is not finite or has the wrong shape.
-    """
-    w = finite_array("wrench", wrench, (6,))
-    points = stance.points()
-    distributor = ForceDistributor(
-        points.mu, points.normal_min, points.normal_max, wrench_weights, force_weight
-    )
-    if len(points) == len(stance):
-        return distributor.solve(points.grasp_map(about), w)
-    forces = distributor.solve_with_rows(points.grasp_map(about), w, *_patch_sums(stance))
-    return _patch_wrenches(stance, points, forces)
-
-
-def _patch_sums(stance: Stance) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the (patches, 3n) map from corner forces to the patches' normal forces, and its bounds."""
-    patches = [c for c in stance.contacts if c.dim == 6]
-    sums = np.zeros((len(patches), 3 * len(stance.points())))
-    row = column = 0
-    for contact in stance.contacts:
-        if contact.dim == 6:
-            sums[row, column + 2 : column + 12 : 3] = 1.0
-            row += 1
-        column += 12 if contact.dim == 6 else 3
-    low, high = (np.array([getattr(c, name) for c in patches]) for name in ("normal_min", "normal_max"))
-    return sums, low, high
-
-
-def _patch_wrenches(stance: Stance, points: Stance, forces: FloatArray) -> FloatArray:
-    """Return the stacked forces of points and wrenches of patches for (n, 3) forces of `stance.points()`."""
-    out = np.zeros(stance.dim)
-    taken = 0
-    for contact, part in zip(stance.contacts, stance.slices, strict=True):
-        if contact.dim == 3:
-            out[part] = forces[taken]
-            taken += 1
-            continue
-        corners = points.contacts[taken : taken + 4]
-        arms = [contact.rotation_world_contact.T @ (c.position - contact.position) for c in corners]
-        own = forces[taken : taken + 4]
-        out[part] = np.concatenate([own.sum(axis=0), np.cross(arms, own).sum(axis=0)])
-        taken += 4
-    return out

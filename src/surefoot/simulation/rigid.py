@@ -37,12 +37,13 @@ from surefoot.contact.problem import LAWS, Law
 from surefoot.errors import ProblemError, SimulationError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
-from surefoot.simulation.rigid_feet import add_spheres, loaded_model
+from surefoot.simulation.rigid_bodies import RigidBodies, finite_vector
+from surefoot.simulation.rigid_feet import FeetOnGround
 from surefoot.simulation.rigid_motion import FreeMotion
 from surefoot.simulation.world import ContactReading
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
-from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
+from surefoot.stance import FlatTerrain, Terrain
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
 STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
@@ -128,8 +129,11 @@ class RigidWorld:
         self.restitution = real_number("restitution", restitution, low=0.0, high=1.0)
         self.stabilisation, self.law, self.solver, self.tol = stabilisation, law, solver, tol
         self.set_friction(mu)
-        self.model = loaded_model(robot, real_number("payload", payload, low=0.0))
-        self._prepare()
+        self._body = RigidBodies(robot, real_number("payload", payload, low=0.0))
+        self.model, self.data, self._L = self._body.model, self._body.data, self._body.L
+        self._feet = FeetOnGround(self._body.spheres, self.terrain, self.model, self.data)
+        self.contact_foot, self._count = self._body.spheres.foot, len(self._body.spheres.foot)
+        self._J, self._frames = self._feet.J, self._feet.frames
         self.reset(robot.nominal)
 
     @property
@@ -174,7 +178,7 @@ class RigidWorld:
         """
         effort = self._effort(torques)
         if push is not None:
-            push = _finite("push", push, 3)
+            push = finite_vector("push", push, 3)
         before = self._q, self._v, self._impulses.copy(), self._velocities, self._seen, self.solution
         self._before = before[:2]
         try:
@@ -198,9 +202,7 @@ class RigidWorld:
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0."""
-        import pinocchio
-
-        return float(pinocchio.computeMechanicalEnergy(self.model, self.data, self._q, self._v))
+        return self._body.energy(self._q, self._v)
 
     def contact_work(self) -> float:
         """Return the work of the ground's impulses during the last step [J].
@@ -217,7 +219,7 @@ class RigidWorld:
     def _effort(self, torques: FloatArray) -> FloatArray:
         """Return the motors' generalised forces (nv,)."""
         base, out = self.robot.base_dof, np.zeros(self.model.nv)
-        out[base:] = _finite("torques", torques, self.robot.joints)
+        out[base:] = finite_vector("torques", torques, self.robot.joints)
         return out
 
     def _fly(self, effort: FloatArray) -> bool:
@@ -228,7 +230,7 @@ class RigidWorld:
         if rigid_step.near_ground(self._J, v, v, self._gaps, 2.0 * self.dt, REACH).size:
             return False
         start, seen, velocities = self._q, (self._gaps, self._points), (self._J @ v).reshape(-1, 3)
-        self._move(self._flight, self.dt, effort)
+        self._move(self._body.flight, self.dt, effort)
         self._place()
         still = np.zeros_like(v)
         if rigid_step.near_ground(self._J, self._v, still, self._gaps, 0.5 * self.dt, 0.0).size:
@@ -241,7 +243,7 @@ class RigidWorld:
     def _meet_ground(self, effort: FloatArray, push: FloatArray | None) -> None:
         """Take the step with the forces of gravity, motors, push and ground in its middle."""
         arrival = self._arrive() if self._steps == 0 else None
-        self._move(self._coasting, 0.5 * self.dt)
+        self._move(self._body.coasting, 0.5 * self.dt)
         self._place()
         self._weigh()
         if self.stabilisation == "projection":
@@ -252,7 +254,7 @@ class RigidWorld:
         if arrival is not None:
             self._impulses += arrival
         self._seen, self._airborne = (self._gaps, self._points), not near.size
-        self._move(self._coasting, 0.5 * self.dt)
+        self._move(self._body.coasting, 0.5 * self.dt)
 
     def _arrive(self) -> FloatArray | None:
         """Stop what would hit the ground before the first impulses of a run; return the impulses (p, 3)."""
@@ -277,38 +279,22 @@ class RigidWorld:
 
     def _free_velocity(self, effort: FloatArray, push: FloatArray | None) -> FloatArray:
         """Return the velocity after all forces but the ground's."""
-        if push is not None and self._floating:
-            effort, local = effort.copy(), self.data.oMi[1].rotation.T @ push
-            effort[:3] += local
-            effort[3:6] += np.cross(self.robot.model.inertias[1].lever, local)
-        free = rigid_step.free_velocity(
-            self._L, effort - self._gravity(self.model, self.data, self._q), self._v, self.dt
-        )
+        free = self._body.free_velocity(self._q, self._v, effort, push, self.dt)
         if not rigid_step.largest(free) < FASTEST:
             raise self._lost("velocity under the given torques")
         return free
 
     def _place(self) -> None:
         """Bring placements, gaps and the contact Jacobian up to the present configuration."""
-        data = self.data
-        self._jacobians(self.model, data, self._q)
-        self._update_frames(self.model, data)
-        places = data.oMf
-        centres = np.array([places[k].translation for k in self._spheres.frame]).reshape(-1, 3)
-        if self._plane is not None:
-            self._gaps = centres @ self._plane[:, 2] - self._radii
-        else:
-            self._gaps = self.terrain.gap(centres) - self._radii
-            rigid_step.surface_frames(self.terrain.normal(centres[:, :2]), self._frames)
+        self._gaps = self._feet.gaps(self._q)
         if not rigid_step.largest(self._gaps) < np.inf:
             raise self._lost("gap between feet and ground")
-        self._points = centres - self._radii[:, None] * self._frames[:, :, 2]
-        rigid_step.contact_rows(data.J, self._spheres.support, self._points, self._frames, self._J)
+        self._points = self._feet.points()
         self._placed = True
 
     def _weigh(self) -> None:
         """Bring the factor of the mass matrix up to the present configuration."""
-        rigid_step.factorise(self._crba(self.model, self.data, self._q), self._L)
+        self._body.weigh(self._q)
 
     def _collide(self, free: FloatArray, near: IntArray, horizon: float) -> None:
         """Set v⁺, impulses and contact velocities; `horizon` is the time to the next impulses [s].
@@ -389,7 +375,7 @@ class RigidWorld:
             )
             pushes = solve(self._problem(G, g, 0.0), self.solver, 1e-6).forces
             step = rigid_step.apply_impulses(self._L, Y, pushes.ravel(), rest)
-            self._q = np.array(self._integrate(self.model, self._q, step))
+            self._q = self._body.moved(self._q, step)
             self._place()
             self._weigh()
 
@@ -401,45 +387,5 @@ class RigidWorld:
 
     def _lost(self, what: str) -> SimulationError:
         """Return the error for a state that cannot go on; it names the joint that moved fastest before."""
-        fastest = int(np.argmax(np.abs(self._before[1]))) if self.model.nv else 0
-        joint = next(
-            k for k in range(1, self.model.njoints) if fastest < self.model.idx_vs[k] + self.model.nvs[k]
-        )
-        return SimulationError(
-            what, self.time, self.dt, self.model.names[joint], float(abs(self._before[1][fastest]))
-        )
-
-    def _prepare(self) -> None:
-        """Build the model with its contact spheres, and the arrays that every step reuses."""
-        import pinocchio
-
-        model, robot = self.model, self.robot
-        self._floating = robot.floating
-        self._jacobians, self._crba = pinocchio.computeJointJacobians, pinocchio.crba
-        self._update_frames = pinocchio.updateFramePlacements
-        self._integrate, self._gravity = pinocchio.integrate, pinocchio.computeGeneralizedGravity
-        self._spheres = add_spheres(model, robot)
-        self.contact_foot, self._radii = self._spheres.foot, self._spheres.radius
-        self._count = n = len(self.contact_foot)
-        self.data = model.createData()
-        weightless = model.copy()
-        weightless.gravity.setZero()
-        self._flight = FreeMotion(model, robot.floating)
-        self._coasting = FreeMotion(weightless, robot.floating)
-        self._frames = np.zeros((n, 3, 3))
-        self._plane = self.terrain.frame([0.0, 0.0]) if isinstance(self.terrain, SlopeTerrain) else None
-        if self._plane is not None:
-            self._frames[:] = self._plane
-        self._J, self._L = np.zeros((3 * n, model.nv)), np.zeros((model.nv, model.nv))
-
-
-def _finite(name: str, value: FloatArray, size: int) -> FloatArray:
-    """Return a finite (size,) array; the fast way in for what is one already."""
-    if (
-        isinstance(value, np.ndarray)
-        and value.dtype == np.float64
-        and value.shape == (size,)
-        and rigid_step.largest(value) < np.inf
-    ):
-        return value
-    return finite_array(name, value, (size,))
+        joint, speed = self._body.fastest_joint(self._before[1])
+        return SimulationError(what, self.time, self.dt, joint, speed)

@@ -1,4 +1,4 @@
-"""The contact spheres of a robot's feet as frames of a model of the rigid world's own."""
+"""The contact spheres of a robot's feet: frames of a model of the rigid world's own, over its ground."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.robot import Robot
+from surefoot.simulation import rigid_step
+from surefoot.stance import SlopeTerrain, Terrain
 
 
 @dataclass(frozen=True)
@@ -33,17 +35,6 @@ class Spheres:
     support: BoolArray
 
 
-def loaded_model(robot: Robot, payload: float) -> Any:
-    """Return a copy of the robot's model with a point mass [kg] at the base's origin."""
-    import pinocchio
-
-    model = robot.model.copy()
-    if payload > 0.0 and robot.floating:
-        load = pinocchio.Inertia(payload, np.zeros(3), 1e-3 * payload * np.eye(3))
-        model.inertias[1] = model.inertias[1] + load
-    return model
-
-
 def add_spheres(model: Any, robot: Robot) -> Spheres:
     """Add a frame to the model for each contact sphere of the robot's feet."""
     import pinocchio
@@ -64,3 +55,56 @@ def add_spheres(model: Any, robot: Robot) -> Spheres:
             joint = int(model.parents[joint])
     owner = np.array([k for k, _, _ in spheres], dtype=np.int64)
     return Spheres(owner, frames, np.array([foot.radius for _, foot, _ in spheres]), support)
+
+
+class FeetOnGround:
+    """Gaps, points and Jacobian of contact spheres over a terrain; one per world, for its arrays.
+
+    Parameters
+    ----------
+    spheres
+        From `add_spheres`.
+    terrain
+        What they stand on.
+    model, data
+        Pinocchio's, with the spheres' frames.
+
+    Attributes
+    ----------
+    frames
+        (p, 3, 3) rotation_world_contact below every sphere.
+    J
+        (3p, nv) map from v to the points' velocities in contact frames.
+    """
+
+    def __init__(self, spheres: Spheres, terrain: Terrain, model: Any, data: Any) -> None:
+        import pinocchio
+
+        self._spheres, self._terrain, self._model, self._data = spheres, terrain, model, data
+        self._jacobians, self._update = pinocchio.computeJointJacobians, pinocchio.updateFramePlacements
+        n = len(spheres.foot)
+        self.frames, self.J = np.zeros((n, 3, 3)), np.zeros((3 * n, model.nv))
+        self._plane = terrain.frame([0.0, 0.0]) if isinstance(terrain, SlopeTerrain) else None
+        if self._plane is not None:
+            self.frames[:] = self._plane
+        self._centres = np.zeros((n, 3))
+
+    def gaps(self, q: FloatArray) -> FloatArray:
+        """Return the distances (p,) of the spheres to the ground [m] at (nq,) q; the frames follow."""
+        self._jacobians(self._model, self._data, q)
+        self._update(self._model, self._data)
+        places, radii = self._data.oMf, self._spheres.radius
+        self._centres = centres = np.array([places[k].translation for k in self._spheres.frame]).reshape(
+            -1, 3
+        )
+        if self._plane is not None:
+            return np.asarray(centres @ self._plane[:, 2] - radii)
+        gaps = self._terrain.gap(centres) - radii
+        rigid_step.surface_frames(self._terrain.normal(centres[:, :2]), self.frames)
+        return np.asarray(gaps)
+
+    def points(self) -> FloatArray:
+        """Return the spheres' lowest points (p, 3) [m] at the q of the last `gaps`; J follows."""
+        points = self._centres - self._spheres.radius[:, None] * self.frames[:, :, 2]
+        rigid_step.contact_rows(self._data.J, self._spheres.support, points, self.frames, self.J)
+        return np.asarray(points)

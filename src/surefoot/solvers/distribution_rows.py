@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers import distribution_work as base
 from surefoot.solvers.distribution_newton import (
     CENTRE,
@@ -242,37 +242,31 @@ def restore(
     return used, settled
 
 
-@kernel
-def distribute_with_rows(
-    grasp_map: FloatArray, wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray,
-    work: FloatArray, columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray,
-    H: FloatArray, rows: FloatArray, forces: FloatArray,
-) -> int:  # fmt: skip
-    """Write the optimal forces that also keep low <= Jᵀ f <= high; return a code.
-
-    The rows are first left out: mostly they hold by themselves, and then that is the optimum.
-    """
-    contacts, results = forces.shape[0], forces.shape[0] + 1
+@inline_kernel
+def not_usable(jacobian: FloatArray, low: FloatArray, high: FloatArray) -> bool:
+    """Tell whether the rows hold a number that is not finite, or a limit that nothing can keep."""
     check = 0.0
     for j in range(jacobian.shape[1]):
         check += 0.0 if low[j] < math.inf and high[j] > -math.inf else math.nan
         for i in range(jacobian.shape[0]):
             check += 0.0 * jacobian[i, j]
-    if check != 0.0:
-        base.hold(work, contacts, forces)
-        return base.INVALID
-    code = distribute_wrench(grasp_map, wrench, work, forces)
-    violation = row_violation(jacobian, forces, low, high)
-    work[results, base.ROW_VIOLATION] = violation
-    if code == base.INVALID or violation <= 0.0:
-        work[results, base.ROWS_WARM] = 0.0
-        return code
-    if work[results, base.ROWS_WARM] == 0.0:
-        rows[:, MULTIPLIER] = 0.0
-        rows[:, LAST] = 0.0
-        for a in range(6):
-            duals[DUAL, a] = work[contacts, base.DUAL + a]
-    tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], 200.0)
+    return check != 0.0
+
+
+@inline_kernel
+def solve_rows(
+    wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
+    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
+    rows: FloatArray, contacts: int, tol: float, limit: float,
+) -> tuple[float, int, bool, bool]:  # fmt: skip
+    """Solve the loaded wrench program with the rows, a little inside their limits.
+
+    Returns
+    -------
+    tuple
+        ||F||² (infinite where the optimum was not reached), iterations, whether the multipliers have settled
+        at the optimum and whether no force fits.
+    """
     margin, iterations, settled, empty, error = INSET, 0, False, False, math.inf
     for _ in range(3):
         load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts, margin)
@@ -291,12 +285,50 @@ def distribute_with_rows(
             error = math.inf
             used, settled = restore(columns, sets, points, duals, H, rows, tol, limit, contacts)
             iterations += used
+    return error, iterations, solved, empty
+
+
+@inline_kernel
+def take_forces(points: FloatArray, work: FloatArray, contacts: int) -> bool:
+    """Copy the forces found to `work`; False if they are too large for double precision."""
     check = 0.0
     for k in range(contacts):
         for i in range(3):
             work[k, base.FORCE + i] = points[VALUE, 3 * k + i]
             check += 0.0 * points[VALUE, 3 * k + i]
-    if check != 0.0:  # too large for double precision
+    return check == 0.0
+
+
+@kernel
+def distribute_with_rows(
+    grasp_map: FloatArray, wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray,
+    work: FloatArray, columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray,
+    H: FloatArray, rows: FloatArray, forces: FloatArray,
+) -> int:  # fmt: skip
+    """Write the optimal forces that also keep low <= Jᵀ f <= high; return a code.
+
+    The rows are first left out: mostly they hold by themselves, and then that is the optimum.
+    """
+    contacts, results = forces.shape[0], forces.shape[0] + 1
+    if not_usable(jacobian, low, high):
+        base.hold(work, contacts, forces)
+        return base.INVALID
+    code = distribute_wrench(grasp_map, wrench, work, forces)
+    violation = row_violation(jacobian, forces, low, high)
+    work[results, base.ROW_VIOLATION] = violation
+    if code == base.INVALID or violation <= 0.0:
+        work[results, base.ROWS_WARM] = 0.0
+        return code
+    if work[results, base.ROWS_WARM] == 0.0:
+        rows[:, MULTIPLIER] = 0.0
+        rows[:, LAST] = 0.0
+        for a in range(6):
+            duals[DUAL, a] = work[contacts, base.DUAL + a]
+    tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], 200.0)
+    error, iterations, solved, empty = solve_rows(
+        wrench, jacobian, low, high, work, columns, sets, points, duals, H, rows, contacts, tol, limit
+    )
+    if not take_forces(points, work, contacts):
         work[results, base.WARM] = work[results, base.ROWS_WARM] = 0.0
         base.hold(work, contacts, forces)
         work[results, base.ROW_VIOLATION] = row_violation(jacobian, forces, low, high)
