@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from surefoot.bench.problems import NamedProblem
 
 SCALES = ("robot", "large")
-QUICK_COPIES, QUICK_CONTACTS = 0.01, 60
-"""Of --quick: share of the problems of each family (one at least), and contacts of the largest one."""
+QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES = 0.01, 60, 6
+"""Of --quick: share of the problems of each family (one at least), contacts of the largest one, and families."""
 
 
 def contact(
@@ -85,12 +85,12 @@ def contact(
 
 
 def _smallest(problems: list[NamedProblem]) -> list[NamedProblem]:
-    """Return the smallest problem of every family that has one of at most `QUICK_CONTACTS` contacts."""
+    """Return the smallest problem of each of the `QUICK_FAMILIES` families with the smallest ones."""
     least: dict[str, NamedProblem] = {}
     for named in sorted(problems, key=lambda p: p.problem.contacts):
         if named.problem.contacts <= QUICK_CONTACTS:
             least.setdefault(named.family, named)
-    return list(least.values())
+    return list(least.values())[:QUICK_FAMILIES]
 
 
 def _rivals(found: Comparison) -> list[str]:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from surefoot.arrays import real_number
-from surefoot.control.standing_plan import Lift
 from surefoot.errors import ProblemError
-from surefoot.simulation.run import Ice, Push
-from surefoot.simulation.walk_terrain import rough_ground
-from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+
+if TYPE_CHECKING:  # loading a simulation takes longer than most commands
+    from surefoot.control.standing_plan import Lift
+    from surefoot.simulation.run import Ice, Push
+    from surefoot.stance import Terrain
 
 T = TypeVar("T")
 MU_MAX = 1e3
@@ -48,6 +49,8 @@ def push(text: str) -> Push:
     >>> push("1:60,0,0:0.2")
     Push(start=1.0, force=(60.0, 0.0, 0.0), duration=0.2)
     """
+    from surefoot.simulation.run import Push
+
     parts = text.split(":")
     force = parts[1].split(",") if len(parts) == 3 else []
     if len(force) != 3:
@@ -63,6 +66,8 @@ def push(text: str) -> Push:
 
 def ice(text: str) -> Ice:
     """Return the change of friction of "T:MU"."""
+    from surefoot.simulation.run import Ice
+
     parts = text.split(":")
     if len(parts) != 2:
         raise ProblemError(f"--ice {text!r} is not of the form T:MU, e.g. 2:0.05")
@@ -74,6 +79,8 @@ def ice(text: str) -> Ice:
 
 def lift(text: str) -> Lift:
     """Return the lifted foot of "FOOT:T0:T1"."""
+    from surefoot.control.standing_plan import Lift
+
     parts = text.split(":")
     if len(parts) != 3 or not parts[0]:
         raise ProblemError(f"--lift {text!r} is not of the form FOOT:T0:T1, e.g. FL:1:2")
@@ -177,6 +184,9 @@ def terrain(text: str) -> Terrain:
     >>> terrain("slope:15")
     SlopeTerrain(15)
     """
+    from surefoot.simulation.walk_terrain import rough_ground
+    from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain
+
     kind, _, rest = text.partition(":")
     values = [number("--terrain", part) for part in rest.split(",")] if rest else []
     if kind == "flat" and not values:
