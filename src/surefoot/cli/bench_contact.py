@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 SCALES = ("robot", "large")
 QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES = 0.01, 60, 6
-"""Of --quick: share of each family's problems (one at least), contacts of the largest one, number of families."""
+"""Of --quick: share of each family's problems (at least one), contacts of the largest, number of families."""
 
 
 def contact(
