@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,11 +9,8 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli.console import plain_console
-from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import new_run_folder, to_json
-from surefoot.cli.progress import progress_bar
 from surefoot.cli.robots import load
-from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
 
 WORLDS = ("mujoco", "rigid")
@@ -54,18 +49,12 @@ def stand(
     Exit code 0 if it stood and no law was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
-    from surefoot.cli.run_files import PARTS
-    from surefoot.simulation.run import Scenario
+    from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.standing import run_standing
 
     console = plain_console(quiet=as_json)
     _check(mu, world, duration, payload, seed)
-    scenario = Scenario(duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice), seed)
-    lifts = parsing.each(parsing.lift, lift)
-    for option, texts, events in (
-        ("--push", push, scenario.pushes), ("--ice", ice, scenario.ice), ("--lift", lift, lifts),
-    ):  # fmt: skip
-        parsing.within_run(option, texts, [event.start for event in events], duration)
+    scenario, lifts = _scenario(duration, mu, push, ice, lift, seed)
     sides = parsing.facets(facets)
     _require(robot if urdf is None else str(urdf.absolute()), world, video, report)
     setup = _set_up(robot, urdf, feet, slope, lifts)
@@ -78,28 +67,16 @@ def stand(
         console.print(phase["text"], soft_wrap=True, highlight=False)
     if not all(phase["possible"] for phase in statics) and not anyway:
         if as_json:
-            facts = {
-                "robot": setup.robot.name,
-                "mass": setup.robot.mass,
-                "stood": False,
-                "outcome": "impossible",
-            }
-            print(to_json({**facts, "statics": statics}))
+            print(to_json(_impossible(setup, statics)))
         return 1
     controller = setup.controller(mu, allocation)
     physics = setup.world(world, mu, payload)
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
-    with ends_softly() as stop:
-        with progress_bar(not as_json, "standing", duration) as tell, engine_warnings() as warned:
-            log = run_standing(physics, controller, setup.q, scenario, tell, folder / PARTS)
-        for line in warned:
-            console.print(line, soft_wrap=True, highlight=False)
-        summary = _write(setup, log, statics, folder, video, report, console)
-        if as_json:
-            print(to_json(summary))
-    if summary["outcome"] == "interrupted":
-        return stop.code
-    return 0 if summary["stood"] and not summary["laws_broken"] and not summary["unwritten"] else 1
+    run = SimulatedRun(setup.robot, setup.terrain, duration, folder, video, report, as_json, console)
+    return run.carry_out(
+        lambda tell, parts: run_standing(physics, controller, setup.q, scenario, tell, parts),
+        _account(statics),
+    )
 
 
 def _check(mu: float, world: str, duration: float, payload: float, seed: int | None) -> None:
@@ -111,6 +88,27 @@ def _check(mu: float, world: str, duration: float, payload: float, seed: int | N
     parsing.duration(duration, SHORTEST)
     real_number("--payload", payload, low=0.0, high=1e4)
     parsing.seed(seed)
+
+
+def _scenario(
+    duration: float,
+    mu: float,
+    push: list[str] | None,
+    ice: list[str] | None,
+    lift: list[str] | None,
+    seed: int | None,
+) -> tuple[Any, list[Any]]:
+    """Return what happens to the robot, and the feet that it lifts, or raise for what lies past the end."""
+    from surefoot.cli import parsing
+    from surefoot.simulation.run import Scenario
+
+    scenario = Scenario(duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice), seed)
+    lifts = parsing.each(parsing.lift, lift)
+    for option, texts, events in (
+        ("--push", push, scenario.pushes), ("--ice", ice, scenario.ice), ("--lift", lift, lifts),
+    ):  # fmt: skip
+        parsing.within_run(option, texts, [event.start for event in events], duration)
+    return scenario, lifts
 
 
 def _require(robot: str | None, world: str, video: bool, report: bool) -> None:
@@ -202,40 +200,29 @@ def _statics(setup: _Setup, mu: float, payload: float) -> list[dict[str, Any]]:
     return out
 
 
-def _write(
-    setup: _Setup,
-    log: Any,
-    statics: list[dict[str, Any]],
-    folder: Path,
-    video: bool,
-    report: bool,
-    console: Any,
-) -> dict[str, Any]:
-    """Write everything that the run leaves, print the table, and return the summary."""
-    from surefoot.cli import run_files, stand_output
-    from surefoot.simulation.summary import summarise
-    from surefoot.viz.report import write_report
+def _impossible(setup: _Setup, statics: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the summary of a stand that statics rules out."""
+    return {
+        "robot": setup.robot.name,
+        "mass": setup.robot.mass,
+        "stood": False,
+        "outcome": "impossible",
+        "statics": statics,
+    }
 
-    written, page = run_files.Written(), folder / "report.html"
-    written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
-    summary = summarise(log)
-    summary["statics"], summary["unwritten"] = statics, written.notes
-    written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
-    pictures = run_files.Pictures(log, folder)
-    if video and summary["outcome"] != "interrupted":
-        with progress_bar(not console.quiet, "filming", 1.0) as tell:
-            pictures.film(setup.robot, setup.terrain, tell)
-    stand_output.print_summary(console, summary)
-    headline = stand_output.headline(summary)
-    good = summary["stood"] and not summary["laws_broken"]
-    if report:
-        pictures.plot()
-        sections = stand_output.report_sections(summary, [phase["text"] for phase in statics])
-        sections += pictures.sections()
-        title, command = f"{setup.robot.name} standing", shlex.join(["surefoot", *sys.argv[1:]])
-        written.attempt(page, lambda: write_report(page, title, (headline, good), sections, command))
-    for note in pictures.notes() + written.notes:
-        console.print(note, soft_wrap=True, highlight=False)
-    console.print(headline, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    console.print(f"report: {page if page.exists() else folder}", soft_wrap=True, highlight=False)
-    return summary
+
+def _account(statics: list[dict[str, Any]]) -> Any:
+    """Return how a stand is summed up."""
+    from surefoot.cli import stand_output
+    from surefoot.cli.simulated_run import Account
+    from surefoot.simulation.summary import summarise
+
+    said = [phase["text"] for phase in statics]
+    return Account(
+        "standing",
+        "stood",
+        lambda log: {**summarise(log), "statics": statics},
+        stand_output.print_summary,
+        stand_output.headline,
+        lambda summary: stand_output.report_sections(summary, said),
+    )

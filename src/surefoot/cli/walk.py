@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,11 +9,8 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli.console import plain_console
-from surefoot.cli.engine_warnings import engine_warnings
-from surefoot.cli.output import new_run_folder, to_json
-from surefoot.cli.progress import progress_bar
+from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
-from surefoot.cli.signals import ends_softly
 from surefoot.errors import ProblemError, unknown_name
 
 SHORTEST = 0.5
@@ -65,20 +60,14 @@ def walk(
     Exit code 0 if it walked to the end and no law was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
-    from surefoot.cli.run_files import PARTS
-    from surefoot.simulation.faults import Faults
-    from surefoot.simulation.walking import WalkScenario, run_walking
+    from surefoot.cli.simulated_run import SimulatedRun
+    from surefoot.simulation.walking import run_walking
 
     console = plain_console(quiet=as_json)
     _check_numbers(mu, believed_mu, duration, payload, noise, delay, seed)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
-    scenario = WalkScenario(
-        duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice),
-        seed, Faults(noise=noise, delay=delay),
-    )  # fmt: skip
-    for option, texts, events in (("--push", push, scenario.pushes), ("--ice", ice, scenario.ice)):
-        parsing.within_run(option, texts, [event.start for event in events], duration)
+    scenario = _scenario(duration, mu, push, ice, seed, noise, delay)
     _require(robot if urdf is None else str(urdf.absolute()), video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     schedule = _schedule(model, gait, gait_file, period)
@@ -87,17 +76,10 @@ def walk(
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
-    with ends_softly() as stop:
-        with progress_bar(not as_json, "walking", duration) as tell, engine_warnings() as warned:
-            log = run_walking(world, controller, q, scenario, tell, folder / PARTS)
-        for line in warned:
-            console.print(line, soft_wrap=True, highlight=False)
-        summary = _write(model, ground, log, folder, video, report, console)
-        if as_json:
-            print(to_json(summary))
-    if summary["outcome"] == "interrupted":
-        return stop.code
-    return 0 if summary["walked"] and not summary["laws_broken"] and not summary["unwritten"] else 1
+    run = SimulatedRun(model, ground, duration, folder, video, report, as_json, console)
+    return run.carry_out(
+        lambda tell, parts: run_walking(world, controller, q, scenario, tell, parts), _account()
+    )
 
 
 def _check_numbers(
@@ -119,6 +101,29 @@ def _check_numbers(
     real_number("--noise", noise, low=0.0, high=100.0)
     real_number("--delay", delay, low=0.0, high=1.0)
     parsing.seed(seed)
+
+
+def _scenario(
+    duration: float,
+    mu: float,
+    push: list[str] | None,
+    ice: list[str] | None,
+    seed: int | None,
+    noise: float,
+    delay: float,
+) -> Any:
+    """Return what happens to the robot, or raise for what lies past the end."""
+    from surefoot.cli import parsing
+    from surefoot.simulation.faults import Faults
+    from surefoot.simulation.walking import WalkScenario
+
+    scenario = WalkScenario(
+        duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice),
+        seed, Faults(noise=noise, delay=delay),
+    )  # fmt: skip
+    for option, texts, events in (("--push", push, scenario.pushes), ("--ice", ice, scenario.ice)):
+        parsing.within_run(option, texts, [event.start for event in events], duration)
+    return scenario
 
 
 def _require(robot: str | None, video: bool, report: bool) -> None:
@@ -177,35 +182,19 @@ def _set_up(
     return controller, MujocoWorld(robot, ground, mu, payload=payload), q
 
 
-def _write(
-    robot: Any, ground: Any, log: Any, folder: Path, video: bool, report: bool, console: Any
-) -> dict[str, Any]:
-    """Write everything that the run leaves, print the tables, and return the summary."""
-    from surefoot.cli import run_files, walk_output
+def _account() -> Any:
+    """Return how a walk is summed up."""
+    from surefoot.cli import walk_output
+    from surefoot.cli.simulated_run import Account
     from surefoot.simulation.walk_summary import summarise_walk
-    from surefoot.viz.report import write_report
     from surefoot.viz.walk_plots import draw_walk
 
-    written, page = run_files.Written(), folder / "report.html"
-    written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
-    summary = summarise_walk(log)
-    summary["unwritten"] = written.notes
-    written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
-    pictures = run_files.Pictures(log, folder)
-    if video and summary["outcome"] != "interrupted":
-        with progress_bar(not console.quiet, "filming", 1.0) as tell:
-            pictures.film(robot, ground, tell)
-    walk_output.print_summary(console, summary)
-    line = walk_output.headline(summary)
-    good = summary["walked"] and not summary["laws_broken"]
-    if report:
-        pictures.plot(draw_walk)
-        sections = walk_output.report_sections(summary) + pictures.sections()
-        title, command = f"{robot.name} walking", shlex.join(["surefoot", *sys.argv[1:]])
-        written.attempt(page, lambda: write_report(page, title, (line, good), sections, command))
-    for note in pictures.notes() + written.notes:
-        console.print(note, soft_wrap=True, highlight=False)
-    console.print(line, style="bold green" if good else "bold red", soft_wrap=True, highlight=False)
-    where = page if page.exists() else folder
-    console.print(f"report: {where}", soft_wrap=True, highlight=False)
-    return summary
+    return Account(
+        "walking",
+        "walked",
+        summarise_walk,
+        walk_output.print_summary,
+        walk_output.headline,
+        walk_output.report_sections,
+        draw_walk,
+    )
