@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pinocchio
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -264,6 +264,7 @@ def test_ground_never_feeds_energy_to_a_tumbling_box(seed):
     mu=st.floats(0, 1.5),
     degrees=st.floats(-40, 40),
 )
+@example(spin=np.full(3, 20.0), speed=np.zeros(3), turn=np.ones(3), mu=1.0, degrees=0.0)
 def test_thrown_plank_obeys_every_law(spin, speed, turn, mu, degrees):
     """No penetration beyond the curvature of a step, forces in their cones, energy that only falls."""
     body = box(0.7, (0.6, 0.1, 0.02))
@@ -281,7 +282,8 @@ def test_thrown_plank_obeys_every_law(spin, speed, turn, mu, degrees):
         assert np.all(tangent <= mu * reading.forces[:, 2] + 1e-5)
         reach = np.linalg.norm(world.state()[1][3:]) + turning
         last, energy = energy, world.energy()
-        assert energy <= last + 1e-9 * start + (9.81 * 0.7 * 1e-6)  # a projection may lift by its slop
+        # the bound of docs/rigid-world.md: a contact that opens or closes within a step errs at first order
+        assert energy <= last + 1e-6 * start + 9.81 * 0.7 * 1e-2 * world.dt
         assert reading.gaps.min() > -1e-6 - 0.31 * (reach * world.dt) ** 2
     assert world.unsolved == 0
 
