@@ -12,6 +12,8 @@ from surefoot.compilation import Kernel
 MATRIX, VECTOR = numba.float64[:, ::1], numba.float64[::1]
 REAL, INTEGER, BOOLEAN = numba.float64, numba.int64, numba.boolean
 OPTIONS = {"nopython": True, "boundscheck": None, "error_model": "numpy", "no_cfunc_wrapper": True}
+COMPILING = not numba.config.DISABLE_JIT
+"""Whether kernels are compiled: not under NUMBA_DISABLE_JIT=1."""
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -51,7 +53,7 @@ def inline_kernel(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
-    if numba.config.DISABLE_JIT:
+    if not COMPILING:
         function.py_func = function  # type: ignore[attr-defined]
         return function
     return cast("Callable[P, R]", Kernel(function, {}, options))
