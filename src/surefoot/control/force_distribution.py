@@ -80,7 +80,7 @@ class ForceDistributor:
 
     Examples
     --------
-    >>> from surefoot.stance import PointContact
+    >>> from surefoot.stance import PointContact, Stance
     >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
     >>> stance = Stance([PointContact(p, mu=0.6) for p in feet])
     >>> distributor = ForceDistributor(mu=0.6, normal_min=5.0, normal_max=250.0, force_weight=1e-4)
