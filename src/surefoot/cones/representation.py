@@ -58,8 +58,8 @@ def halfspaces_from_rays(rays: FloatArray, method: Method = "qhull") -> FloatArr
     Examples
     --------
     >>> rows = halfspaces_from_rays(np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]))
-    >>> sorted(rows.round(9).tolist())
-    [[-1.0, -0.0], [0.0, -1.0]]
+    >>> sorted((rows.round(9) + 0.0).tolist())  # no zero is negative
+    [[-1.0, 0.0], [0.0, -1.0]]
     """
     return convert(rays, method)[0]
 
