@@ -46,6 +46,21 @@ def settle(low: FloatArray, scales: FloatArray, forces: FloatArray) -> None:
 
 
 @inline_kernel
+def _natural_square(
+    forces: FloatArray, velocities: FloatArray, k: int, step: float, mu: float, low: float, high: float,
+    convex: bool,
+) -> float:  # fmt: skip
+    """Return ||λ_k - P_K(λ_k - step (u_k + Γ(u_k)))||² of contact k."""
+    i = 3 * k
+    x, y, z = forces[i], forces[i + 1], forces[i + 2]
+    p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
+    if not convex and low > -np.inf:
+        r += mu * math.sqrt(p * p + q * q)
+    a, b, c = project(x - step * p, y - step * q, z - step * r, mu, low, high)
+    return float((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
+
+
+@inline_kernel
 def velocity_error(
     forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
     measure: FloatArray, convex: bool,
@@ -57,14 +72,8 @@ def velocity_error(
     worst = total = 0.0
     at = measure.shape[1] - 2
     for k in range(mu.size):
-        i = 3 * k
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
-        if not convex and low[k] > -np.inf:
-            r += mu[k] * math.sqrt(p * p + q * q)
-        step = measure[k, at]
-        a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
-        gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, at + 1]
+        square = _natural_square(forces, velocities, k, measure[k, at], mu[k], low[k], high[k], convex)
+        gap = square * measure[k, at + 1]
         worst = max(worst, gap)
         total += gap
     return math.sqrt(worst) if total >= 0.0 else np.inf
@@ -83,15 +92,9 @@ def force_error(
     gap = size = reach = 0.0
     at = measure.shape[1] - 2
     for k in range(mu.size):
-        i = 3 * k
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
-        if not convex and low[k] > -np.inf:
-            r += mu[k] * math.sqrt(p * p + q * q)
-        step = measure[k, at]
-        a, b, c = project(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k])
-        gap += ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / step
-        size += (x * x + y * y + z * z) / step
+        i, step = 3 * k, measure[k, at]
+        gap += _natural_square(forces, velocities, k, step, mu[k], low[k], high[k], convex) / step
+        size += (forces[i] ** 2 + forces[i + 1] ** 2 + forces[i + 2] ** 2) / step
         reach += step * (g[i] ** 2 + g[i + 1] ** 2 + g[i + 2] ** 2)
     scale = max(size, reach)
     if not gap >= 0.0:
