@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import TYPE_CHECKING
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, real_number
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.errors import NoSolution
+
+if TYPE_CHECKING:
+    from surefoot.contact.derivative import ContactDerivative
 
 Details = tuple[FloatArray, Residuals, dict[str, float], InfeasibilityProof | None]
 """Velocities, residuals, timings and the proof of INFEASIBLE."""
@@ -156,6 +160,30 @@ class ContactSolution:
     def solved(self) -> bool:
         """Whether the status is SOLVED."""
         return self.status is Status.SOLVED
+
+    def derivative(self, smoothing: float = 0.0, kink_tol: float = 1e-9) -> ContactDerivative:
+        """Return the derivative of forces and velocities, see `ContactDerivative`.
+
+        Parameters
+        ----------
+        smoothing
+            0 for the law itself; else normal force times normal velocity on the central path [W].
+        kink_tol
+            Distance below which a contact counts as about to change its mode, see `Kink.distance`.
+
+        Raises
+        ------
+        NoSolution
+            If the status is anything but SOLVED.
+        ProblemError
+            If an argument is out of range.
+        """
+        from surefoot.contact.derivative import ContactDerivative
+
+        self.raise_if_failed()
+        smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
+        kink_tol = real_number("kink_tol", kink_tol, low=0.0, high=1.0)
+        return ContactDerivative(self.problem, self.forces, self.velocities, smoothing, kink_tol)
 
     def raise_if_failed(self) -> ContactSolution:
         """Return the solution itself if solved.
