@@ -1,0 +1,1 @@
+"""Many contact problems at once, and one in a caller's own compiled loop."""
