@@ -9,6 +9,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from surefoot.batch import BatchSolution as BatchSolution
+    from surefoot.batch import DifferentiableSolver as DifferentiableSolver
+    from surefoot.batch import solve_batch as solve_batch
     from surefoot.cones import Cone as Cone
     from surefoot.cones import FrictionCone as FrictionCone
     from surefoot.cones import FrictionPyramid as FrictionPyramid
@@ -82,6 +85,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
+    "batch": ("BatchSolution", "DifferentiableSolver", "solve_batch"),
     "cones": ("Cone", "FrictionCone", "FrictionPyramid", "PolyhedralCone", "ProductCone", "WrenchCone"),
     "contact": (
         "LCP",

@@ -9,16 +9,16 @@ that of the solution times the condition. At a kink it belongs to the mode that 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import FloatArray
 from surefoot.contact.blocks import checked_mirror
 from surefoot.contact.derivative_system import RANK
-from surefoot.contact.problem import ASYMMETRY
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.auto import solve_compiled
 from surefoot.solvers.elimination import lu_solve
-from surefoot.solvers.newton import classify
 
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 """What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
@@ -29,8 +29,8 @@ SINGULAR = 1e-10
 
 @kernel
 def solve_contacts(
-    G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, tol: float, most: int, warm: bool,
-    buffer: FloatArray,
+    G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, asymmetry: float, tol: float, most: int,
+    warm: bool, buffer: FloatArray,
 ) -> int:  # fmt: skip
     """Solve one contact problem; return the iterations, bit by bit turned (negative) if it is not solved.
 
@@ -42,6 +42,8 @@ def solve_contacts(
         (3, n): mu, normal_min (-inf for a bilateral contact) and normal_max.
     convex
         Whether the law is convex; else Coulomb's.
+    asymmetry
+        Largest |G - Gᵀ| over largest |G| that is taken for rounding (1e-8; 1e-5 for single precision).
     tol, most
         Wanted velocity error, and the bound on iterations (-1 for the methods' own).
     warm
@@ -61,65 +63,193 @@ def solve_contacts(
         for k in range(m // 3):
             packed[m + 1, a * (m // 3) + k] = laws[a, k]
     packed[m + 2, 0] = 1.0 if convex else 0.0
-    scale, gap, _, _ = checked_mirror(packed[:m], ASYMMETRY)
+    scale, gap, _, _ = checked_mirror(packed[:m], asymmetry)
     if not abs(total) + scale < np.inf:
         return NOT_NUMBERS
-    if gap < 0.0 or gap > ASYMMETRY * scale:
+    if gap < 0.0 or gap > asymmetry * scale:
         return DOUBTFUL
     return solve_compiled(packed, tol, most, 0, warm, buffer)
 
 
+STICK, SLIDE, BARE = 1.0, 2.0, 0.0
+"""What the tangential force of a contact does: free, on the cone, or nothing (no friction, no load)."""
+FREE, AT_LOW, AT_HIGH, HELD = 0.0, 1.0, 2.0, 3.0
+"""What its normal force does; a bilateral contact is held."""
+
+
 @inline_kernel
-def _linearise(
-    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, flat: FloatArray, rows: FloatArray,
-    columns: FloatArray, known: FloatArray, count: IntArray,
-) -> int:  # fmt: skip
-    """Fill the modes' rows (n, c, 3), columns (n, c, 3) and weights; return the number of unknowns."""
-    n = laws.shape[1]
-    local = np.empty((n, 6))
+def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, mode: FloatArray) -> int:
+    """Fill mode (n, 8): normal, tangent, e, ratio, weight, ||u_t|| and λ_n; return the number of unknowns.
+
+    The modes and their equations are those of `contact.derivative_modes`; a sliding force without radius has
+    no unknown of its own.
+    """
+    n, size = laws.shape[1], 0
     for k in range(n):
         i = 3 * k
-        local[k, 0], local[k, 3], local[k, 5] = G[i, i], G[i + 1, i + 1], G[i + 2, i + 2]
-        for a in (0, 3, 5):
-            local[k, a] = local[k, a] if local[k, a] > 0.0 else 1.0
-        for a in range(3):
-            flat[0, i + a], flat[1, i + a] = buffer[k, a], buffer[n + k, a]
-    classify(
-        flat[0], flat[1], local, laws[0], laws[1], laws[2], convex, rows, columns, known[0], known[1],
-        known[2], 0.0, count,
-    )  # fmt: skip
-    size = 0
-    for k in range(n):
-        size += count[k]
+        mu, low, high = laws[0, k], laws[1, k], laws[2, k]
+        x, y, z = buffer[k, 0], buffer[k, 1], buffer[k, 2]
+        p, q, r = buffer[n + k, 0], buffer[n + k, 1], buffer[n + k, 2]
+        slip = math.sqrt(p * p + q * q)
+        mode[k, 6], mode[k, 7] = slip, z
+        mode[k, 2] = mode[k, 3] = mode[k, 4] = mode[k, 5] = 0.0
+        if low == -np.inf:
+            mode[k, 0], mode[k, 1] = HELD, STICK
+            size += 3
+            continue
+        weight, own = max(G[i, i], G[i + 1, i + 1]), G[i + 2, i + 2]
+        weight, own = weight if weight > 0.0 else 1.0, own if own > 0.0 else 1.0
+        lifted = z - (r - (mu * slip if convex else 0.0)) / own
+        normal = FREE
+        if lifted <= low:
+            normal, z = AT_LOW, low
+        elif lifted >= high:
+            normal, z = AT_HIGH, high
+        size += 1 if normal == FREE else 0
+        radius = mu * z
+        a, b = x - p / weight, y - q / weight
+        length = math.sqrt(a * a + b * b)
+        mode[k, 0], mode[k, 1] = normal, STICK
+        if length <= radius and radius > 0.0:
+            size += 2
+            continue
+        if length > 0.0:
+            mode[k, 2], mode[k, 3] = a / length, b / length
+        mode[k, 1] = BARE
+        if radius > 0.0:
+            mode[k, 1], mode[k, 4] = SLIDE, radius / length
+            mode[k, 5] = (1.0 - mode[k, 4]) * weight
+            size += 1
     return size
 
 
 @inline_kernel
 def _fill(
-    G: FloatArray, rows: FloatArray, columns: FloatArray, weight: FloatArray, count: IntArray,
-    transposed: bool, A: FloatArray,
+    G: FloatArray, laws: FloatArray, mode: FloatArray, rows_lean: bool, columns_lean: bool, transposed: bool,
+    A: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the active matrix R G C + W, or its transpose."""
-    n, i = count.size, 0
+    """Fill the active matrix R G C + W in the first rows of A, or its transpose.
+
+    A row that leans is mu e, 1 where a contact slides, as the columns are (and the convex law's equations); else
+    it is 0, 0, 1. First the rows times G, then, in place, that times the columns.
+    """
+    n, m, i = laws.shape[1], G.shape[0], 0
     for k in range(n):
-        for c in range(count[k]):
-            x, y, z = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-            at, b = 0, 3 * k
-            for h in range(n):
-                if count[h] == 0:
-                    continue
-                j = 3 * h
-                p = x * G[b, j] + y * G[b + 1, j] + z * G[b + 2, j]
-                q = x * G[b, j + 1] + y * G[b + 1, j + 1] + z * G[b + 2, j + 1]
-                r = x * G[b, j + 2] + y * G[b + 1, j + 2] + z * G[b + 2, j + 2]
-                for d in range(count[h]):
-                    value = p * columns[h, d, 0] + q * columns[h, d, 1] + r * columns[h, d, 2]
-                    if transposed:
-                        A[at, i] = value
-                    else:
-                        A[i, at] = value
+        b = 3 * k
+        normal, tangent, mu = mode[k, 0], mode[k, 1], laws[0, k]
+        ex, ey = mode[k, 2], mode[k, 3]
+        if tangent == STICK:
+            for a in range(3 if normal == FREE or normal == HELD else 2):
+                for j in range(m):
+                    A[i, j] = G[b + a, j]
+                i += 1
+            continue
+        if normal == FREE:
+            p, q = (mu * ex, mu * ey) if rows_lean and tangent == SLIDE else (0.0, 0.0)
+            for j in range(m):
+                A[i, j] = p * G[b, j] + q * G[b + 1, j] + G[b + 2, j]
+            i += 1
+        if tangent == SLIDE:
+            share = 1.0 if transposed else mode[k, 4]
+            p, q = -share * ey, share * ex
+            for j in range(m):
+                A[i, j] = p * G[b, j] + q * G[b + 1, j]
+            i += 1
+    for r in range(i):
+        at = 0
+        for k in range(n):
+            b = 3 * k
+            normal, tangent, mu = mode[k, 0], mode[k, 1], laws[0, k]
+            x, y, z = A[r, b], A[r, b + 1], A[r, b + 2]
+            if tangent == STICK:
+                A[r, at], A[r, at + 1] = x, y
+                at += 2
+                if normal == FREE or normal == HELD:
+                    A[r, at] = z
                     at += 1
-            A[i, i] += weight[k, c]
+                continue
+            ex, ey = mode[k, 2], mode[k, 3]
+            if normal == FREE:
+                A[r, at] = mu * (ex * x + ey * y) + z if columns_lean and tangent == SLIDE else z
+                at += 1
+            if tangent == SLIDE:
+                A[r, at] = (mode[k, 4] if transposed else 1.0) * (ex * y - ey * x)
+                if at == r:
+                    A[r, at] += mode[k, 5]
+                at += 1
+
+
+@inline_kernel
+def _gather(
+    laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, x: FloatArray, b: FloatArray
+) -> None:
+    """Fill b with Cᵀ x, or with R x."""
+    i = 0
+    for k in range(laws.shape[1]):
+        h = 3 * k
+        normal, tangent = mode[k, 0], mode[k, 1]
+        if tangent == STICK:
+            b[i], b[i + 1] = x[h], x[h + 1]
+            i += 2
+            if normal == FREE or normal == HELD:
+                b[i] = x[h + 2]
+                i += 1
+            continue
+        ex, ey = mode[k, 2], mode[k, 3]
+        if normal == FREE:
+            b[i] = x[h + 2]
+            if lean and tangent == SLIDE:
+                b[i] += laws[0, k] * (ex * x[h] + ey * x[h + 1])
+            i += 1
+        if tangent == SLIDE:
+            b[i] = (mode[k, 4] if rows else 1.0) * (ex * x[h + 1] - ey * x[h])
+            i += 1
+
+
+@inline_kernel
+def _scatter(
+    laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, b: FloatArray, x: FloatArray
+) -> None:
+    """Fill x with C b, or with Rᵀ b."""
+    i = 0
+    for k in range(laws.shape[1]):
+        h = 3 * k
+        normal, tangent = mode[k, 0], mode[k, 1]
+        x[h] = x[h + 1] = x[h + 2] = 0.0
+        if tangent == STICK:
+            x[h], x[h + 1] = b[i], b[i + 1]
+            i += 2
+            if normal == FREE or normal == HELD:
+                x[h + 2] = b[i]
+                i += 1
+            continue
+        ex, ey = mode[k, 2], mode[k, 3]
+        if normal == FREE:
+            x[h + 2] = b[i]
+            if lean and tangent == SLIDE:
+                x[h], x[h + 1] = laws[0, k] * ex * b[i], laws[0, k] * ey * b[i]
+            i += 1
+        if tangent == SLIDE:
+            share = (mode[k, 4] if rows else 1.0) * b[i]
+            x[h] -= share * ey
+            x[h + 1] += share * ex
+            i += 1
+
+
+@inline_kernel
+def _unscale(laws: FloatArray, mode: FloatArray, lean: bool, x: FloatArray) -> None:
+    """Divide by the squares of the equations' rows: R Rᵀ, which is diagonal."""
+    i = 0
+    for k in range(laws.shape[1]):
+        normal, tangent = mode[k, 0], mode[k, 1]
+        if tangent == STICK:
+            i += 3 if normal == FREE or normal == HELD else 2
+            continue
+        if normal == FREE:
+            x[i] /= 1.0 + laws[0, k] ** 2 if lean and tangent == SLIDE else 1.0
+            i += 1
+        if tangent == SLIDE:
+            x[i] /= mode[k, 4] ** 2
             i += 1
 
 
@@ -134,7 +264,7 @@ def _regular(A: FloatArray, m: int) -> bool:
 
 @kernel
 def _least_squares(A: FloatArray, b: FloatArray, m: int, extra: FloatArray) -> None:
-    """Replace b by A⁺ b, plus the part of `extra` that Aᵀ sends to zero; put in extra what A cannot reach of b.
+    """Replace b by A⁺ b, plus the part of `extra` that A sends to zero; leave in extra what A misses of b.
 
     For redundant contacts: A is singular.
     """
@@ -157,39 +287,13 @@ def _least_squares(A: FloatArray, b: FloatArray, m: int, extra: FloatArray) -> N
 
 
 @inline_kernel
-def _along_jump(
-    k: int, laws: FloatArray, columns: FloatArray, forces: FloatArray, velocities: FloatArray, count: IntArray,
-    convex: bool, changes: FloatArray,
-) -> None:  # fmt: skip
-    """Fill changes (4, 3): the step of contact k's force per mu, normal_min, normal_max; a target per mu."""
-    for i in range(4):
-        for a in range(3):
-            changes[i, a] = 0.0
-    mu, low, high = laws[0, k], laws[1, k], laws[2, k]
-    if low == -np.inf:
-        return
-    z, few = forces[3 * k + 2], count[k]
-    # a free normal force is the third component of the first unknown, or of the third where it sticks
-    free = few == 3 or (few > 0 and columns[k, 0, 2] != 0.0)
-    sticks = few == 3 or (few == 2 and not free)
-    ux, uy = velocities[3 * k], velocities[3 * k + 1]
-    ex, ey = 0.0, 0.0
-    if not sticks:
-        x, y = forces[3 * k], forces[3 * k + 1]
-        size = np.sqrt(x * x + y * y)
-        if mu * z > 0.0 and size > 0.0:
-            ex, ey = x / size, y / size
-        else:
-            size = np.sqrt(ux * ux + uy * uy)
-            ex, ey = (-ux / size, -uy / size) if size > 0.0 else (0.0, 0.0)
-    changes[0, 0], changes[0, 1] = z * ex, z * ey
-    if free:
-        changes[3, 0] = -(ex * ux + ey * uy) if convex and not sticks else 0.0
-    else:
-        lift = velocities[3 * k + 2] - (mu * np.sqrt(ux * ux + uy * uy) if convex else 0.0)
-        at = 1 if lift > 0.0 or (lift == 0.0 and z <= low) else 2
-        at = 2 if low < high and z >= high else at
-        changes[at, 0], changes[at, 1], changes[at, 2] = mu * ex, mu * ey, 1.0
+def _add_product(G: FloatArray, x: FloatArray, sign: float, out: FloatArray) -> None:
+    """Add sign · G x to out; G is symmetric."""
+    for i in range(x.size):
+        a = sign * x[i]
+        if a != 0.0:
+            for j in range(x.size):
+                out[j] += a * G[i, j]
 
 
 @kernel
@@ -217,67 +321,47 @@ def contact_vjp(
     """
     n = laws.shape[1]
     m = 3 * n
-    directions, known, flat = np.empty((2, n, 3, 3)), np.empty((3, n, 3)), np.empty((6, m))
-    count = np.empty(n, dtype=np.int64)
-    rows, columns, weight = directions[0], directions[1], known[0]
-    size = _linearise(G, laws, convex, buffer, flat, rows, columns, known, count)
-    p, b, back, extra = flat[2], flat[3], flat[4], flat[5]
-    for i in range(m):
-        p[i] = weights[i // 3, i % 3]
-    for i in range(m):
-        x = weights[n + i // 3, i % 3]
-        if x != 0.0:
-            for j in range(m):
-                p[j] += G[i, j] * x
-    A = np.empty((m, m))
-    _fill(G, rows, columns, weight, count, True, A)
-    i = 0
+    mode, work = np.empty((n, 8)), np.empty((m + 4, m))
+    p, b, back = work[m], work[m + 1], work[m + 2]
+    size = read_modes(G, laws, convex, buffer, mode)
     for k in range(n):
-        for c in range(count[k]):
-            x, y, z = columns[k, c, 0], columns[k, c, 1], columns[k, c, 2]
-            b[i] = x * p[3 * k] + y * p[3 * k + 1] + z * p[3 * k + 2]
-            i += 1
-    regular = size == 0 or (lu_solve(A, b, size) and _regular(A, size))
-    if not regular:
-        _fill(G, rows, columns, weight, count, True, A)
-        i = 0
-        for k in range(n):
-            for c in range(count[k]):
-                x, y, z = columns[k, c, 0], columns[k, c, 1], columns[k, c, 2]
-                b[i] = x * p[3 * k] + y * p[3 * k + 1] + z * p[3 * k + 2]
-                x, y, z = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-                square = x * x + y * y + z * z
-                share = 1.0 / square if square > 0.0 else 0.0
-                x, y, z = share * x, share * y, share * z
-                extra[i] = x * weights[n + k, 0] + y * weights[n + k, 1] + z * weights[n + k, 2]
-                i += 1
-        _least_squares(A, b, size, extra)
-    i = 0
-    for k in range(n):
-        x = y = z = 0.0
-        for c in range(count[k]):
-            x += rows[k, c, 0] * b[i]
-            y += rows[k, c, 1] * b[i]
-            z += rows[k, c, 2] * b[i]
-            i += 1
-        back[3 * k], back[3 * k + 1], back[3 * k + 2] = x, y, z
-    for i in range(m):
-        x = back[i]
-        out[i // 3, i % 3] = weights[n + i // 3, i % 3] - x
-        if x != 0.0:
-            for j in range(m):
-                p[j] -= G[i, j] * x
-    changes, i = np.empty((4, 3)), 0
-    for k in range(n):
-        _along_jump(k, laws, columns, flat[0], flat[1], count, convex, changes)
         for a in range(3):
-            out[n + k, a] = (
-                changes[a, 0] * p[3 * k] + changes[a, 1] * p[3 * k + 1] + changes[a, 2] * p[3 * k + 2]
-            )
-        if changes[3, 0] != 0.0:
-            out[n + k, 0] += changes[3, 0] * b[i]
-        i += count[k]
+            p[3 * k + a], back[3 * k + a] = weights[k, a], weights[n + k, a]
+    _add_product(G, back, 1.0, p)
+    _fill(G, laws, mode, True, convex, True, work)
+    _gather(laws, mode, True, False, p, b)
+    regular = size == 0 or (lu_solve(work, b, size) and _regular(work, size))
+    if not regular:
+        extra = work[m + 3]
+        _fill(G, laws, mode, True, convex, True, work)
+        _gather(laws, mode, True, False, p, b)
+        _gather(laws, mode, convex, True, back, extra)
+        _unscale(laws, mode, convex, extra)
+        _least_squares(work, b, size, extra)
+    _scatter(laws, mode, convex, True, b, back)
+    _add_product(G, back, -1.0, p)
+    i = 0
+    for k in range(n):
+        h = 3 * k
+        out[k, 0], out[k, 1] = weights[n + k, 0] - back[h], weights[n + k, 1] - back[h + 1]
+        out[k, 2] = weights[n + k, 2] - back[h + 2]
+        normal, tangent, e_p = mode[k, 0], mode[k, 1], mode[k, 2] * p[h] + mode[k, 3] * p[h + 1]
+        own = mode[k, 7] * e_p if normal != HELD else 0.0
+        if convex and normal == FREE and tangent == SLIDE:
+            own += mode[k, 6] * b[i]
+        along = p[h + 2] + laws[0, k] * e_p
+        out[n + k, 0] = own
+        out[n + k, 1], out[n + k, 2] = along if normal == AT_LOW else 0.0, along if normal == AT_HIGH else 0.0
+        i += _unknowns(normal, tangent)
     return regular
+
+
+@inline_kernel
+def _unknowns(normal: float, tangent: float) -> int:
+    """Return the number of unknowns of a mode."""
+    return (1 if normal == FREE or normal == HELD else 0) + (
+        2 if tangent == STICK else (1 if tangent == SLIDE else 0)
+    )
 
 
 @kernel
@@ -303,62 +387,45 @@ def contact_jvp(
     """
     n = laws.shape[1]
     m = 3 * n
-    directions, known, flat = np.empty((2, n, 3, 3)), np.empty((3, n, 3)), np.empty((6, m))
-    count = np.empty(n, dtype=np.int64)
-    rows, columns, weight = directions[0], directions[1], known[0]
-    size = _linearise(G, laws, convex, buffer, flat, rows, columns, known, count)
-    v, jump, b, extra = flat[2], flat[3], flat[4], flat[5]
-    changes, targets = np.empty((4, 3)), np.zeros(n)
-    for i in range(m):
-        v[i] = rates[i // 3, i % 3]
+    mode, work = np.empty((n, 8)), np.empty((m + 5, m))
+    v, b, jump, extra, moved = work[m], work[m + 1], work[m + 2], work[m + 3], work[m + 4]
+    size = read_modes(G, laws, convex, buffer, mode)
     for k in range(n):
-        _along_jump(k, laws, columns, flat[0], flat[1], count, convex, changes)
-        targets[k] = changes[3, 0] * rates[n + k, 0]
+        h, mu, normal = 3 * k, laws[0, k], mode[k, 0]
+        bound = rates[n + k, 1] if normal == AT_LOW else (rates[n + k, 2] if normal == AT_HIGH else 0.0)
+        radius = mode[k, 7] * rates[n + k, 0] + mu * bound if normal != HELD else 0.0
+        jump[h], jump[h + 1], jump[h + 2] = radius * mode[k, 2], radius * mode[k, 3], bound
         for a in range(3):
-            x = 0.0
-            for i in range(3):
-                x += changes[i, a] * rates[n + k, i] if changes[i, a] != 0.0 else 0.0
-            jump[3 * k + a] = x
-            if x != 0.0:
-                for j in range(m):
-                    v[j] += G[3 * k + a, j] * x
-    A, tries = np.empty((m, m)), 0
-    regular = False
-    while not regular and tries < 2:
-        _fill(G, rows, columns, weight, count, False, A)
+            v[h + a] = rates[k, a]
+    _add_product(G, jump, 1.0, v)
+    regular = size == 0
+    for attempt in range(2):
+        if regular:
+            break
+        _fill(G, laws, mode, convex, True, False, work)
+        _gather(laws, mode, convex, True, v, b)
         i = 0
         for k in range(n):
-            for c in range(count[k]):
-                x, y, z = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-                b[i] = (targets[k] if c == 0 else 0.0) - (x * v[3 * k] + y * v[3 * k + 1] + z * v[3 * k + 2])
-                extra[i] = 0.0
-                i += 1
-        tries += 1
-        if tries == 2:
-            _least_squares(A, b, size, extra)
+            if convex and mode[k, 0] == FREE and mode[k, 1] == SLIDE:
+                b[i] -= mode[k, 6] * rates[n + k, 0]
+            i += _unknowns(mode[k, 0], mode[k, 1])
+        if attempt == 0:
+            regular = lu_solve(work, b, size) and _regular(work, size)
         else:
-            regular = size == 0 or (lu_solve(A, b, size) and _regular(A, size))
-    i = 0
-    for k in range(n):
-        for a in range(3):
-            out[n + k, a] = rates[k, a]
-        x, y, z = jump[3 * k], jump[3 * k + 1], jump[3 * k + 2]
-        for c in range(count[k]):
-            x += columns[k, c, 0] * b[i]
-            y += columns[k, c, 1] * b[i]
-            z += columns[k, c, 2] * b[i]
-            if not regular:
-                p, q, r = rows[k, c, 0], rows[k, c, 1], rows[k, c, 2]
-                square = p * p + q * q + r * r
-                share = extra[i] / square if square > 0.0 else 0.0
-                out[n + k, 0] += share * p
-                out[n + k, 1] += share * q
-                out[n + k, 2] += share * r
-            i += 1
-        out[k, 0], out[k, 1], out[k, 2] = x, y, z
+            for i in range(size):
+                extra[i] = 0.0
+            _least_squares(work, b, size, extra)
+            _unscale(laws, mode, convex, extra)
+    _scatter(laws, mode, True, False, b, moved)
+    if not regular:
+        _scatter(laws, mode, convex, True, extra, v)
     for i in range(m):
-        x = out[i // 3, i % 3]
-        if x != 0.0:
-            for j in range(m):
-                out[n + j // 3, j % 3] += G[i, j] * x
+        jump[i] -= moved[i]
+        out[i // 3, i % 3] = jump[i]
+        b[i] = rates[i // 3, i % 3]
+        if not regular:
+            b[i] -= v[i]
+    _add_product(G, jump, 1.0, b)
+    for i in range(m):
+        out[n + i // 3, i % 3] = b[i]
     return regular
