@@ -78,7 +78,9 @@ def _state(rng: Generator, kind: str, mu: float, section: np.ndarray | None, con
         else:  # well inside the normal cone of a corner
             corner = section[best] / np.linalg.norm(section[best])
             slip = -corner * rng.uniform(0.2, 1.0)
-            slip = slip + 0.3 * np.tan(np.pi / len(section)) * rng.uniform(-1, 1) * np.array([-slip[1], slip[0]])
+            slip = slip + 0.3 * np.tan(np.pi / len(section)) * rng.uniform(-1, 1) * np.array(
+                [-slip[1], slip[0]]
+            )
             against = section[best]
         most = float(np.max(-section @ slip))
         inside = rng.dirichlet(np.full(len(section), 3.0)) @ section
@@ -123,7 +125,8 @@ def regular(rng: Generator, contacts: int, plain: bool = False) -> Moving:
     }  # fmt: skip
     dG = rng.normal(size=G.shape)
     rates = {
-        "G": dG + dG.T, "g": rng.normal(size=3 * n), "mu": rng.normal(size=n), "compliance": rng.normal(size=3 * n),
+        "G": dG + dG.T, "g": rng.normal(size=3 * n), "mu": rng.normal(size=n),
+        "compliance": rng.normal(size=3 * n),
         "normal_min": rng.normal(size=n) * (low > 0), "normal_max": rng.normal(size=n) * np.isfinite(high),
     }  # fmt: skip
     exact = {name: decimals(v) for name, v in (("G", G), ("g", g), ("R", R), ("dR", rates["compliance"]))}
@@ -156,7 +159,9 @@ def redundant(rng: Generator, contacts: int) -> Moving:
         for k in range(n):
             x, y, z = q[k]
             J[3 * k : 3 * k + 3, :3] = decimals(np.eye(3))
-            J[3 * k : 3 * k + 3, 3:] = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]], dtype=object) * Decimal(1)
+            J[3 * k : 3 * k + 3, 3:] = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]], dtype=object) * Decimal(
+                1
+            )
         return J
 
     def moved(t: Decimal) -> tuple[np.ndarray, np.ndarray]:
@@ -197,7 +202,9 @@ class Reference:
         facets = a.get("facets")
         self.corners = [rays(m, facets, a["fit"] == "inner") if facets else None for m in self.mu]
         blocks = self.G.astype(float)
-        self.w = [Decimal(float(np.linalg.norm(blocks[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], 2))) for k in range(n)]
+        self.w = [
+            Decimal(float(np.linalg.norm(blocks[3 * k : 3 * k + 3, 3 * k : 3 * k + 3], 2))) for k in range(n)
+        ]
 
     def contact(self, k: int, λ: np.ndarray, u: np.ndarray) -> np.ndarray:
         """The natural map of contact k, as a velocity."""

@@ -1,8 +1,8 @@
 """Compare derivatives with 50-digit references: `python tests/adversary/hunt_derivatives.py --count 500`.
 
 Every problem whose error exceeds max(1e-8, 100 eps · condition) is printed with the seed that brings it back.
-Problems with a contact within 1e-5 of a change of mode are drawn again: there is no derivative at a kink. So are
-those whose derivative is flagged: `velocities_determined` is False, or something was `removed`.
+Problems with a contact within 1e-5 of a change of mode are drawn again: there is no derivative at a kink. So
+are those whose derivative is flagged: `velocities_determined` is False, or something was `removed`.
 """
 
 from __future__ import annotations
@@ -78,13 +78,11 @@ def compare(seed: int, contacts: int | None = None) -> Comparison | None:
     rng = np.random.default_rng(seed)
     f, u = rng.normal(size=(2, *found.forces.shape))
     back = d.vjp(forces=f, velocities=u)
-    terms = np.concatenate(
-        [np.ravel(getattr(back, name) * rate) for name, rate in moving.rates.items()]
-    )
+    terms = np.concatenate([np.ravel(getattr(back, name) * rate) for name, rate in moving.rates.items()])
     ahead = np.concatenate([(f * found.forces).ravel(), (u * found.velocities).ravel()])
     size = np.abs(terms).sum() + np.abs(ahead).sum()
     adjoint = abs(terms.sum() - ahead.sum()) / max(size, 1e-300)
-    # all rates of forces may vanish (all contacts open), and of velocities (all stick): then the other's scale
+    # all rates of forces may vanish (contacts are open), or of velocities (they stick): then the other's
     weight = float(np.abs(d.problem.G).max())
     scale = max(np.abs(velocities).max(), weight * np.abs(forces).max())
     off = float(np.abs(found.velocities - velocities).max() / scale)
@@ -115,8 +113,8 @@ def main() -> int:
     wrong = sum(c.wrong for c in done)
     redundant_ones = sum(c.forces is None for c in done)
     print(
-        f"{len(done)} problems ({redundant_ones} redundant, {skipped} unsolved, near kinks or flagged): relative error "
-        f"median {np.median(errors):.1e}, largest {errors.max():.1e}; adjoint gap at most "
+        f"{len(done)} problems ({redundant_ones} redundant; {skipped} unsolved, near kinks or flagged): "
+        f"relative error median {np.median(errors):.1e}, largest {errors.max():.1e}; adjoint gap at most "
         f"{max(c.adjoint for c in done):.1e}; {wrong} beyond max(1e-8, 100 eps condition)"
     )
     return 1 if wrong else 0

@@ -150,8 +150,8 @@ class BatchDerivative:
         if velocities is not None:
             weights[:, n:] = finite_array("velocities", velocities, (B, n, 3))
         out, regular = self._run(False, weights)
-        columns = (np.ascontiguousarray(out[:, n:, a]) for a in range(3))
-        return BatchCotangents(out[:, :n].reshape(B, m), *columns, self.valid, regular, self._flat)
+        mu, low, high = (np.ascontiguousarray(out[:, n:, a]) for a in range(3))
+        return BatchCotangents(out[:, :n].reshape(B, m), mu, low, high, self.valid, regular, self._flat)
 
     @property
     def _flat(self) -> FloatArray:
@@ -186,7 +186,9 @@ class BatchDerivative:
             problem, self._buffers[k, :n][here], self._buffers[k, n : 2 * n][here], kink_tol=10.0 * KINK
         )
         bounds = rates[n:][here]
-        found = d.jvp(g=rates[:n][here].ravel(), mu=bounds[:, 0], normal_min=bounds[:, 1], normal_max=bounds[:, 2])
+        found = d.jvp(
+            g=rates[:n][here].ravel(), mu=bounds[:, 0], normal_min=bounds[:, 1], normal_max=bounds[:, 2]
+        )
         out[:] = 0.0
         out[:n][here], out[n:][here] = found.forces, found.velocities
 
@@ -195,5 +197,7 @@ def _fit(name: str, value: ArrayLike, B: int, width: int) -> FloatArray:
     """Return a rate that is a number, (width,) or (B, width)."""
     array = finite_array(name, value)
     if array.shape not in ((), (width,), (B, width)):
-        raise ProblemError(f"{name} must be a number or have shape ({width},) or ({B}, {width}), got {array.shape}")
+        raise ProblemError(
+            f"{name} must be a number or have shape ({width},) or ({B}, {width}), got {array.shape}"
+        )
     return array

@@ -9,18 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.batch.kernel import (
-    AT_HIGH,
-    AT_LOW,
-    FREE,
-    HELD,
-    SLIDE,
-    STICK,
-    contact_jvp,
-    contact_vjp,
-    read_modes,
-    solve_contacts,
-)
+from surefoot.batch.active import FREE, HELD, SLIDE, STICK, read_modes
+from surefoot.batch.kernel import contact_jvp, contact_vjp, solve_contacts
 from surefoot.kernels import inline_kernel, releasing_kernel
 
 
@@ -83,8 +73,8 @@ def _put(mask: BoolArray, b: int, n: int, rows: int, few: int, part: FloatArray,
 
 @releasing_kernel
 def solve_range(
-    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, asymmetry: float, tol: float,
-    most: int, warm: bool, buffers: FloatArray, done: IntArray, start: int, stop: int,
+    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, asymmetry: float,
+    tol: float, most: int, warm: bool, buffers: FloatArray, done: IntArray, start: int, stop: int,
 ) -> None:  # fmt: skip
     """Solve problems start to stop - 1; see `solve_contacts` for buffers (B, 2n + 3, 3) and done (B,)."""
     n = laws.shape[2]
@@ -114,7 +104,7 @@ def derive_range(
     G: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, buffers: FloatArray, forward: bool,
     valid: BoolArray, given: FloatArray, out: FloatArray, regular: BoolArray, start: int, stop: int,
 ) -> None:  # fmt: skip
-    """Fill the jvp (forward) or vjp (B, 2n, 3) of problems start to stop - 1; zero where they are not valid."""
+    """Fill the jvp (forward) or vjp (B, 2n, 3) of problems start to stop - 1; zero where not valid."""
     n = laws.shape[2]
     for b in range(start, stop):
         if not valid[b]:
@@ -141,8 +131,6 @@ def derive_range(
         else:
             regular[b] = contact_vjp(A, rest, convex, part, ends[0], ends[1])
         _put(mask, b, n, 2, few, ends[1], out[b])
-        if forward:  # contacts that are not there still have no velocity of their own
-            continue
 
 
 @releasing_kernel
@@ -167,7 +155,7 @@ def measure_range(
                 continue
             if normal == FREE:
                 least = min(least, min(z - low, high - z) * G[b, i + 2, i + 2])
-            if normal == AT_LOW or normal == AT_HIGH:
+            else:
                 least = min(least, abs(buffers[b, n + k, 2] - (mu * slip if convex else 0.0)))
             x, y = buffers[b, k, 0], buffers[b, k, 1]
             if tangent == STICK:

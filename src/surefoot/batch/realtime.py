@@ -86,7 +86,10 @@ class DifferentiableSolver(ContactSolver):
         self._added = None if laws.compliance is None else laws.G
         n = self.contacts
         self._weights = np.zeros((2 * n, 3))
-        self._above, self._below = self._weights[:n], self._weights[n:]  # views take longer than their filling
+        self._above, self._below = (
+            self._weights[:n],
+            self._weights[n:],
+        )  # views take longer than their filling
         self._size = 3 * self.contacts, 3 * self.contacts
         self._convex = bool(laws.law == "convex")
         self._pull = entry_point(contact_vjp, MATRIX, MATRIX, BOOLEAN, MATRIX, MATRIX, MATRIX)

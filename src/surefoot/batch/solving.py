@@ -7,12 +7,21 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_array, real_number, whole_number
+from surefoot.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    finite_array,
+    real_array,
+    real_number,
+    whole_number,
+)
 from surefoot.batch.derivative import BatchDerivative
 from surefoot.batch.kernel import NOT_NUMBERS
 from surefoot.batch.loops import solve_range
@@ -117,8 +126,8 @@ def solve_batch(
     Raises
     ------
     ProblemError
-        If an argument is out of range, naming it; never for a problem that is hard or has no solution, and not
-        for one whose numbers are not finite: that one is INVALID.
+        If an argument is out of range, naming it; never for a problem that is hard or has no solution, and
+        not for one whose numbers are not finite: that one is INVALID.
     """
     if device != "cpu":
         raise ProblemError(unknown_name("device", device, ("cpu",)))
@@ -149,7 +158,7 @@ def solve_batch(
         B, threads,
     )  # fmt: skip
     status = np.full(B, Status.SOLVED, dtype=object)
-    for b in np.flatnonzero(done < 0):
+    for b in np.flatnonzero(done < 0).tolist():
         own = laws[b if len(laws) > 1 else 0]
         here = present[b] if len(present) else np.ones(n, dtype=np.bool_)
         status[b] = _solve_rest(b, matrices[b], free[b], own, here, law, tol, most, done, buffers[b])
@@ -200,7 +209,7 @@ def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> Non
         return
     edges = np.linspace(0, count, min(threads * SHARES, count // 16) + 1).astype(int).tolist()
     with ThreadPoolExecutor(threads) as pool:
-        for future in [pool.submit(work, a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]:
+        for future in [pool.submit(work, a, b) for a, b in pairwise(edges)]:
             future.result()
 
 
@@ -222,7 +231,9 @@ def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
     if free.ndim != 2 or free.shape[1] % 3 or free.shape[1] == 0:
         raise ProblemError(f"g must have shape (B, 3n), got {free.shape}")
     if matrices.shape != (*free.shape, free.shape[1]):
-        raise ProblemError(f"G must have shape {(*free.shape, free.shape[1])} for this g, got {matrices.shape}")
+        raise ProblemError(
+            f"G must have shape {(*free.shape, free.shape[1])} for this g, got {matrices.shape}"
+        )
     return matrices, free, given.dtype == np.float32
 
 
@@ -233,12 +244,18 @@ def _read_laws(
     read = [real_array(name, v) for name, v in (("mu", mu), ("normal_min", low), ("normal_max", high))]
     for name, value in zip(("mu", "normal_min", "normal_max"), read, strict=True):
         if value.shape not in ((), (n,), (B, n)):
-            raise ProblemError(f"{name} must be a number or have shape ({n},) or ({B}, {n}), got {value.shape}")
+            raise ProblemError(
+                f"{name} must be a number or have shape ({n},) or ({B}, {n}), got {value.shape}"
+            )
         if (value < 0.0).any() or (name != "normal_max" and np.isinf(value).any()):
-            raise ProblemError(f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0")
+            raise ProblemError(
+                f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"
+            )
     held = np.zeros(n, dtype=np.bool_) if bilateral is None else np.asarray(bilateral)
     if held.dtype != np.bool_ or held.shape not in ((n,), (B, n)):
-        raise ProblemError(f"bilateral must be a mask of shape ({n},) or ({B}, {n}), got {held.dtype} {held.shape}")
+        raise ProblemError(
+            f"bilateral must be a mask of shape ({n},) or ({B}, {n}), got {held.dtype} {held.shape}"
+        )
     count = B if any(value.ndim == 2 for value in (*read, held)) else 1
     laws = np.empty((count, 3, n))
     for row, value in enumerate(read):
@@ -270,6 +287,7 @@ def _read_compliance(compliance: ArrayLike, B: int, n: int) -> FloatArray | None
         array = np.repeat(array, 3)
     if array.shape not in ((), (3 * n,), (B, 3 * n)):
         raise ProblemError(
-            f"compliance must be a number or have shape ({n},), ({3 * n},) or ({B}, {3 * n}), got {array.shape}"
+            f"compliance must be a number or have shape ({n},), ({3 * n},) or ({B}, {3 * n}), "
+            f"got {array.shape}"
         )
     return array if array.any() else None

@@ -104,9 +104,9 @@ class ContactDerivative:
 
     With `smoothing` > 0 it is the derivative at the point where λ_k·(u_k + Γ(u_k)) = smoothing for every
     contact, which has no kinks and in which open contacts carry smoothing / u_n: `forces` and `velocities`
-    are that point. Its bias is the difference to the solution: of the order of the smoothing over the contact's
-    normal force (velocities) and over its normal velocity (forces), and of the root of smoothing over ||G_kk||
-    or times it at a kink.
+    are that point. Its bias is the difference to the solution: of the order of the smoothing over the
+    contact's normal force (velocities) and over its normal velocity (forces), and of the root of smoothing
+    over ||G_kk||, or times it, at a kink.
 
     Parameters
     ----------
@@ -151,7 +151,9 @@ class ContactDerivative:
         self._contacts = contacts
         self._choices = choices_of(problem, contacts, modes, kink_tol)
         self._system = ActiveSystem(problem.G, [c.modes[0] for c in self._choices])
-        self.modes = tuple(c.modes[0].name(contact) for c, contact in zip(self._choices, contacts, strict=True))
+        self.modes = tuple(
+            c.modes[0].name(contact) for c, contact in zip(self._choices, contacts, strict=True)
+        )
         self.kinks = tuple(
             sorted(
                 (
@@ -206,7 +208,8 @@ class ContactDerivative:
         g
             (3n,) rate of the free velocity.
         mu, normal_min, normal_max
-            Rates, a number or (n,); at infinite bounds they change nothing.
+            Rates, a number or (n,); at infinite bounds they change nothing, and with smoothing neither does a
+            normal_min of zero, the apex of its cone.
         compliance
             Rate of R, a number, (n,) or (3n,).
 
@@ -268,7 +271,7 @@ class ContactDerivative:
 
     @cached_property
     def _dense(self) -> dict[str, tuple[FloatArray, FloatArray]]:
-        """Forces and velocities (3n, m) by what they are taken after: b (as g), mu, normal_min, normal_max."""
+        """Forces and velocities (3n, m) by what they are taken after: g, mu, normal_min, normal_max."""
         n = self.problem.contacts
         eye, none, thin = np.eye(3 * n), np.zeros((3 * n, n)), np.zeros((n, 3 * n))
         system = self._system

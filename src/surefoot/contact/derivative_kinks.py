@@ -3,8 +3,8 @@
 At a kink several modes hold the same state. In which of them a perturbation continues is a small
 complementarity problem in the rates: a contact at the edge of its cone stays there and slips, or sticks and
 leaves the edge; one that just touches takes load or lifts. Every choice of modes is a linear system, and the
-right one keeps the rates' signs. From the present modes the worst offender is changed until none is left
-(principal pivoting); where that goes in circles, all choices are tried.
+right one keeps the rates' signs. From the present modes offenders are changed until none is left, all of them
+or the worst; where that goes in circles, all choices are tried, as many as `CHOICES`.
 
 A contact without force and without velocity obeys the whole law in its rates: the direction in which it
 begins to slide is found by Newton steps.
@@ -41,7 +41,7 @@ from surefoot.contact.problem import ContactProblem
 
 CONSISTENT = 1e-9
 """Rates of the wrong sign below this share of the largest are zero."""
-TURNS, PIVOTS, CHOICES = 60, 200, 4096
+TURNS, PIVOTS, CHOICES = 25, 100, 256
 """Newton steps on directions of sliding, changes of one contact's mode, and choices tried in all."""
 
 
@@ -103,20 +103,24 @@ def _choice(contact: Contact, mode: Mode, unit: float, tol: float) -> Choice:
     if ready:
         own = [misfit for key, misfit in pieces.items() if key != mode.key[1:]]
         distance = min([distance, *own])
+    elif height * force > tol:  # no friction: which way it would act is open where nothing slips
+        distance = min(distance, slip)
     found: list[Mode] = []
     for normal in normals:
         for tangent, index in near:
-            if (normal, tangent, index) == mode.key and not (tangent == SLIDE and slip <= tol and ready):
+            if tangent == SLIDE and point:  # in no direction: `directional` finds one for every rate
+                found.append(slide_mode(contact, normal, np.zeros(2), 0.0))
+            elif (normal, tangent, index) == mode.key and not (tangent == SLIDE and slip <= tol):
                 found.append(mode)
             elif tangent == SLIDE:
-                found.append(slide_mode(contact, normal, *_heading(contact, mode, ready)))
+                found.append(slide_mode(contact, normal, *_heading(contact, ready)))
             else:
                 found.append(piece(contact, normal, tangent, index))
     active = () if contact.section is None else tuple(np.flatnonzero(_slacks(contact, unit) <= tol).tolist())
     return Choice(tuple(found), distance, point, active, unit, tol)
 
 
-def _heading(contact: Contact, mode: Mode, ready: bool) -> tuple[FloatArray, float]:
+def _heading(contact: Contact, ready: bool) -> tuple[FloatArray, float]:
     """Return the direction of sliding at a kink and how far the force follows it; see `slide_mode`."""
     force, slip = contact.force[:2], contact.velocity[:2]
     if ready:
@@ -186,10 +190,8 @@ def directional(
             best = worst, modes
         if worst <= CONSISTENT:
             return modes, True
-        k = int(np.argmax(faults))
-        trial = picked.copy()
-        trial[k] = (trial[k] + 1) % len(choices[k].modes)
-        if step >= PIVOTS or tuple(trial) in seen:
+        trial = None if step >= PIVOTS else _changed(choices, picked, faults, seen)
+        if trial is None:
             following = next(rest, None)
             if following is None:
                 break
@@ -201,13 +203,29 @@ def directional(
     return best[1], False
 
 
+def _changed(
+    choices: Sequence[Choice], picked: Sequence[int], faults: Sequence[float], seen: set[tuple[int, ...]]
+) -> list[int] | None:
+    """Return the choice with all offenders changed, or one of them, the worst first; None if all were seen."""
+    offenders = [k for k in np.argsort(faults)[::-1].tolist() if faults[k] > CONSISTENT]
+    for group in (offenders, *([k] for k in offenders)):
+        trial = list(picked)
+        for k in group:
+            trial[k] = (trial[k] + 1) % len(choices[k].modes)
+        if tuple(trial) not in seen:
+            return trial
+    return None
+
+
 def _judge(
     G: FloatArray, contacts: Sequence[Contact], choices: Sequence[Choice], picked: Sequence[int],
     b: FloatArray, rates: tuple[FloatArray, ...],
 ) -> tuple[list[Mode], list[float]]:  # fmt: skip
     """Solve for the rates in the picked modes; return the modes, turned, and every contact's fault."""
     modes = [c.modes[i] for c, i in zip(choices, picked, strict=True)]
-    turning = [k for k, (c, m) in enumerate(zip(choices, modes, strict=True)) if c.point and m.tangent == SLIDE]
+    turning = [
+        k for k, (c, m) in enumerate(zip(choices, modes, strict=True)) if c.point and m.tangent == SLIDE
+    ]
     for k in turning:  # first guess: against the rate without forces
         w = -b[3 * k : 3 * k + 2]
         size = float(np.hypot(*w))
@@ -278,7 +296,7 @@ def _fault(
     if contact.section is not None:
         faults += _section_faults(contact, choice, mode, force, velocity, radius)
     elif len({m.tangent for m in choice.modes}) > 1:
-        e = mode.direction if mode.tangent == SLIDE else _heading(contact, mode, not choice.point)[0]
+        e = mode.direction if mode.tangent == SLIDE else _heading(contact, not choice.point)[0]
         if mode.tangent == SLIDE:
             faults.append(float(e @ velocity[:2]))
             faults.append(-w * radius if choice.point else 0.0)

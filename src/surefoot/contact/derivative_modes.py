@@ -71,7 +71,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Contact:
-    """One contact of a problem at a solution: its law, force λ and velocity u, and the weight w = ||G_kk||."""
+    """One contact of a problem at a solution: its law, force λ, velocity u, and the weight w = ||G_kk||."""
 
     mu: float
     low: float

@@ -6,10 +6,14 @@ Every contact's complementarity K ∋ λ ⟂ y ∈ K*, y = u + Γ(u), is replace
 
 so a contact that is open carries κ / u_n and one that sticks creeps. Normal bounds add κ / (high - λ_n) and
 take κ / (λ_n - low) off y_n. Coulomb's shift mu ||u_t|| is rounded to mu sqrt(||u_t||² + ε²) with
-ε = κ w / s, of the order of the other errors. A primal-dual interior point follows the path down to κ.
+ε = κ w / s, of the order of the other errors; derivatives hold ε. A primal-dual interior point follows the
+path down to κ.
 
-Source: V. Acary, P. Armand, H. M. Nguyen, M. Shpakovych, "Second-order cone programming for frictional contact
-mechanics using interior point algorithm", Optim. Methods Softw. 39(3), 2024 (the shift and the path).
+Limits: exact cones; a normal_min of zero is the apex of its cone, and has no rate of its own. With redundant
+contacts the system's condition is about s² / (w κ): below 1e-8 of that energy the path may not be reached.
+
+Source: V. Acary, P. Armand, H. M. Nguyen, M. Shpakovych, "Second-order cone programming for frictional
+contact mechanics using interior point algorithm", Optim. Methods Softw. 39(3), 2024 (the shift and the path).
 """
 
 from __future__ import annotations
@@ -26,8 +30,9 @@ STEPS = 200
 """Newton steps to the path."""
 SHRINK, REACH = 0.3, 0.9
 """How far κ falls at most in a step, and how much of the way to the cones' boundary is gone."""
-EXACT = 1e-13
-"""Residual of the path's equations, relative to their terms, that counts as none."""
+EXACT, NEAR = 1e-13, 1e-8
+"""Newton steps, relative to the largest force, after which the point is exact, and good enough where rounding
+keeps them from shrinking."""
 
 
 @dataclass
@@ -108,19 +113,18 @@ class _Path:
 
 
 class SmoothSystem:
-    """The derivative of the path's point: M λ' = -(E_b b + E_mu mu' + ...), u' = G λ' + b."""
+    """The derivative of the path's point: M λ' = -(Q U b + E_mu mu' + ...), u' = G λ' + b.
 
-    def __init__(self, path: _Path, forces: FloatArray) -> None:
+    The dense blocks are formed once and used both ways: jvp and vjp are adjoint whatever M's condition.
+    """
+
+    def __init__(self, path: _Path, forces: FloatArray, slacks: FloatArray) -> None:
         p, kappa = path.problem, path.kappa
         n = p.contacts
         self.forces, self.velocities = forces, p.velocity(forces)
-        slacks = path.shifted(forces, self.velocities, kappa)
-        slacks[path.held] = self.velocities[path.held]
         P, Q, U, B, _ = path.parts(forces, self.velocities, slacks, kappa)
-        self.G = p.G
         QU = _block_diagonal(Q @ U)
-        self.E_b = QU
-        self.M = _block_diagonal(P + Q @ B) + QU @ p.G
+        M = _block_diagonal(P + Q @ B) + QU @ p.G
         up = np.zeros((3, n, 3))
         low, high = path._barriers(forces)
         if p.law == "coulomb":
@@ -129,42 +133,39 @@ class SmoothSystem:
         own = np.einsum("kab,mkb->mka", Q, up)
         own[0, :, :2] += 2.0 * (p.mu * forces[:, 2])[:, None] * slacks[:, :2]
         own[:, path.held | path.off] = 0.0
-        self.E = [np.zeros((3 * n, n)) for _ in range(3)]
-        for block, column in zip(self.E, own, strict=True):
-            for k in range(n):
-                block[3 * k : 3 * k + 3, k] = column[k]
+        E = np.zeros((3, n, 3, n))
+        E[:, np.arange(n), :, np.arange(n)] = own.transpose(1, 0, 2)
         # rows in their own units, so that the condition is that of the equations
-        size = np.abs(self.M).max(axis=1, initial=0.0)
-        self.rows = 1.0 / np.where(size > 0.0, size, 1.0)
-        self.inverse = np.linalg.inv(self.rows[:, None] * self.M) * self.rows if n else np.zeros((0, 0))
+        size = np.abs(M).max(axis=1, initial=0.0)
+        rows = 1.0 / np.where(size > 0.0, size, 1.0)[:, None]
+        right = np.hstack([QU, *E.reshape(3, 3 * n, n)])
+        forces_after = -np.linalg.solve(rows * M, rows * right)
+        velocities_after = p.G @ forces_after
+        velocities_after[:, : 3 * n] += np.eye(3 * n)
+        self.after = forces_after, velocities_after
+        self.condition = float(np.linalg.cond(rows * M)) if n else 1.0
         self.rank = self.size = 3 * n
         self.loose = 0.0
 
-    @property
-    def condition(self) -> float:
-        """The condition of M with its rows scaled."""
-        return float(np.linalg.cond(self.rows[:, None] * self.M)) if self.size else 1.0
-
     def tangents(self, b: FloatArray, *rates: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the (n, 3) rates of forces and velocities."""
-        right = self.E_b @ b
-        for block, rate in zip(self.E, rates, strict=True):
-            right = right + block @ rate
-        forces = -self.inverse @ right
-        return forces.reshape(-1, 3), (self.G @ forces + b).reshape(-1, 3)
+        given = np.concatenate([b, *rates])
+        forces, velocities = (block @ given for block in self.after)
+        return forces.reshape(-1, 3), velocities.reshape(-1, 3)
 
     def cotangents(self, forces: FloatArray, velocities: FloatArray) -> tuple[FloatArray, ...]:
         """Return the gradients with respect to b, mu, normal_min and normal_max."""
-        q = -self.inverse.T @ (forces + self.G @ velocities)
-        return velocities + self.E_b.T @ q, *(block.T @ q for block in self.E)
+        back = self.after[0].T @ forces + self.after[1].T @ velocities
+        return tuple(np.split(back, self._edges()))
 
     def blocks(self) -> dict[str, tuple[FloatArray, FloatArray]]:
         """Return the dense blocks of forces and velocities after g, mu, normal_min, normal_max."""
-        found = {"g": -self.inverse @ self.E_b}
-        for name, block in zip(("mu", "normal_min", "normal_max"), self.E, strict=True):
-            found[name] = -self.inverse @ block
-        eye = np.eye(self.size)
-        return {name: (f, self.G @ f + (eye if name == "g" else 0.0)) for name, f in found.items()}
+        parts = zip(*(np.split(block, self._edges(), axis=1) for block in self.after), strict=True)
+        return dict(zip(("g", "mu", "normal_min", "normal_max"), parts, strict=True))
+
+    def _edges(self) -> list[int]:
+        n = self.size // 3
+        return [3 * n, 4 * n, 5 * n]
 
 
 def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> SmoothSystem:
@@ -178,10 +179,25 @@ def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> S
         If the path is not reached.
     """
     path = _Path.of(problem, kappa)
+    with np.errstate(all="ignore"):  # said by the error
+        f, y, reached = _follow(path, forces)
+        try:
+            system = SmoothSystem(path, f, y) if reached else None
+        except np.linalg.LinAlgError:
+            system = None
+    if system is None or not all(np.isfinite(block).all() for block in system.after):
+        raise NoSolution(f"the central path was not reached at smoothing={kappa:g}", problem)
+    return system
+
+
+def _follow(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray, bool]:
+    """Return forces and slacks where λ·y = κ, and whether they are reached."""
+    problem, kappa = path.problem, path.kappa
     f, y = _start(path, forces)
     kept = path.kept
     count = max(int(kept.sum()), 1)
-    for _ in range(STEPS):
+    moved, last, on_path = 0.0, np.inf, problem.contacts == 0
+    for _ in range(STEPS if problem.contacts else 0):
         gap = float((f * y)[kept].sum()) / count
         target = max(kappa, SHRINK * gap)
         u = problem.velocity(f)
@@ -193,20 +209,19 @@ def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> S
         right = -(c + np.einsum("kab,kb->ka", Q, lag)).ravel()
         size = np.abs(matrix).max(axis=1, initial=0.0)
         rows = 1.0 / np.where(size > 0.0, size, 1.0)
+        if not (np.isfinite(rows).all() and np.isfinite(matrix).all() and np.isfinite(right).all()):
+            return f, y, False
         step = np.linalg.lstsq(rows[:, None] * matrix, rows * right, rcond=1e-15)[0].reshape(-1, 3)
         du = (problem.G @ step.ravel()).reshape(-1, 3)
         dy = lag + np.einsum("kab,kb->ka", U, du) + np.einsum("kab,kb->ka", B, step)
         share = _share(path, f, step, y, dy)
         f, y = f + share * step, y + share * dy
-        done = float(np.abs(step).max(initial=0.0)) <= EXACT * max(float(np.abs(f).max(initial=0.0)), 1e-300)
-        if target == kappa and share == 1.0 and done:
+        moved = float(np.abs(step).max(initial=0.0)) / max(float(np.abs(f).max(initial=0.0)), 1e-300)
+        on_path = target == kappa and share == 1.0
+        if on_path and (moved <= EXACT or NEAR >= moved >= 0.5 * last):  # as near as rounding lets it
             break
-    system = SmoothSystem(path, f)
-    y = path.shifted(f, system.velocities, kappa)
-    off = np.abs((f * y)[kept].sum(axis=1) - kappa).max(initial=0.0)
-    if not off <= 1e-6 * kappa or not np.isfinite(system.inverse).all():
-        raise NoSolution(f"the central path was not reached at smoothing={kappa:g}", problem)
-    return system
+        last = moved if on_path else np.inf
+    return f, y, on_path and moved <= NEAR
 
 
 def _start(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -229,10 +244,10 @@ def _share(path: _Path, f: FloatArray, df: FloatArray, y: FloatArray, dy: FloatA
     """Return the largest step up to 1 that keeps forces and slacks inside."""
     p, kept = path.problem, path.kept
     limits = [np.inf]
-    mu = p.mu[kept]
-    smooth = np.maximum(mu, 1e-300)
-    limits += [_to_cone(mu * f[kept, 2], f[kept, :2], mu * df[kept, 2], df[kept, :2])]
-    limits += [_to_cone(y[kept, 2] / smooth, y[kept, :2], dy[kept, 2] / smooth, dy[kept, :2])]
+    rough = kept & (p.mu > 0.0)  # without friction the cone is a ray, and its tangential forces stay zero
+    mu = p.mu[rough]
+    limits += [_to_cone(mu * f[rough, 2], f[rough, :2], mu * df[rough, 2], df[rough, :2])]
+    limits += [_to_cone(y[rough, 2], mu[:, None] * y[rough, :2], dy[rough, 2], mu[:, None] * dy[rough, :2])]
     for at, step in (
         (f[kept, 2] - np.maximum(p.normal_min[kept], 0.0), df[kept, 2]),
         (p.normal_max[kept] - f[kept, 2], -df[kept, 2]),

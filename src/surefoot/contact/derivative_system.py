@@ -20,12 +20,23 @@ from functools import cached_property
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.derivative_modes import HELD, HIGH, LOW, Contact, Mode, contacts_of, defect, natural_mode
+from surefoot.contact.derivative_modes import (
+    HELD,
+    HIGH,
+    LOW,
+    Contact,
+    Mode,
+    contacts_of,
+    defect,
+    natural_mode,
+)
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import residuals
 
 RANK = 1e-12
 """Singular values of the active system below this share of the largest are zero: redundant contacts."""
+SHORT = 1e-200
+"""Squares of rows below this are those of a sliding force without radius: nothing to be taken off."""
 POLISH_STEPS = 12
 """Newton steps on the active system; two are the rule."""
 
@@ -45,8 +56,8 @@ class ActiveSystem:
         for k, (mode, count) in enumerate(zip(modes, counts, strict=True)):
             own, mine = slice(3 * k, 3 * k + 3), slice(at, at + count)
             self.C[own, mine], self.R[mine, own], weight[mine] = mode.columns, mode.rows, mode.weight
-            if count:
-                self.S[own, mine] = np.linalg.pinv(mode.rows)
+            size = (mode.rows**2).sum(axis=1)  # a contact's rows are orthogonal
+            self.S[own, mine] = (mode.rows / np.where(size > SHORT, size, np.inf)[:, None]).T
             self.target_mu[mine, k] = mode.target_mu
             if mode.normal != HELD:
                 self.jump_mu[own, k] = mode.jump_mu
@@ -109,8 +120,8 @@ def polished(
 ) -> tuple[FloatArray, FloatArray, list[Contact], list[Mode]]:
     """Return forces, velocities, contacts and modes after Newton steps on the active system, to rounding.
 
-    A semismooth Newton method: the modes are read anew from the natural map at every step. The steps stop when
-    they shrink no more; the point with the least residual is kept, the given one if none is better.
+    A semismooth Newton method: the modes are read anew from the natural map at every step. The steps stop
+    when they shrink no more; the point with the least residual is kept, the given one if none is better.
     """
     best = forces.copy(), velocities.copy()
     error, last = residuals(problem, best[0]).worst, np.inf
