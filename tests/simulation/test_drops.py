@@ -7,7 +7,7 @@ import pytest
 from surefoot.arrays import FloatArray
 from surefoot.contact.engines import translate
 from surefoot.contact.engines.mujoco import MujocoContact
-from surefoot.contact.laws import Hertz, HuntCrossley, MujocoLaw, SoftLaw, SpringDamper, behaviour
+from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SoftLaw, SpringDamper, behaviour
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.simulation.drops import available_engines, measure
 

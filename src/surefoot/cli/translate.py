@@ -13,7 +13,7 @@ from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
     from surefoot.contact.engines import Translation
-    from surefoot.contact.laws import Behaviour
+    from surefoot.contact.laws.soft import Behaviour
 
 NAMES = ", ".join(ENGINES)
 _UNITS = {"rest_depth": "rest depth [m]", "restitution": "restitution", "frequency": "frequency [rad/s]"}

@@ -12,7 +12,7 @@ from surefoot.contact.engines.drake import DrakeContact
 from surefoot.contact.engines.mujoco import MujocoContact
 from surefoot.contact.engines.ode import OdeContact
 from surefoot.contact.engines.reading import read_contact
-from surefoot.contact.laws import Hertz, HuntCrossley, MujocoLaw, SpringDamper
+from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SpringDamper
 from surefoot.errors import ProblemError
 
 SOLE = {"area": 0.01, "thickness": 0.01}

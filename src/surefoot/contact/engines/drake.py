@@ -14,9 +14,9 @@ from typing import Any, ClassVar
 
 from surefoot.contact.engines.engine import EngineContact, Situation
 from surefoot.contact.engines.physical import hunt_crossley, linear
-from surefoot.contact.laws.hunt_crossley import HuntCrossley
-from surefoot.contact.laws.soft import SoftLaw
-from surefoot.contact.laws.spring_damper import SpringDamper
+from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
 from surefoot.errors import ProblemError
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 from surefoot.contact.engines.names import ENGINES
-from surefoot.contact.laws.soft import SoftLaw
+from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY
 

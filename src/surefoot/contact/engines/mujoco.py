@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from surefoot.contact.engines.engine import EngineContact, Situation
 from surefoot.contact.engines.physical import linear
-from surefoot.contact.laws.mujoco import IMPEDANCE_RANGE, MujocoLaw
-from surefoot.contact.laws.soft import SoftLaw
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.mujoco import IMPEDANCE_RANGE, MujocoLaw
 from surefoot.errors import ProblemError
 
 

@@ -11,8 +11,8 @@ from typing import ClassVar
 from surefoot.arrays import real_number
 from surefoot.contact.engines.engine import EngineContact, Situation
 from surefoot.contact.engines.physical import linear, require_dt
-from surefoot.contact.laws.soft import SoftLaw
-from surefoot.contact.laws.spring_damper import SpringDamper
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
 from surefoot.errors import ProblemError
 
 

@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.contact.engines.engine import EngineContact, Situation
-from surefoot.contact.laws.behaviour import rebound
-from surefoot.contact.laws.hunt_crossley import HuntCrossley
-from surefoot.contact.laws.soft import SoftLaw
-from surefoot.contact.laws.spring_damper import SpringDamper
+from surefoot.contact.laws.soft.behaviour import rebound
+from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
 from surefoot.errors import ProblemError
 
 STICKIEST = 20.0

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 from surefoot.contact.engines.engine import EngineContact, Situation
 from surefoot.contact.engines.physical import linear
-from surefoot.contact.laws.soft import SoftLaw
-from surefoot.contact.laws.spring_damper import SpringDamper
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
 
 PER_POINT = "a stiffness counts per contact point: PhysX gives a flat sole up to four, which share the load"
 

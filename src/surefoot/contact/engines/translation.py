@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from surefoot.arrays import real_number
 from surefoot.contact.engines.engine import EngineContact, Situation, engine_named
-from surefoot.contact.laws.behaviour import Behaviour, behaviour
-from surefoot.contact.laws.soft import SoftLaw
+from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour
+from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY
 
@@ -112,7 +112,7 @@ def translate(
 
     Examples
     --------
-    >>> from surefoot.contact.laws import SpringDamper
+    >>> from surefoot.contact.laws.soft import SpringDamper
     >>> found = translate(SpringDamper(1e4, 20.0), to="ode", mass=1.0, dt=0.001)
     >>> found.parameters
     {'soft_erp': 0.3333333333333333, 'soft_cfm': 0.03333333333333333}

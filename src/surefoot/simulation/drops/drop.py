@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.contact.laws.behaviour import SETTLED, Behaviour
+from surefoot.contact.laws.soft.behaviour import SETTLED, Behaviour
 from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
 
 RUNNERS: dict[str, str] = {

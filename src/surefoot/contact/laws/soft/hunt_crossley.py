@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.contact.laws.soft import SoftLaw
+from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact.laws.friction import ExactFriction, Friction, as_friction
+from surefoot.contact.laws.soft.friction import ExactFriction, Friction, as_friction
 from surefoot.errors import ProblemError
 
 

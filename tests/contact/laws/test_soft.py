@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from surefoot.contact.laws import (
+from surefoot.contact.laws.soft import (
     ExactFriction,
     Hertz,
     HuntCrossley,

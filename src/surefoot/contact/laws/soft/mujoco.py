@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact.laws.soft import SoftLaw
+from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError
 
 IMPEDANCE_RANGE = (0.0001, 0.9999)

@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.contact.laws.soft import SoftLaw
+from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.spatial import GRAVITY
 
 SETTLED = 0.02
@@ -59,7 +58,7 @@ def behaviour(law: SoftLaw, mass: float, speed: float = 1.0, gravity: float = GR
 
     Examples
     --------
-    >>> from surefoot.contact.laws.spring_damper import SpringDamper
+    >>> from surefoot.contact.laws.soft.spring_damper import SpringDamper
     >>> round(behaviour(SpringDamper(1e4, 20.0), mass=1.0).restitution, 3)
     0.706
     """
@@ -80,6 +79,8 @@ def rebound(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -
 
     The impact is integrated (LSODA, 1e-10), weight included.
     """
+    from scipy.integrate import solve_ivp
+
     fast = real_number("speed", speed, low=1e-9, high=1e9)
 
     def motion(_: float, state: FloatArray) -> list[float]:
