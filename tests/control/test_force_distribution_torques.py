@@ -6,8 +6,8 @@ import pytest
 import scipy.sparse as sp
 
 import surefoot as sf
-from surefoot.bench.forces_instances import FORCE_WEIGHT, WRENCH_WEIGHTS, four_feet
-from surefoot.bench.forces_program import cone_rows, cone_violation, objective, program
+from surefoot.problems.allocation_program import cone_rows, cone_violation, objective, program
+from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, four_feet
 
 SEVERITY = {"loose": 24.0, "tight": 12.0, "hopeless": 1.0}
 
