@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Rival, available
+from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Asked, Kind, Rival, available
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionCone
@@ -152,15 +152,16 @@ def run_rival(
     times = np.full(len(programs), np.inf)
     answers: list[FloatArray | None] = []
     clock = time.perf_counter
-    prepare: Callable[[Program], Callable[[], FloatArray | None]] = rival.warm if warm else rival.cold
+    prepare: Callable[[Program], Asked] = rival.warm if warm else rival.cold
     for _ in range(REPEATS):
         answers = []
         for k, p in enumerate(programs):
-            call = prepare(p)
+            asked = prepare(p)
+            call = asked.call
             start = clock()
-            x = call()
+            answer = call()
             times[k] = min(times[k], clock() - start)
-            answers.append(x)
+            answers.append(asked.read(answer))
     return times, answers
 
 
@@ -197,12 +198,11 @@ def excess(p: Program, x: FloatArray, least: float) -> tuple[float, float]:
     return gap, facet_violation(p, x) if p.C is not None else cone_violation(p.instance, p.forces(x))
 
 
-def tuned(kind: type[Rival], programs: Sequence[Program], best: FloatArray, warm: bool) -> Rival:
+def tuned(kind: Kind, programs: Sequence[Program], best: FloatArray, warm: bool) -> Rival:
     """Return a rival with the loosest tolerance that solves all programs, its default if none does."""
 
     def attempt(tol: float) -> float | None:
-        rival = kind()
-        rival.tol = tol
+        rival = kind(tol)
         for p, least in zip(programs, best, strict=True):
             x = (rival.warm if warm else rival.cold)(p)()
             if x is None or not np.isfinite(x).all():
@@ -212,11 +212,8 @@ def tuned(kind: type[Rival], programs: Sequence[Program], best: FloatArray, warm
                 return None
         return tol
 
-    rival = kind()
     found = coarsest(attempt, decades=DECADES) if kind.has_tol else None
-    if found is not None:
-        rival.tol = found
-    return rival
+    return kind() if found is None else kind(found)
 
 
 def best_known(programs: Sequence[Program], answers: Sequence[Sequence[FloatArray | None]]) -> FloatArray:
@@ -273,7 +270,7 @@ def run_class(kind: str, instances: Sequence[Instance], say: Callable[[str], Non
             yield row
 
 
-def _cones() -> Iterator[tuple[str, list[type[Rival]]]]:
+def _cones() -> Iterator[tuple[str, list[Kind]]]:
     yield "exact", available(EXACT_RIVALS)
     for facets in FACETS:
         for fit in FITS:

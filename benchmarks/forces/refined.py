@@ -22,9 +22,9 @@ import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
 from surefoot.cones.projection import project_truncated
-from surefoot.errors import MissingExtra
 from surefoot.problems.allocation_program import cone_rows, program
 from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
+from surefoot.solvers.backends import ConeProgram, Options, backend
 
 UNITS = (1.0, 0.1, 0.01, 1e-3, 0.1, 0.01, 1e-3)
 """Of the change from one round to the next."""
@@ -72,32 +72,25 @@ def refined_clarabel(
 
     Of all rounds the one with the least `fixed_point_residual` counts.
     """
-    try:
-        import clarabel
-    except ImportError as error:
-        raise MissingExtra("clarabel", "qp") from error
     p = program(instance, force_weight=force_weight)
     a, root = p.mu.size, np.sqrt(force_weight)
     weights = np.sqrt(WRENCH_WEIGHTS)
     A, w = weights[:, None] * instance.grasp_map[:, p.columns], weights * instance.wrench
     M, b = cone_rows(p)
-    options = clarabel.DefaultSettings()
-    options.verbose = options.presolve_enable = False
-    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = tol
-    options.static_regularization_constant = REGULARISATION
-    box = [clarabel.ZeroConeT(6), clarabel.NonnegativeConeT(2 * a)]
+    clarabel = backend("clarabel", Options(tol, own={"static_regularization_constant": REGULARISATION}))
     identity, best, x = sp.identity(3 * a + 6, format="csc"), np.inf, np.zeros(3 * a)
     for turn, unit in enumerate(UNITS):
         T, t = turned_cones(x.reshape(-1, 3), p.mu)
         if turn == 0:  # no answer to turn to yet
-            rows, slack, cones = M, b, [*box, *[clarabel.SecondOrderConeT(3)] * a]
+            rows, slack, cones = M, b, {"second_order": (3,) * a}
         else:
             rows, slack = np.vstack([M[: 2 * a], -T]), np.concatenate([b[: 2 * a] - M[: 2 * a] @ x, t])
-            cones = [*box, *[clarabel.PSDTriangleConeT(2)] * a]
+            cones = {"semidefinite": (2,) * a}
         left, right = _scaled(A / root, rows / root), np.concatenate([np.zeros(6), slack / unit])
         slope = np.concatenate([root * x, A @ x - w]) / unit
-        change = clarabel.DefaultSolver(identity, slope, left, right, cones, options).solve().x
-        tried = x + unit / root * np.asarray(change)[: 3 * a]
+        change = clarabel.solve(ConeProgram(identity, slope, left, right, 6, 2 * a, **cones)).x
+        assert change is not None
+        tried = x + unit / root * change[: 3 * a]
         residual = fixed_point_residual(instance, p.forces(tried), force_weight)
         if residual < best:
             best, x = residual, tried

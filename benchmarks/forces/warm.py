@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.forces.race import distributor_for, run_ours, run_rival
-from benchmarks.forces.rivals import Daqp, available
+from benchmarks.forces.rivals import DAQP, available
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
@@ -127,9 +127,9 @@ def measure(name: str, instances: Sequence[Instance]) -> WarmRow:
         if check.status is not Status.SOLVED or np.abs(f - cold).max() > 2.0 * check._tol + exact.errors[k]:
             raise RuntimeError(f"{name}: the warm answer of step {k} differs from the cold one")
     daqp: list[Timing | None] = [None, None]
-    if available((Daqp,)):
+    if available((DAQP,)):
         programs = [program(i, FACETS) for i in steps]
-        daqp = [Timing.of(run_rival(Daqp(), programs, warm)[0]) for warm in (False, True)]
+        daqp = [Timing.of(run_rival(DAQP(), programs, warm)[0]) for warm in (False, True)]
     active = np.mean([on_the_edge(i, f) for i, f in zip(steps, exact.forces, strict=True)])
     return WarmRow(
         name, len(steps), float(active), float(cold_iterations.mean()), float(warm_iterations.mean()),

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csc_matrix
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra
 from surefoot.problems.stances import StanceCase
+from surefoot.solvers.backends import ConeProgram, Options, backend
 from surefoot.spatial import GRAVITY, skew
 from surefoot.stance import Stance
 
@@ -53,10 +53,6 @@ def clarabel_margin(case: StanceCase) -> Callable[[], float]:
     The matrices are built beforehand; the call makes the solver and solves. NaN where no forces at all
     give the load.
     """
-    try:
-        import clarabel
-    except ImportError as error:
-        raise MissingExtra("clarabel", "qp") from error
     load = load_of(case)
     scale = float(np.linalg.norm(load))
     points = corners(case.stance)
@@ -67,19 +63,17 @@ def clarabel_margin(case: StanceCase) -> Callable[[], float]:
         cones[3 * k + 1, 3 * k] = cones[3 * k + 2, 3 * k + 1] = 1.0
     cap = np.zeros((1, n + 1))
     cap[0, n] = 1.0
-    rows = csc_matrix(np.vstack([np.hstack([A, np.zeros((6, 1))]), cap, -cones]))
-    right = np.concatenate([load / scale, [CAP], np.zeros(3 * len(points))])
-    kinds = [clarabel.ZeroConeT(6), clarabel.NonnegativeConeT(1)]
-    kinds += [clarabel.SecondOrderConeT(3)] * len(points)
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
-    cost = np.concatenate([np.zeros(n), [-1.0]])
-    hessian = csc_matrix((n + 1, n + 1))
+    grasp = np.hstack([A, np.zeros((6, 1))])
+    program = ConeProgram.of(
+        None, np.append(np.zeros(n), -1.0), zero=(grasp, load / scale), nonneg=(cap, [CAP]),
+        second_order=(-cones, np.zeros(3 * len(points))),
+    )  # fmt: skip
+    clarabel = backend("clarabel", Options(1e-10))
+    call = clarabel.call(clarabel.ready(program))
 
     def solve() -> float:
-        solution = clarabel.DefaultSolver(hessian, cost, rows, right, kinds, settings).solve()
-        return float(solution.x[n]) * scale if "olved" in str(solution.status) else math.nan
+        found = clarabel.read(call())
+        return math.nan if found.x is None or not found.found else float(found.x[n]) * scale
 
     return solve
 

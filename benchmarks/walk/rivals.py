@@ -19,7 +19,8 @@ from benchmarks.walk import hpipm as mpc_hpipm
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
-from surefoot.errors import MissingExtra
+from surefoot.solvers.backends import ConeProgram, Options, backend, solve_program
+from surefoot.solvers.backends.program import stacked
 
 DECADES = tuple(range(-2, -12, -1))
 """Powers of ten that a rival's tolerance is tried at; it runs at the loosest eighth of a decade that does."""
@@ -64,7 +65,7 @@ class Rival:
     facets: int | None
     forms: tuple[str, ...]
     warm: tuple[bool, ...]
-    ready: Callable[[Matrices], Any] = field(repr=False)
+    ready: Callable[[Matrices, str], Any] = field(repr=False)
     make: Callable[[Variant], Callable[[Any], FloatArray]] = field(repr=False)
 
     @property
@@ -75,7 +76,29 @@ class Rival:
     def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Any:
         """Return the program in this rival's format (not timed)."""
         sparse, dense = form.startswith("sparse"), form == "dense"
-        return self.ready(matrices(mpc, program, self.facets, sparse=sparse, dense=dense))
+        return self.ready(matrices(mpc, program, self.facets, sparse=sparse, dense=dense), form)
+
+
+def driven(
+    solver: str, facets: int | None, forms: tuple[str, ...], warm: tuple[bool, ...], own: dict[str, Any]
+) -> Rival:
+    """Return the rival that a backend of `surefoot.solvers` is, with settings by its own names."""
+
+    def ready(m: Matrices, form: str) -> tuple[Matrices, Any]:
+        return m, backend(solver.lower(), Options(sparse=form == "sparse")).ready(cone_program(m))
+
+    def make(variant: Variant) -> Callable[[tuple[Matrices, Any]], FloatArray]:
+        sparse = variant.form == "sparse"
+        options = Options(variant.tol, keep=True, warm=variant.warm, sparse=sparse, own=own)
+        run = backend(solver.lower(), options)
+
+        def solve(item: tuple[Matrices, Any]) -> FloatArray:
+            m, given = item
+            return _forces(run.read(run.call(given)()).x, m)
+
+        return solve
+
+    return Rival(solver, facets, forms, warm, ready, make)
 
 
 def rivals() -> list[Rival]:
@@ -89,16 +112,36 @@ def rivals() -> list[Rival]:
     out = []
     for facets in (4, 8):
         out += [
-            Rival("OSQP", facets, ("condensed", "sparse"), (True, False), _osqp_ready, _osqp),
-            Rival("ProxQP", facets, ("dense", "sparse"), (True, False), _as_is, _proxqp),
-            Rival("PIQP", facets, ("dense", "sparse"), (False,), _as_is, _piqp),
-            Rival("DAQP", facets, ("dense",), (True, False), _daqp_ready, _daqp),
+            driven("OSQP", facets, ("condensed", "sparse"), (True, False), {"check_termination": 10}),
+            driven("ProxQP", facets, ("dense", "sparse"), (True, False), {}),
+            driven("PIQP", facets, ("dense", "sparse"), (False,), {"check_duality_gap": False}),
+            driven("DAQP", facets, ("dense",), (True, False), {}),
         ]
         if mpc_hpipm.hpipm_installed():
             forms = ("sparse", "sparse, balanced")
-            out.append(Rival("HPIPM", facets, forms, (True, False), mpc_hpipm.stages, mpc_hpipm.solver))
-    out.append(Rival("Clarabel", None, ("condensed", "sparse"), (False,), clarabel_ready, _clarabel))
+            out.append(Rival("HPIPM", facets, forms, (True, False), _stages, mpc_hpipm.solver))
+    out.append(driven("Clarabel", None, ("condensed", "sparse"), (False,), {}))
     return out
+
+
+def _stages(m: Matrices, form: str) -> mpc_hpipm.Stages:
+    """Return the stages that HPIPM wants, from the sparse form."""
+    return mpc_hpipm.stages(m)
+
+
+def cone_program(m: Matrices) -> ConeProgram:
+    """Return the program for outside solvers; second-order cones where C holds no pyramids."""
+    c, n = m.mu.size, m.q.size
+    rows = stacked([m.C, -m.C])
+    cones = None
+    if m.low.size == c:
+        at = np.arange(c)
+        values = np.concatenate([-m.mu, -np.ones(2 * c)])
+        where = np.concatenate([3 * at, 3 * at + 1, 3 * at + 2])
+        which = np.concatenate([3 * at + 2, 3 * at, 3 * at + 1])
+        cones = sp.csc_matrix((values, (where, which)), (3 * c, n)), np.zeros(3 * c)
+    bounds = rows if isinstance(rows, np.ndarray) else rows.tocsr(), np.concatenate([m.high, -m.low])
+    return ConeProgram.of(m.P, m.q, zero=(m.A, m.b), nonneg=bounds, second_order=cones)
 
 
 def matrices(
@@ -175,162 +218,6 @@ def _forces(z: Any, m: Matrices) -> FloatArray:
     return m.scale * np.asarray(z, dtype=np.float64)[: 3 * m.mu.size].reshape(-1, 3)
 
 
-def _stack(m: Matrices) -> tuple[Any, FloatArray, FloatArray]:
-    """Return equations and inequalities as one block of rows with bounds, sparse."""
-    return (
-        sp.vstack([m.A, m.C], format="csc"),
-        np.concatenate([m.b, m.low]),
-        np.concatenate([m.b, m.high]),
-    )
-
-
-def _need(name: str) -> Any:
-    import importlib
-
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise MissingExtra(name, "qp") from error
-
-
-def _as_is(m: Matrices) -> Matrices:
-    return m
-
-
-def _osqp_ready(m: Matrices) -> tuple[Matrices, Any, Any, FloatArray, FloatArray]:
-    return m, sp.triu(m.P, format="csc"), *_stack(m)
-
-
-def _osqp(variant: Variant) -> Callable[[Any], FloatArray]:
-    osqp = _need("osqp")
-    kept: dict[Any, Any] = {}
-
-    def solve(item: tuple[Matrices, Any, Any, FloatArray, FloatArray]) -> FloatArray:
-        m, upper, rows, low, high = item
-        solver = kept.get(m.structure)
-        if solver is not None:
-            solver.update(q=m.q, l=low, u=high, Px=upper.data, Ax=rows.data)
-        else:
-            solver = osqp.OSQP()
-            solver.setup(  # on copies: its updates write into the matrices that it was set up with
-                upper.copy(), m.q, rows.copy(), low, high, verbose=False, eps_abs=variant.tol,
-                eps_rel=variant.tol, warm_starting=variant.warm, max_iter=20_000, polishing=False,
-                check_termination=10,
-            )  # fmt: skip
-            kept[m.structure] = solver
-        return _forces(solver.solve(raise_error=False).x, m)
-
-    return solve
-
-
-def _proxqp(variant: Variant) -> Callable[[Any], FloatArray]:
-    proxqp = _need("proxsuite").proxqp
-    kept: dict[Any, Any] = {}
-    guess = proxqp.InitialGuess
-    start = (
-        guess.WARM_START_WITH_PREVIOUS_RESULT if variant.warm else guess.EQUALITY_CONSTRAINED_INITIAL_GUESS
-    )
-
-    def solve(m: Matrices) -> FloatArray:
-        solver = kept.get(m.structure)
-        if solver is not None:
-            solver.update(H=m.P, g=m.q, A=m.A, b=m.b, C=m.C, l=m.low, u=m.high)
-        else:
-            module = proxqp.dense if variant.form == "dense" else proxqp.sparse
-            solver = module.QP(m.q.size, m.b.size, m.low.size)
-            solver.settings.eps_abs, solver.settings.eps_rel = variant.tol, 0.0
-            solver.init(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
-            solver.settings.initial_guess = guess.EQUALITY_CONSTRAINED_INITIAL_GUESS  # nothing to go by
-            kept[m.structure] = solver
-        solver.solve()
-        solver.settings.initial_guess = start
-        return _forces(solver.results.x, m)
-
-    return solve
-
-
-def _piqp(variant: Variant) -> Callable[[Any], FloatArray]:
-    piqp = _need("piqp")
-    kept: dict[Any, Any] = {}
-
-    def solve(m: Matrices) -> FloatArray:
-        solver = kept.get(m.structure)
-        if solver is not None:
-            solver.update(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
-        else:
-            solver = piqp.DenseSolver() if variant.form == "dense" else piqp.SparseSolver()
-            solver.settings.eps_abs = solver.settings.eps_rel = variant.tol
-            solver.settings.check_duality_gap = False
-            solver.setup(m.P, m.q, m.A, m.b, m.C, m.low, m.high)
-            kept[m.structure] = solver
-        solver.solve()
-        return _forces(solver.result.x, m)
-
-    return solve
-
-
-def _daqp_ready(m: Matrices) -> Matrices:
-    return m._replace(P=np.ascontiguousarray(m.P), C=np.ascontiguousarray(m.C))
-
-
-def _daqp(variant: Variant) -> Callable[[Any], FloatArray]:
-    daqp = _need("daqp")
-    kept: dict[Any, Any] = {}
-
-    def solve(m: Matrices) -> FloatArray:
-        solver = kept.get(m.structure) if variant.warm else None
-        if solver is not None:
-            solver.update(H=m.P, f=m.q, A=m.C, bupper=m.high, blower=m.low)
-        else:
-            solver = daqp.Model()
-            solver.setup(m.P, m.q, m.C, m.high, m.low)
-            solver.settings = {"primal_tol": variant.tol, "dual_tol": variant.tol}
-            kept[m.structure] = solver
-        return _forces(solver.solve()[0], m)
-
-    return solve
-
-
-def clarabel_ready(m: Matrices) -> tuple[Matrices, Any, Any, FloatArray, list[Any]]:
-    """Return P, A, b and cones as Clarabel wants them; second-order cones where C holds no pyramids."""
-    clarabel = _need("clarabel")
-    c = m.mu.size
-    above, below = np.isfinite(m.high), np.isfinite(m.low)
-    rows = [m.A, m.C[above], -m.C[below]]
-    right = [m.b, m.high[above], -m.low[below]]
-    cones = [clarabel.ZeroConeT(m.b.size), clarabel.NonnegativeConeT(int(above.sum() + below.sum()))]
-    if m.low.size == c:
-        at = np.arange(c)
-        values = np.concatenate([-m.mu, -np.ones(2 * c)])
-        where = np.concatenate([3 * at, 3 * at + 1, 3 * at + 2])
-        which = np.concatenate([3 * at + 2, 3 * at, 3 * at + 1])
-        rows.append(sp.csc_matrix((values, (where, which)), (3 * c, m.q.size)))
-        right.append(np.zeros(3 * c))
-        cones += [clarabel.SecondOrderConeT(3)] * c
-    return m, sp.triu(m.P, format="csc"), sp.vstack(rows, format="csc"), np.concatenate(right), cones
-
-
-def _clarabel(variant: Variant) -> Callable[[Any], FloatArray]:
-    clarabel = _need("clarabel")
-    options = clarabel.DefaultSettings()
-    options.verbose = False
-    options.presolve_enable = False  # it would forbid updates
-    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = variant.tol
-    kept: dict[Any, Any] = {}
-
-    def solve(item: tuple[Matrices, Any, Any, FloatArray, list[Any]]) -> FloatArray:
-        m, P, A, b, cones = item
-        solver = kept.get(m.structure)
-        if solver is not None:
-            solver.update(P=P.data, q=m.q, A=A.data, b=b)
-        else:
-            solver = clarabel.DefaultSolver(P, m.q, A, b, cones, options)
-            kept[m.structure] = solver
-        return _forces(solver.solve().x, m)
-
-    return solve
-
-
 def solve_exact(m: Matrices, tol: float) -> FloatArray:
-    """Return the (c, 3) forces of a program by Clarabel, see `clarabel_ready`."""
-    return _clarabel(Variant("condensed", False, tol))(clarabel_ready(m))
+    """Return the (c, 3) forces of a program by Clarabel."""
+    return _forces(solve_program(cone_program(m), tol=tol).x, m)

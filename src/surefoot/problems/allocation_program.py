@@ -12,6 +12,7 @@ from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.contact import ContactProblem
 from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
+from surefoot.solvers.backends import ConeProgram
 
 Fit = Literal["inner", "outer"]
 
@@ -87,6 +88,19 @@ def cone_rows(p: Program) -> tuple[FloatArray, FloatArray]:
     for k in range(a):
         S[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = [[0.0, 0.0, p.mu[k]], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
     return np.vstack([-Z, Z, -S]), np.concatenate([-p.low[2::3], p.high[2::3], np.zeros(3 * a)])
+
+
+def cone_program(p: Program) -> ConeProgram:
+    """Return the program for outside solvers: bounds and facets, or bounds and second-order cones."""
+    a = p.mu.size
+    if p.C is None:
+        M, b = cone_rows(p)
+        return ConeProgram.of(
+            p.H, p.h, nonneg=(M[: 2 * a], b[: 2 * a]), second_order=(M[2 * a :], b[2 * a :])
+        )
+    Z = np.eye(3 * a)[2::3]
+    right = np.concatenate([np.zeros(len(p.C)), p.high[2::3], -p.low[2::3]])
+    return ConeProgram.of(p.H, p.h, nonneg=(np.vstack([p.C, Z, -Z]), right))
 
 
 def objective(p: Program, x: FloatArray) -> float:
