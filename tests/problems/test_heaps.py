@@ -7,6 +7,7 @@ import scipy.sparse as sp
 from surefoot.contact import ContactProblem
 from surefoot.problems.contacts import Maker
 from surefoot.problems.heaps import capsules, cups, masonry, rocks
+from surefoot.solvers.backends import ConeProgram, solve_program
 
 SMALL: dict[str, tuple[Maker, int]] = {
     "capsules": (lambda r: capsules(r, 20, 50, 0.5), 50),
@@ -19,20 +20,18 @@ SMALL: dict[str, tuple[Maker, int]] = {
 
 def widest_opening(problem: ContactProblem) -> float:
     """Return the largest t <= 1 for which some motion opens all contacts by t inside the dual cones."""
-    clarabel = pytest.importorskip("clarabel")
+    pytest.importorskip("clarabel")
     n = problem.contacts
     G = sp.csc_matrix(problem.G)
     order = np.array([[3 * k + 2, 3 * k, 3 * k + 1] for k in range(n)]).ravel()
     scale = sp.diags(np.column_stack([np.ones(n), problem.mu, problem.mu]).ravel())
     normal = sp.csc_matrix(np.tile([1.0, 0.0, 0.0], n)[:, None])
-    rows = [sp.hstack([-scale @ (G / abs(G).max())[order], normal]), sp.eye(1, 3 * n + 1, 3 * n)]
-    options = clarabel.DefaultSettings()
-    options.verbose = False
-    cones = [clarabel.SecondOrderConeT(3)] * n + [clarabel.NonnegativeConeT(1)]
-    found = clarabel.DefaultSolver(
-        sp.diags(np.append(np.full(3 * n, 1e-9), 0.0)).tocsc(), np.append(np.zeros(3 * n), -1.0),
-        sp.vstack(rows, format="csc"), np.append(np.zeros(3 * n), 1.0), cones, options,
-    ).solve()  # fmt: skip
+    cones = sp.hstack([-scale @ (G / abs(G).max())[order], normal])
+    program = ConeProgram.of(
+        sp.diags(np.append(np.full(3 * n, 1e-9), 0.0)), np.append(np.zeros(3 * n), -1.0),
+        nonneg=(sp.eye(1, 3 * n + 1, 3 * n), [1.0]), second_order=(cones, np.zeros(3 * n)),
+    )  # fmt: skip
+    found = solve_program(program, tol=None)
     return float(found.x[-1])
 
 

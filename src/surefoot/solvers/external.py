@@ -21,6 +21,7 @@ from surefoot.solvers.solver import Answer, Settings, register
 QP_SOLVERS = ("daqp", "quadprog", "proxqp", "osqp", "piqp", "highs")
 STATUS_OF = dict.fromkeys(End, Status.STALLED) | {
     End.INFEASIBLE: Status.INFEASIBLE,
+    End.ALMOST_INFEASIBLE: Status.INFEASIBLE,
     End.UNBOUNDED: Status.INFEASIBLE,
     End.MAX_ITERATIONS: Status.MAX_ITERATIONS,
     End.MAX_TIME: Status.MAX_TIME,

@@ -38,6 +38,7 @@ def solve_quadratic(problem: LCP, settings: Settings) -> LcpAnswer:
     w = problem.M @ z + problem.q
     snapped = np.where(z * scale > w, z, 0.0)
     z = snapped if problem.residual(snapped) < problem.residual(z) else z
-    if found.end in (End.INFEASIBLE, End.UNBOUNDED):  # the multipliers of M z + q >= 0 are the Farkas vector
+    if found.end in (End.INFEASIBLE, End.ALMOST_INFEASIBLE, End.UNBOUNDED):
+        # the multipliers of M z + q >= 0 are the Farkas vector
         return LcpAnswer(z, found.iterations, Status.INFEASIBLE, None if symmetric else found.y[n:])
     return LcpAnswer(z, found.iterations, Status.STALLED)

@@ -21,7 +21,7 @@ ENDS = {
     "Solved": End.SOLVED,
     "AlmostSolved": End.ALMOST,
     "PrimalInfeasible": End.INFEASIBLE,
-    "AlmostPrimalInfeasible": End.INFEASIBLE,
+    "AlmostPrimalInfeasible": End.ALMOST_INFEASIBLE,
     "DualInfeasible": End.UNBOUNDED,
     "AlmostDualInfeasible": End.UNBOUNDED,
     "MaxIterations": End.MAX_ITERATIONS,

@@ -18,8 +18,8 @@ from surefoot.solvers.backends.backend import Backend, Options
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, pattern, upper_triangle
 
 ENDS = {
-    1: End.SOLVED, 2: End.ALMOST, 3: End.INFEASIBLE, 4: End.INFEASIBLE, 5: End.UNBOUNDED, 6: End.UNBOUNDED,
-    7: End.MAX_ITERATIONS, 8: End.MAX_TIME,
+    1: End.SOLVED, 2: End.ALMOST, 3: End.INFEASIBLE, 4: End.ALMOST_INFEASIBLE, 5: End.UNBOUNDED,
+    6: End.UNBOUNDED, 7: End.MAX_ITERATIONS, 8: End.MAX_TIME,
 }  # fmt: skip
 ITERATIONS = 20_000
 

@@ -22,6 +22,7 @@ class End(Enum):
     SOLVED = "solved"
     ALMOST = "almost"
     INFEASIBLE = "infeasible"
+    ALMOST_INFEASIBLE = "almost_infeasible"
     UNBOUNDED = "unbounded"
     MAX_ITERATIONS = "max_iterations"
     MAX_TIME = "max_time"

@@ -18,7 +18,7 @@ from surefoot.errors import ProblemError
 from surefoot.solvers.backends.backend import Backend
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome, pattern, upper_triangle
 
-ENDS = {1: End.SOLVED, 2: End.ALMOST, -2: End.INFEASIBLE, -7: End.INFEASIBLE, -1: End.UNBOUNDED}
+ENDS = {1: End.SOLVED, 2: End.ALMOST, -2: End.INFEASIBLE, -7: End.ALMOST_INFEASIBLE, -1: End.UNBOUNDED}
 ITERATIONS = 20_000
 
 
