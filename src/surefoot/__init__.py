@@ -114,6 +114,8 @@ _HOMES = {
         "Region",
         "Verdict",
         "can_stand",
+        "can_stand_many",
+        "com_region_many",
         "com_region",
         "com_volume",
         "friction_needed",
@@ -127,6 +129,8 @@ _HOMES = {
     "simulation.rigid": ("RigidWorld",),
     "solvers": ("ContactForces", "ContactSolver", "minimum_norm", "solve", "solve_lcp", "solver_names"),
     "stance": (
+        "StanceBatch",
+        "grasp_map",
         "FlatTerrain",
         "HeightfieldTerrain",
         "PatchContact",
