@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Asked, Kind, Rival, available
+from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Kind, Rival, available
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionCone
@@ -152,11 +152,11 @@ def run_rival(
     times = np.full(len(programs), np.inf)
     answers: list[FloatArray | None] = []
     clock = time.perf_counter
-    prepare: Callable[[Program], Asked] = rival.warm if warm else rival.cold
+    items = [rival.ready(p) for p in programs]
     for _ in range(REPEATS):
         answers = []
-        for k, p in enumerate(programs):
-            asked = prepare(p)
+        for k, item in enumerate(items):
+            asked = rival.ask(item, warm)
             call = asked.call
             start = clock()
             answer = call()

@@ -53,13 +53,22 @@ class Rival:
         self._cold = backend(kind.backend, Options(given))
         self._warm = backend(kind.backend, Options(given, keep=True, warm=True))
 
+    def ready(self, p: Program) -> Any:
+        """Return a program in the rival's own words: well before the call, for it empties the caches."""
+        return self._cold.ready(cone_program(p))
+
+    def ask(self, item: Any, warm: bool) -> Asked:
+        """Return the call that solves a ready program, from the last answer where it is warm and can."""
+        solver = self._warm if warm and self.kind.can_warm else self._cold
+        return Asked(solver.call(item), solver)
+
     def cold(self, p: Program) -> Asked:
         """Return the call that sets up and solves."""
-        return Asked.of(self._cold, p)
+        return self.ask(self.ready(p), warm=False)
 
     def warm(self, p: Program) -> Asked:
         """Return the call that solves from the last answer; a cold one where the rival cannot."""
-        return Asked.of(self._warm, p) if self.kind.can_warm else self.cold(p)
+        return self.ask(self.ready(p), warm=True)
 
 
 @dataclass(frozen=True)
@@ -68,11 +77,6 @@ class Asked:
 
     call: Callable[[], Any]
     solver: Backend
-
-    @classmethod
-    def of(cls, solver: Backend, p: Program) -> Asked:
-        """Return a program in a solver's own words."""
-        return cls(solver.call(solver.ready(cone_program(p))), solver)
 
     def read(self, answer: Any) -> FloatArray | None:
         """Return x, or None if the solver says that it is no solution."""
