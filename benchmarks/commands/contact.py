@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from benchmarks.contact.comparison import Comparison, Kind
     from surefoot.problems.contacts import NamedProblem
 
-SCALES = ("robot", "large")
 QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES = 0.01, 60, 6
 """Of --quick: share of each family's problems (at least one), contacts of the largest, number of families."""
 
