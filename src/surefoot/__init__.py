@@ -68,16 +68,17 @@ if TYPE_CHECKING:
     from surefoot.solvers import solve as solve
     from surefoot.solvers import solve_lcp as solve_lcp
     from surefoot.solvers import solver_names as solver_names
-    from surefoot.stance import FlatTerrain as FlatTerrain
-    from surefoot.stance import HeightfieldTerrain as HeightfieldTerrain
     from surefoot.stance import PatchContact as PatchContact
     from surefoot.stance import PointContact as PointContact
-    from surefoot.stance import SlopeTerrain as SlopeTerrain
-    from surefoot.stance import StairsTerrain as StairsTerrain
     from surefoot.stance import Stance as Stance
-    from surefoot.stance import Terrain as Terrain
     from surefoot.stance import read_stance as read_stance
     from surefoot.stance import write_stance as write_stance
+    from surefoot.terrain import FlatTerrain as FlatTerrain
+    from surefoot.terrain import HeightfieldTerrain as HeightfieldTerrain
+    from surefoot.terrain import PitTerrain as PitTerrain
+    from surefoot.terrain import SlopeTerrain as SlopeTerrain
+    from surefoot.terrain import StairsTerrain as StairsTerrain
+    from surefoot.terrain import Terrain as Terrain
 
 __version__ = "0.1.0"
 
@@ -127,16 +128,19 @@ _HOMES = {
     "simulation.rigid": ("RigidWorld",),
     "solvers": ("ContactForces", "ContactSolver", "minimum_norm", "solve", "solve_lcp", "solver_names"),
     "stance": (
-        "FlatTerrain",
-        "HeightfieldTerrain",
         "PatchContact",
         "PointContact",
-        "SlopeTerrain",
-        "StairsTerrain",
         "Stance",
-        "Terrain",
         "read_stance",
         "write_stance",
+    ),
+    "terrain": (
+        "FlatTerrain",
+        "HeightfieldTerrain",
+        "PitTerrain",
+        "SlopeTerrain",
+        "StairsTerrain",
+        "Terrain",
     ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}

@@ -172,14 +172,14 @@ def _set_up(
 ) -> tuple[Any, Any, Any]:
     """Return controller, world and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
-    from surefoot.simulation.mujoco import MujocoWorld
     from surefoot.simulation.walk_terrain import check_ground, start_pose
+    from surefoot.simulation.worlds import make_world
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
     q = start_pose(robot, ground)
     check_ground(robot, ground, q, mu)
-    return controller, MujocoWorld(robot, ground, mu, payload=payload), q
+    return controller, make_world("mujoco", robot, ground, mu, payload=payload), q
 
 
 def _account() -> Any:

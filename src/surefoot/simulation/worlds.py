@@ -1,0 +1,47 @@
+"""Worlds by name, one line each: what `--world` chooses from."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:  # the command line reads the names without loading a robot
+    from surefoot.robot import Robot
+    from surefoot.simulation.world import World
+    from surefoot.terrain import Terrain
+
+WORLDS: dict[str, str] = {
+    "mujoco": "surefoot.simulation.mujoco:MujocoWorld",
+    "rigid": "surefoot.simulation.rigid:RigidWorld",
+}
+"""Name to "module:class"; the module is imported when its world is asked for."""
+
+
+def make_world(
+    name: str, robot: Robot, terrain: Terrain | None = None, mu: float = 0.6, **options: Any
+) -> World:
+    """Return a world of `WORLDS` with a robot on a terrain.
+
+    Parameters
+    ----------
+    name
+        A name of `WORLDS`.
+    robot, terrain, mu
+        Who stands where (None: flat ground), and the friction of the ground.
+    options
+        Of the world itself: `dt`, `payload` and its own.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
+    MissingExtra
+        If the world's engine is not installed.
+    """
+    if name not in WORLDS:
+        raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
+    module, _, title = WORLDS[name].partition(":")
+    world: World = getattr(importlib.import_module(module), title)(robot, terrain, mu, **options)
+    return world
