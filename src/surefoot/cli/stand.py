@@ -115,7 +115,7 @@ def _require(robot: str | None, world: str, video: bool, report: bool) -> None:
     """Raise for all optional packages at once if one that a stand cannot do without is missing."""
     from surefoot.cli import extras
 
-    needed = (*extras.robot_packages(robot), *(["mujoco"] if world == "mujoco" else []))
+    needed = (*extras.robot_packages(robot), *WORLDS[world][1])
     extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from surefoot.errors import ProblemError, unknown_name
@@ -12,11 +13,11 @@ if TYPE_CHECKING:  # the command line reads the names without loading a robot
     from surefoot.simulation.world import World
     from surefoot.terrain import Terrain
 
-WORLDS: dict[str, str] = {
-    "mujoco": "surefoot.simulation.mujoco:MujocoWorld",
-    "rigid": "surefoot.simulation.rigid:RigidWorld",
+WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
+    "mujoco": ("surefoot.simulation.mujoco:MujocoWorld", ("mujoco",)),
+    "rigid": ("surefoot.simulation.rigid:RigidWorld", ()),
 }
-"""Name to "module:class"; the module is imported when its world is asked for."""
+"""Name to the class (or "module:class", imported when asked for), and the packages that it needs."""
 
 
 def make_world(
@@ -31,7 +32,7 @@ def make_world(
     robot, terrain, mu
         Who stands where (None: flat ground), and the friction of the ground.
     options
-        Of the world itself: `dt`, `payload` and its own.
+        Of the world itself: `dt` [s], `payload` [kg] and its own.
 
     Raises
     ------
@@ -42,6 +43,8 @@ def make_world(
     """
     if name not in WORLDS:
         raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
-    module, _, title = WORLDS[name].partition(":")
-    world: World = getattr(importlib.import_module(module), title)(robot, terrain, mu, **options)
-    return world
+    made = WORLDS[name][0]
+    if isinstance(made, str):
+        module, _, title = made.partition(":")
+        made = getattr(importlib.import_module(module), title)
+    return made(robot, terrain, mu, **options)
