@@ -31,14 +31,14 @@ def test_steps_taken_twice_and_out_of_turn_are_the_same(terrain: Terrain) -> Non
     """Through the air, the touchdown and the rest, with steps of another state in between."""
     robot, rng = sf.load_robot("go2"), np.random.default_rng(1)
     stepper, other = Stepper(robot, terrain), Stepper(robot, terrain)
-    states, torques = [stepper.start(*thrown(0.03))], rng.normal(size=(150, 12))
+    states, torques = [stepper.start(*thrown(0.03))], rng.normal(size=(200, 12))
     steps = []
     for tau in torques:
         steps.append(stepper.step(states[-1], tau))
         states.append(steps[-1].state)
     assert any(step.problem is None for step in steps)
     assert sum(step.problem is not None for step in steps) > 20
-    for k in rng.permutation(150):
+    for k in rng.permutation(200):
         for again in (stepper.step(states[k], torques[k]), other.step(states[k], torques[k])):
             assert same(again.state.q, states[k + 1].q)
             assert same(again.state.v, states[k + 1].v)

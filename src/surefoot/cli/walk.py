@@ -35,7 +35,10 @@ def walk(
         Path | None, typer.Option(help="Lines of 'time vx vy yaw_rate' instead of --velocity.")
     ] = None,
     terrain: Annotated[
-        str, typer.Option(help="flat, slope:DEG, stairs:HEIGHT,DEPTH or rough:SEED,HEIGHT [m].")
+        str,
+        typer.Option(
+            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
+        ),
     ] = "flat",
     mu: Annotated[float, typer.Option(help="Friction of the ground.")] = 0.6,
     believed_mu: Annotated[

@@ -26,6 +26,7 @@ from surefoot.spatial import (
     quaternion_xyzw,
     rotation_from_quaternion,
 )
+from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import FlatTerrain, Terrain
 from surefoot.terrain.frames import surface_frames
 
@@ -164,9 +165,9 @@ class MujocoWorld:
             in the state before the step.
         """
         data = self.data
-        data.qfrc_applied[self.robot.base_dof :] = _finite("torques", torques, self.robot.joints)
+        data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
         if self._base:
-            data.xfrc_applied[self._base, :3] = 0.0 if push is None else _finite("push", push, 3)
+            data.xfrc_applied[self._base, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         self._mujoco.mj_step(self.model, data)
         if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
@@ -201,13 +202,6 @@ class MujocoWorld:
             contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
         return ContactReading(forces, gaps, velocities, positions)
-
-
-def _finite(name: str, value: FloatArray, size: int) -> FloatArray:
-    """Return a finite (size,) array, quickly where it is one already."""
-    if isinstance(value, np.ndarray) and value.shape == (size,) and np.isfinite(value).all():
-        return value
-    return finite_array(name, value, (size,))
 
 
 def robot_spec(robot: Robot, payload: float = 0.0) -> Any:

@@ -39,6 +39,8 @@ class RigidWorld:
     ----------
     stepper
         What takes the steps.
+    model
+        Pinocchio's Model of what is simulated, the payload included.
     last
         `Step` taken last, None before the first.
     unsolved
@@ -70,6 +72,7 @@ class RigidWorld:
         self.set_friction(mu)
         self.stepper = Stepper(robot, terrain, options, payload)
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
+        self.model = self.stepper.bodies.model
         self.contact_foot = robot.contact_points.foot
         self.reset(robot.nominal)
 

@@ -52,4 +52,5 @@ class SlopeTerrain(Terrain):
 
     def shapes(self) -> tuple[Plane]:
         """Return the plane."""
-        return (Plane(np.zeros(3), self.frame([0.0, 0.0])),)
+        origin = [0.0, 0.0]
+        return (Plane(np.array([*origin, self.height(origin)]), self.frame(origin)),)
