@@ -1,5 +1,6 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
+from . import laws as laws
 from .cones import Cone as Cone
 from .cones import FrictionCone as FrictionCone
 from .cones import FrictionPyramid as FrictionPyramid
@@ -22,6 +23,10 @@ from .contact import redundancy as redundancy
 from .contact import residuals as residuals
 from .contact import stewart_trinkle as stewart_trinkle
 from .contact import write_problem as write_problem
+from .contact.engines import Translation as Translation
+from .contact.engines import combination_rules as combination_rules
+from .contact.engines import combine_friction as combine_friction
+from .contact.engines import translate as translate
 from .control.force_distribution import ForceDistributor as ForceDistributor
 from .control.gait import Gait as Gait
 from .control.gait import ModeSchedule as ModeSchedule
