@@ -1,6 +1,9 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
 from . import laws as laws
+from .batch import BatchSolution as BatchSolution
+from .batch import DifferentiableSolver as DifferentiableSolver
+from .batch import solve_batch as solve_batch
 from .cones import Cone as Cone
 from .cones import FrictionCone as FrictionCone
 from .cones import FrictionPyramid as FrictionPyramid

@@ -3,8 +3,8 @@
 At a kink several modes hold the same state. In which of them a perturbation continues is a small
 complementarity problem in the rates: a contact at the edge of its cone stays there and slips, or sticks and
 leaves the edge; one that just touches takes load or lifts. Every choice of modes is a linear system, and the
-right one keeps the rates' signs. From the present modes offenders are changed until none is left, all of them or
-the worst; where that goes in circles, all choices are tried, as many as `CHOICES`.
+right one keeps the rates' signs. From the present modes offenders are changed until none is left, all of them
+or the worst; where that goes in circles, all choices are tried, as many as `CHOICES`.
 
 A contact without force and without velocity obeys the whole law in its rates: the direction in which it
 begins to slide is found by Newton steps.
@@ -206,7 +206,7 @@ def directional(
 def _changed(
     choices: Sequence[Choice], picked: Sequence[int], faults: Sequence[float], seen: set[tuple[int, ...]]
 ) -> list[int] | None:
-    """Return the choice with all offenders changed, or one of them, the worst first; None if all were seen."""
+    """Return the choice with all offenders changed, or one, the worst first; None if all were seen."""
     offenders = [k for k in np.argsort(faults)[::-1].tolist() if faults[k] > CONSISTENT]
     for group in (offenders, *([k] for k in offenders)):
         trial = list(picked)
