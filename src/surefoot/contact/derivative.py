@@ -137,6 +137,8 @@ class ContactDerivative:
         smoothing: float = 0.0,
         kink_tol: float = KINK,
     ) -> None:
+        if problem.g.size != 3 * problem.contacts:
+            raise ProblemError("derivatives take contacts of three rows each")
         self.problem, self.smoothing = problem, smoothing
         self.kinks: tuple[Kink, ...] = ()
         self._choices: list[Choice] = []
