@@ -1,16 +1,22 @@
 """Who touches what, where, and with which friction."""
 
 from surefoot.deprecation import moved
+from surefoot.stance.batch import StanceBatch
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.files import StanceQuestion, read_stance, write_stance
+from surefoot.stance.grasp import grasp_map
+from surefoot.stance.halfspaces import HalfSpaces
 from surefoot.stance.stance import Stance
 
 __all__ = [
     "Contact",
+    "HalfSpaces",
     "PatchContact",
     "PointContact",
     "Stance",
+    "StanceBatch",
     "StanceQuestion",
+    "grasp_map",
     "read_stance",
     "write_stance",
 ]
