@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from surefoot.control.standing import StandingController as StandingController
     from surefoot.control.standing_plan import StandingPlan as StandingPlan
     from surefoot.control.walking import WalkingController as WalkingController
+    from surefoot.control.walking_body import VelocityCommand as VelocityCommand
     from surefoot.control.whole_body import WholeBodyController as WholeBodyController
     from surefoot.equilibrium import ForceLimits as ForceLimits
     from surefoot.equilibrium import Region as Region
@@ -56,12 +57,18 @@ if TYPE_CHECKING:
     from surefoot.errors import ProblemError as ProblemError
     from surefoot.errors import SolverNotFound as SolverNotFound
     from surefoot.errors import SurefootError as SurefootError
+    from surefoot.log import Log as Log
+    from surefoot.log import read_log as read_log
     from surefoot.robot import Robot as Robot
     from surefoot.robot import load_robot as load_robot
     from surefoot.robot import place as place
     from surefoot.robot import robot_names as robot_names
     from surefoot.simulation.mujoco import MujocoWorld as MujocoWorld
     from surefoot.simulation.rigid import RigidWorld as RigidWorld
+    from surefoot.simulation.run import run as run
+    from surefoot.simulation.scenario import Ice as Ice
+    from surefoot.simulation.scenario import Push as Push
+    from surefoot.simulation.scenario import Scenario as Scenario
     from surefoot.solvers import ContactForces as ContactForces
     from surefoot.solvers import ContactSolver as ContactSolver
     from surefoot.solvers import minimum_norm as minimum_norm
@@ -108,6 +115,7 @@ _HOMES = {
     "control.standing": ("StandingController",),
     "control.standing_plan": ("StandingPlan",),
     "control.walking": ("WalkingController",),
+    "control.walking_body": ("VelocityCommand",),
     "control.whole_body": ("WholeBodyController",),
     "equilibrium": (
         "ForceLimits",
@@ -122,9 +130,12 @@ _HOMES = {
         "zmp_region",
     ),
     "errors": ("MissingExtra", "ModelError", "NoSolution", "ProblemError", "SolverNotFound", "SurefootError"),
+    "log": ("Log", "read_log"),
     "robot": ("Robot", "load_robot", "place", "robot_names"),
     "simulation.mujoco": ("MujocoWorld",),
     "simulation.rigid": ("RigidWorld",),
+    "simulation.run": ("run",),
+    "simulation.scenario": ("Ice", "Push", "Scenario"),
     "solvers": ("ContactForces", "ContactSolver", "minimum_norm", "solve", "solve_lcp", "solver_names"),
     "stance": (
         "FlatTerrain",

@@ -7,7 +7,7 @@ import pytest
 
 from surefoot.audit import Laws, check_laws, contact_use
 from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
-from surefoot.audit.slides import LAG, free_slides
+from surefoot.audit.slides import LAG, WORST, free_slides, slide_on, start_slides
 from surefoot.errors import ProblemError
 
 WEIGHT = 100.0
@@ -212,7 +212,9 @@ def test_free_slides_kernel_against_plain_numpy() -> None:
     f[100:140, 0, 2] = 0.0
     mu, dt = rng.uniform(0.1, 1.0, (T, p)), rng.uniform(5e-4, 2e-3, T)
     fast = free_slides(f, v, mu, dt, 0.1, WEIGHT)
-    np.testing.assert_allclose(fast, free_slides.py_func(f, v, mu, dt, 0.1, WEIGHT), rtol=1e-12)
+    state = start_slides(p)
+    slide_on.py_func(state, f, v, mu, dt, 0.1, WEIGHT)
+    np.testing.assert_allclose(fast, state[:, WORST], rtol=1e-12)
     for c in range(p):
         stances = [[0, 100], [140, T]] if c == 0 else [[0, T]]
         want = 0.0

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.audit.motion import foot_forces
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.errors import ProblemError, SurefootError
-from surefoot.simulation.log import Log
+from surefoot.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Ice, Push, Scenario
-from surefoot.simulation.standing import run_standing
+from surefoot.simulation.run import Ice, Push, Scenario, run
 from surefoot.viz import meshes, report
 from surefoot.viz.cone_plots import draw_pyramids
-from surefoot.viz.plots import draw_run, foot_forces
+from surefoot.viz.plots import draw_run
 from surefoot.viz.video import Renderer, log_arrows
 
 
@@ -27,7 +27,7 @@ def log() -> Log:
     q = sf.place(robot, terrain)
     controller = StandingController(robot, StandingPlan(robot, terrain, q), terrain, q)
     scenario = Scenario(0.3, 0.6, [Push(0.1, (20.0, 0.0, 0.0), 0.1)], [Ice(0.2, 0.4)])
-    return run_standing(MujocoWorld(robot), controller, q, scenario)
+    return run(MujocoWorld(robot), controller, scenario)
 
 
 def test_every_plot_is_a_picture(log: Log, tmp_path: Path) -> None:

@@ -15,8 +15,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SurefootError
+from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
 from surefoot.spatial import quaternion_wxyz
 from surefoot.stance import Terrain
