@@ -84,12 +84,12 @@ def test_a_disk_that_fills_up_is_told(
     (folder,) = tmp_path.iterdir()
     assert summary["outcome"] == "stopped"
     assert summary["error"] == f"cannot write {folder / 'log.parts'}: No space left on device"
-    parts = folder / "log.parts"
+    rows = folder / "log.parts"
     assert summary["unwritten"] == [
-        f"cannot write {folder / 'log.npz'}: No space left on device; its rows are in {parts}"
+        f"cannot write {folder / 'log.npz'}: No space left on device; its rows are in {rows}"
     ]
     assert not (folder / "log.npz").exists()
-    kept = read_log(parts)
+    kept = read_log(rows)
     assert 100 < len(kept) < summary["duration"] / kept.facts["dt"] < 900
     np.testing.assert_allclose(kept["forces"][100:].sum(axis=1)[:, 2], summary["mass"] * 9.81, rtol=0.05)
 

@@ -49,7 +49,7 @@ def test_soles_carry_the_same_wrench():
         world = world_type(robot, ground)
         world.reset(q)
         for k in range(1000):
-            world.step(controller.step(*world.state(), k * world.dt).torques)
+            world.step(controller.step(RobotState(*world.state(), k * world.dt)).torques)
         reading = world.contacts()
         normal = reading.forces[:, 2].reshape(2, 4)
         places = reading.positions.reshape(2, 4, 3)

@@ -23,7 +23,8 @@ from surefoot.log.log import MEMORY, Log
 
 def read(path: Path) -> Log:
     """Return the log of an .npz file."""
-    with np.load(path, allow_pickle=False) as file:
+    # opened here: where the file is cut, NumPy leaves open what it opened
+    with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
         check_schema(path, int(file["schema"]))
         channels = known_channels(file.files)
         if "channels" in file:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.control.controller import Controller, RobotState
 from surefoot.errors import ProblemError, SimulationError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
 from surefoot.simulation.faults import Faults
@@ -69,20 +69,22 @@ def run(
     """
     q, v = scenario.begin(world)
     world.reset(q)
-    controller.warm_up(RobotState(*world.state(), 0.0, felt_feet(world, world.contacts())))
+    controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
-    this = _Run(world, controller, scenario, tuple(observers), _recorder(world, controller, scenario, folder))
+    recorder = _recorder(world, controller, scenario, folder)
+    limits = AT_LIMIT * world.robot.effort_limits
+    this = _Run(world, controller, scenario, tuple(observers), recorder, limits)
     log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
     for observer in observers:
         observer.end(log)
     return log
 
 
-def felt_feet(world: World, reading: ContactReading) -> BoolArray:
-    """Return which feet feel the ground: (n,)."""
-    out = np.zeros(len(world.robot.feet), dtype=bool)
-    out[world.contact_foot[reading.forces[:, 2] > TOUCH * world.robot.mass * GRAVITY]] = True
+def felt_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
+    """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
+    out = np.zeros(feet, dtype=bool)
+    out[contact_foot[reading.forces[:, 2] > least]] = True
     return out
 
 
@@ -118,13 +120,14 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
 
 @dataclass
 class _Run:
-    """A world that has been reset, and all that takes part."""
+    """A world that has been reset, and all that takes part; `limits` are those of saturation [N m]."""
 
     world: World
     controller: Controller
     scenario: Scenario
     observers: tuple[Observer, ...]
     recorder: Recorder
+    limits: FloatArray
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -153,7 +156,7 @@ class _Run:
         world, controller, scenario = self.world, self.controller, self.scenario
         faults = (scenario.faults or Faults()).start(world, scenario.seed)
         ice = sorted(scenario.ice, key=lambda change: change.start)
-        mu = scenario.mu
+        mu, feet, touch = scenario.mu, len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
         world.set_friction(mu)
         reading = world.contacts()
         for k in range(scenario.steps(world.dt)):
@@ -164,7 +167,8 @@ class _Run:
                 world.set_friction(mu)
             push = push_at(scenario.pushes, now)
             q, v = world.state()
-            state = RobotState(*faults.sense(q, v), now, felt_feet(world, reading))
+            contact = felt_feet(world.contact_foot, feet, reading, touch)
+            state = RobotState(*faults.sense(q, v), now, contact)
             start = clock.perf_counter()
             command = controller.step(state)
             spent = clock.perf_counter() - start
@@ -190,7 +194,10 @@ class _Run:
         rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
         rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
-        rows["attained"][i], rows["saturated"][i] = command.attained, self._saturated(command)
+        rows["attained"][i], rows["saturated"][i] = (
+            command.attained,
+            (np.abs(command.torques) >= self.limits).any(),
+        )
         rows["controller_time"][i] = moment.controller_time
         own = command.rows()
         if self.recorder.count == 0:
@@ -200,11 +207,6 @@ class _Run:
         self.recorder.count += 1
         for observer in self.observers:
             observer.step(moment)
-
-    def _saturated(self, command: Command) -> bool:
-        """Tell whether a commanded torque is at its limit."""
-        limits: FloatArray = self.world.robot.effort_limits
-        return bool((np.abs(command.torques) >= AT_LIMIT * limits).any())
 
 
 def _check_rows(rows: Mapping[str, Any], controller: Controller) -> None:
