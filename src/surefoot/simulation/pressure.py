@@ -1,5 +1,5 @@
-"""Moved: see `surefoot.audit`; these names work for one release."""
+"""Moved, see below; these names work for one release."""
 
 from surefoot.moved import moved
 
-__getattr__ = moved(__name__, dict.fromkeys(("SolePressure", "sole_pressures"), "surefoot.audit"))
+__getattr__ = moved(__name__, {"sole_pressures": ("surefoot.audit", "surefoot.audit.sole_pressures")})
