@@ -15,7 +15,7 @@ TOUCH = 0.02
 
 def foot_forces(log: Log) -> FloatArray:
     """Return the measured force on every foot, its contact points added up: (T, n, 3) [N]."""
-    owner = np.asarray(log.fact("contact_foot"))
+    owner = log.fact("contact_foot")
     feet = range(len(log.fact("feet")))
     return np.stack([log["forces"][:, owner == k].sum(axis=1) for k in feet], axis=1)
 

@@ -44,10 +44,10 @@ def sole_pressures(log: Log) -> list[SolePressure]:
     The centre of pressure is the mean of the contact points weighted by their normal forces. Logs
     that do not say where the points lie in their feet (``contact_centres``) have none.
     """
-    owner = np.asarray(log.fact("contact_foot"))
+    owner = log.fact("contact_foot")
     if "contact_centres" not in log.facts:
         return []
-    places = np.asarray(log.facts["contact_centres"], dtype=np.float64)[:, :2]
+    places = log.fact("contact_centres")[:, :2]
     threshold = LOADED_SHARE * log.fact("mass") * GRAVITY
     out = []
     for foot in range(len(log.fact("feet"))):

@@ -56,10 +56,10 @@ def summarise_stand(log: Log) -> StandSummary:
     ProblemError
         If the log lacks a channel or a fact that it needs.
     """
-    base = _base(log)
+    ended, base = ending_of(log), _base(log)
 
     def judge(slip: float) -> tuple[str, bool]:
-        outcome = _outcome(log, slip, base)
+        outcome = _outcome(log, ended, slip, base)
         return outcome, outcome == "stood"
 
     return StandSummary(
@@ -76,9 +76,8 @@ def _base(log: Log) -> BaseMotion:
     return BaseMotion(float(away.max()), float(away[-1]), float(tilt.max()), float(tilt[-1]))
 
 
-def _outcome(log: Log, slip: float, base: BaseMotion) -> str:
+def _outcome(log: Log, ended: Ending, slip: float, base: BaseMotion) -> str:
     """Return "stood", or why not."""
-    ended = ending_of(log)
     if ended in (Ending.INVALID, Ending.INTERRUPTED, Ending.STOPPED):
         return str(ended)
     if slip > SLIP_LIMIT:

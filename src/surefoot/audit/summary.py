@@ -12,6 +12,7 @@ from surefoot.arrays import BoolArray
 from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, log_laws
 from surefoot.audit.motion import finite, foot_forces, slips, touching
 from surefoot.audit.pressure import sole_pressures
+from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Ending, Log
 from surefoot.spatial import GRAVITY
 
@@ -138,7 +139,7 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
     feet = _feet(log, weight, touching(log) if steps else None)
     outcome, success = judge(max(foot.slip for foot in feet))
     time, use = 1e6 * np.asarray(log["controller_time"]), np.abs(log["torques"]) / log.fact("effort_limits")
-    duration = len(log) * log.fact("dt")
+    duration, wall = len(log) * log.fact("dt"), log.fact("wall_time")
     return {
         "robot": log.fact("robot"),
         "mass": log.fact("mass"),
@@ -154,25 +155,36 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
         "torque_use_joint": log.fact("joints")[int(use.max(axis=0).argmax())],
         "saturated_share": float(np.mean(log["saturated"])),
         "controller_step_us": StepTimes(float(np.median(time)), float(np.percentile(time, 99))),
-        "real_time_factor": duration / log.fact("wall_time"),
-        "wall_time": log.fact("wall_time"),
+        "real_time_factor": duration / max(wall, 1e-9),
+        "wall_time": wall,
     }
 
 
 def ending_of(log: Log) -> Ending:
-    """Return how a run ended; INVALID also where a measurement is not finite."""
-    return Ending(log.fact("outcome")) if finite(log) else Ending.INVALID
+    """Return how a run ended; INVALID also where a measurement is not finite.
+
+    Raises
+    ------
+    ProblemError
+        If the log has no rows, or its outcome is none.
+    """
+    if len(log) == 0:
+        raise ProblemError("the log has no rows")
+    outcome = log.fact("outcome")
+    if outcome not in list(Ending):
+        raise ProblemError(unknown_name("outcome", outcome, Ending))
+    return Ending(outcome) if finite(log) else Ending.INVALID
 
 
 def _feet(log: Log, weight: float, down: BoolArray | None) -> list[FootSummary]:
     """Return what every foot did; `down` says when it was on the ground, (T, n)."""
-    owner, slip, total = np.asarray(log.fact("contact_foot")), slips(log), foot_forces(log)
+    owner, slip, total = log.fact("contact_foot"), slips(log), foot_forces(log)
     margins = {sole.foot: sole.margin for sole in sole_pressures(log)}
     use = contact_use(total, log["mu"], LOADED_SHARE * weight).max(axis=0)
     out = []
     for k, name in enumerate(log.fact("feet")):
         mean = float(total[:, k, 2].mean())
-        own = float(slip[:, owner == k].max())
+        own = float(slip[:, owner == k].max(initial=0.0))
         falls = None if down is None else int((down[1:, k] & ~down[:-1, k]).sum())
         duty = None if down is None else float(down[:, k].mean())
         out.append(FootSummary(name, mean, mean / weight, float(use[k]), own, margins.get(k), falls, duty))

@@ -95,7 +95,8 @@ def summarise_walk(log: Log) -> WalkSummary:
     ProblemError
         If the log lacks a channel or a fact that it needs.
     """
-    velocity, ended, q = _tracking(log), ending_of(log), log["q"]
+    ended = ending_of(log)
+    velocity, q = _tracking(log), log["q"]
 
     def judge(slip: float) -> tuple[str, bool]:
         if ended is not Ending.DONE:
@@ -112,7 +113,7 @@ def summarise_walk(log: Log) -> WalkSummary:
         tilt_max_deg=float(np.degrees(np.arccos(np.clip(up[:, 2].min(), -1.0, 1.0)))),
         distance=float(np.linalg.norm(np.diff(q[:, :2], axis=0), axis=1).sum()),
         climb=float(q[-1, 2] - q[0, 2]),
-        notes=list(log.facts.get("notes", [])),
+        notes=log.fact("notes") if log.facts.get("notes") else [],
     )
 
 

@@ -122,7 +122,7 @@ def check_shapes(arrays: Mapping[str, Any], channels: Mapping[str, Channel]) -> 
     for name, channel in channels.items():
         if not channel.optional and name not in arrays:
             raise ProblemError(f"the log has no channel {name!r}; it has: {', '.join(arrays)}")
-    rows = len(arrays["time"]) if "time" in arrays else None
+    rows = arrays["time"].size if "time" in arrays else None
     sizes: dict[str, int] = {}
     for name, array in arrays.items():
         if name not in channels:

@@ -12,30 +12,10 @@ import numpy as np
 
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log.channels import CHANNELS, Channel, check_shapes
+from surefoot.log.facts import FACTS
 
 MEMORY = 64 << 20
 """Largest log that is held in memory; a longer one is mapped from files [bytes]."""
-FACTS: dict[str, str] = {
-    "robot": "name",
-    "kind": "what it did: stand, walk, ...",
-    "mass": "of the robot [kg]",
-    "dt": "length of a step [s]",
-    "feet": "names of the feet",
-    "joints": "names of the joints",
-    "contact_foot": "(p,) index of the foot of every contact point",
-    "contact_centres": "(p, 3) contact points in their feet's frames [m]",
-    "effort_limits": "(joints,) [N m]",
-    "duration": "of the run as planned [s]",
-    "outcome": "how the run ended, see Ending",
-    "error": "what ended the run or its recording",
-    "wall_time": "real time of the run [s]",
-    "normal_min": "least normal force that the controller asks of a foot [N]",
-    "normal_max": "largest one [N]",
-    "mu_controller": "friction that the controller believes in",
-    "gait": "name of the gait",
-    "notes": "what the controller changed in its command",
-}
-"""Facts that Surefoot writes and reads by name; a log may hold others."""
 
 
 class Ending(StrEnum):
@@ -68,6 +48,8 @@ class Log:
         Folder that the rows were written to during the run, until `save` has them in one file.
     channels
         Name to definition of every array; those of `CHANNELS` need not be given.
+    sizes
+        The named sizes that the arrays have: ``nq``, ``p``, ...
 
     Raises
     ------
@@ -79,11 +61,15 @@ class Log:
     facts: dict[str, Any] = field(default_factory=dict)
     parts: Path | None = None
     channels: dict[str, Channel] = field(default_factory=dict)
+    sizes: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self.arrays = {name: np.asanyarray(array) for name, array in self.arrays.items()}
+        try:
+            self.arrays = {name: np.asanyarray(array) for name, array in self.arrays.items()}
+        except ValueError as error:
+            raise ProblemError(f"a channel's rows must all have one shape: {error}") from error
         given = {**CHANNELS, **self.channels}
-        check_shapes(self.arrays, given)
+        self.sizes = check_shapes(self.arrays, given)
         self.channels = {name: given[name] for name in self.arrays}
 
     def __getitem__(self, name: str) -> Any:
@@ -98,16 +84,18 @@ class Log:
         return len(self.arrays["time"])
 
     def fact(self, name: str) -> Any:
-        """Return a fact that cannot be done without.
+        """Return a fact that cannot be done without, as `FACTS` defines it.
 
         Raises
         ------
         ProblemError
-            If the log does not tell it.
+            If the log does not tell it, or tells something else.
         """
+        known = FACTS.get(name)
         if name not in self.facts:
-            raise ProblemError(f"the log does not tell {name!r} ({FACTS.get(name, 'a fact of its own')})")
-        return self.facts[name]
+            meaning = "" if known is None else f" ({known.meaning})"
+            raise ProblemError(f"the log does not tell {name!r}{meaning}")
+        return self.facts[name] if known is None else known.checked(name, self.facts[name], self.sizes)
 
     def rows(self, which: Any) -> Log:
         """Return the log of some rows: a slice or a (T,) mask."""
