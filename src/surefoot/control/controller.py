@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
 from surefoot.log.channels import Channel
 
 
-@dataclass(frozen=True)
-class RobotState:
+class RobotState(NamedTuple):
     """What a controller is told at one step.
 
     Attributes

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Command
@@ -12,8 +11,7 @@ from surefoot.log import Log
 from surefoot.simulation.world import ContactReading
 
 
-@dataclass(frozen=True)
-class Moment:
+class Moment(NamedTuple):
     """One step of a run.
 
     Attributes
