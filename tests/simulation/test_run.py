@@ -107,6 +107,10 @@ def test_a_lost_state_a_fall_and_an_error_end_a_run_each_in_its_way(robot: sf.Ro
         command.torques[:] = 1e12
         return command
 
+    def spoil(command: Command) -> Command:
+        command.torques[3] = np.nan
+        return command
+
     def limp(command: Command) -> Command:
         command.torques[:] = 0.0
         return command
@@ -121,6 +125,10 @@ def test_a_lost_state_a_fall_and_an_error_end_a_run_each_in_its_way(robot: sf.Ro
     assert "became non-finite" in log.facts["error"]
     assert 50 <= len(log) < 60
     assert watcher.log is log
+    controller.fails = spoil
+    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario)
+    assert (log.facts["outcome"], log.facts["error"]) == (Ending.INVALID, "torques[3] is NaN")
+    assert len(log) == 51
     controller.fails = limp
     log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario)
     assert log.facts["outcome"] == Ending.FELL

@@ -18,7 +18,7 @@ from surefoot.simulation.run import Ice, Push, Scenario, run
 from surefoot.viz import meshes, report
 from surefoot.viz.cone_plots import draw_pyramids
 from surefoot.viz.plots import draw_run
-from surefoot.viz.video import Renderer, log_arrows
+from surefoot.viz.video import Film, Renderer, log_arrows
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,18 @@ def test_foot_forces_add_up_the_corners(log: Log) -> None:
 def test_pyramids_picture(tmp_path: Path) -> None:
     path = draw_pyramids(0.6, [3, 8], 0.1, tmp_path / "pyramids.png")
     assert path.stat().st_size > 10_000
+
+
+def test_an_observer_films_the_run(tmp_path: Path) -> None:
+    robot, ground = sf.load_robot("go2"), sf.FlatTerrain()
+    q = sf.place(robot)
+    controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
+    film = Film(tmp_path / "film.mp4", robot, ground)
+    try:
+        run(MujocoWorld(robot), controller, Scenario(0.1, 0.6), [film])
+    except SurefootError as error:
+        pytest.skip(str(error))
+    assert (tmp_path / "film.mp4").stat().st_size > 2000
 
 
 def test_film_frame_shows_robot_and_arrows(log: Log) -> None:

@@ -26,7 +26,7 @@ class Ending(StrEnum):
     FELL = "fell"
     """The robot fell."""
     INVALID = "invalid"
-    """The state stopped being finite, or the world could not go on."""
+    """The state or a torque stopped being finite, or the world could not go on."""
     INTERRUPTED = "interrupted"
     """Someone stopped it."""
     STOPPED = "stopped"

@@ -12,7 +12,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Controller, RobotState
-from surefoot.errors import ProblemError, SimulationError, WriteError
+from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.observers import Moment, Observer
@@ -97,6 +97,7 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
             f"the controller's channel {clash[0]!r} is one that every log has; take another name"
         )
     facts = {
+        **controller.facts,
         "robot": robot.name,
         "mass": robot.mass,
         "dt": world.dt,
@@ -108,7 +109,6 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
-        **controller.facts,
     }
     channels = (*(CHANNELS[name] for name in _SHARED), *controller.channels)
     return Recorder(
@@ -137,14 +137,14 @@ class _Run:
         begin, recorder, told = clock.perf_counter(), self.recorder, {}
         try:
             ending = self._loop(height)
-        except (KeyboardInterrupt, SimulationError, WriteError) as stop:
+        except (KeyboardInterrupt, SurefootError) as stop:
             if recorder.count == 0:
                 recorder.abandon()
                 raise
             if isinstance(stop, KeyboardInterrupt):
                 ending = Ending.INTERRUPTED
             else:
-                ending = Ending.INVALID if isinstance(stop, SimulationError) else Ending.STOPPED
+                ending = Ending.STOPPED if isinstance(stop, WriteError) else Ending.INVALID
                 told = {"error": str(stop)}
         except BaseException:
             recorder.abandon()

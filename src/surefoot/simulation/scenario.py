@@ -87,7 +87,7 @@ class Scenario:
     duration
         Length of the run [s].
     mu
-        Friction of the ground at the start.
+        Friction of the ground at the start; takes the place of the world's own.
     pushes, ice
         What disturbs it.
     seed
