@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.viz.video import Renderer, RenderError, cone_lines, log_arrows
 
 
 def main(picture: Path) -> np.ndarray:
@@ -32,12 +31,12 @@ def main(picture: Path) -> np.ndarray:
         print(f"{picture} exists already, not drawn again")
         return normal
     try:
-        renderer = Renderer(robot, terrain, 1200, 640, fine=True)
-    except RenderError as error:
+        renderer = sf.Renderer(robot, terrain, 1200, 640, fine=True)
+    except sf.RenderError as error:
         print(error)
         return normal
-    lines = cone_lines(log, len(log) - 1, terrain, 0.15, rays=16)
-    pixels = renderer.frame(log["q"][-1], log_arrows(log, len(log) - 1, terrain, 0.0045), lines)
+    lines = sf.cone_lines(log, len(log) - 1, terrain, 0.15, rays=16)
+    pixels = renderer.frame(log["q"][-1], sf.log_arrows(log, len(log) - 1, terrain, 0.0045), lines)
     renderer.close()
 
     from imageio.v2 import imwrite

@@ -9,9 +9,7 @@ import sys
 from pathlib import Path
 
 import surefoot as sf
-from surefoot.audit import summarise_walk
 from surefoot.simulation.walk_terrain import rough_ground
-from surefoot.viz.walk_plots import draw_footfalls, draw_velocity
 
 
 def main(folder: Path, duration: float = 5.0) -> dict[str, float]:
@@ -22,7 +20,7 @@ def main(folder: Path, duration: float = 5.0) -> dict[str, float]:
     scenario = sf.Scenario(duration, mu=0.6, pushes=[push], seed=0)
     log = sf.run(sf.MujocoWorld(robot, terrain, mu=0.6), controller, scenario)
 
-    summary = summarise_walk(log)
+    summary = sf.summarise_walk(log)
     forward = summary.velocity.forward.measured
     print(f"{summary.outcome} {summary.distance:.2f} m at {forward:.3f} m/s")
     for foot in summary.feet:
@@ -30,7 +28,7 @@ def main(folder: Path, duration: float = 5.0) -> dict[str, float]:
 
     out = folder / "30_trot"
     out.mkdir(parents=True, exist_ok=True)
-    for draw, name in ((draw_velocity, "velocity.png"), (draw_footfalls, "footfalls.png")):
+    for draw, name in ((sf.draw_velocity, "velocity.png"), (sf.draw_footfalls, "footfalls.png")):
         if not (out / name).exists():
             print("picture:", draw(log, out / name))
     return {

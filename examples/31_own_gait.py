@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.audit import summarise_walk
 from surefoot.control.gait_files import mode_name, read_gaits, write_gaits
 
 
@@ -33,7 +32,7 @@ def main(folder: Path, duration: float = 4.0) -> dict[str, float]:
     for name, gait in (("phases", amble), ("file", read_gaits(path)["amble"])):
         controller = sf.WalkingController(robot, sf.VelocityCommand.constant(0.4), gait)
         log = sf.run(sf.MujocoWorld(robot), controller, sf.Scenario(duration, mu=0.6))
-        speeds[name] = summarise_walk(log).velocity.forward.measured
+        speeds[name] = sf.summarise_walk(log).velocity.forward.measured
         print(f"from {name}: {speeds[name]:.3f} m/s, duty {np.round(log['planned'][400:].mean(axis=0), 2)}")
 
     try:
