@@ -100,7 +100,10 @@ def test_the_controller_is_told_the_state_the_time_and_the_feet(robot: sf.Robot)
     assert ticks == pytest.approx(0.02 * np.arange(10), abs=1.1e-3)
 
 
-def test_a_lost_state_a_fall_and_an_error_end_a_run_each_in_its_way(robot: sf.Robot, tmp_path: Path) -> None:
+def test_a_lost_state_a_fall_and_an_error_end_a_run_each_in_its_way(
+    robot: sf.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its warnings
     scenario, watcher = sf.Scenario(0.6, 0.6), Watcher()
 
     def lose(command: Command) -> Command:
