@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import surefoot as sf
-from surefoot.simulation.walk_terrain import rough_ground
+from surefoot.terrain import rough_ground
 
 
 def main(folder: Path, duration: float = 5.0) -> dict[str, float]:

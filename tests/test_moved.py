@@ -16,9 +16,9 @@ from surefoot.audit import summarise_stand, summarise_walk
     ("module", "name", "new"),
     [
         ("simulation.log", "Log", "surefoot.log.Log"),
-        ("simulation.log", "read_log", "surefoot.read_log"),
+        ("simulation.log", "read_log", "surefoot.log.read_log"),
         ("simulation.pressure", "sole_pressures", "surefoot.audit.sole_pressures"),
-        ("simulation.walking", "WalkScenario", "surefoot.Scenario"),
+        ("simulation.walking", "WalkScenario", "surefoot.simulation.old.WalkScenario"),
     ],
 )
 def test_an_old_name_is_the_new_one(module: str, name: str, new: str) -> None:
@@ -40,14 +40,14 @@ def test_the_old_runs_and_summaries_still_go() -> None:
     robot, ground, times = sf.load_robot("go2"), sf.FlatTerrain(), []
     q, scenario = sf.place(robot), sf.Scenario(0.1, 0.6)
     standing = sf.StandingController(robot, sf.StandingPlan(robot, ground, q), ground, q)
-    run_standing = old("standing", "run_standing", "surefoot.run")
+    run_standing = old("standing", "run_standing", "surefoot.simulation.old")
     log = run_standing(sf.MujocoWorld(robot), standing, q, scenario, progress=times.append)
-    assert (
-        old("summary", "summarise", "surefoot.audit.summarise_stand")(log) == summarise_stand(log).as_dict()
-    )
+    assert old("summary", "summarise", "surefoot.simulation.old")(log) == summarise_stand(log).as_dict()
     assert len(times) == 5
     walking = sf.WalkingController(robot, sf.VelocityCommand.constant(0.3))
-    log = old("walking", "run_walking", "surefoot.run")(sf.MujocoWorld(robot), walking, q, scenario)
-    summarise = old("walk_summary", "summarise_walk", "surefoot.audit.summarise_walk")
+    log = old("walking", "run_walking", "surefoot.simulation.old")(
+        sf.MujocoWorld(robot), walking, q, scenario
+    )
+    summarise = old("walk_summary", "summarise_walk", "surefoot.simulation.old")
     assert summarise(log) == summarise_walk(log).as_dict()
     assert np.isfinite(log["q"]).all()

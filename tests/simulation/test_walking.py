@@ -16,8 +16,8 @@ from surefoot.robot import Robot, load_robot
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Ice, Push, Scenario, run
-from surefoot.simulation.walk_terrain import rough_ground, start_pose
-from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+from surefoot.simulation.walk_terrain import start_pose
+from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain, rough_ground
 
 
 @cache

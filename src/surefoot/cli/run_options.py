@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -65,10 +66,10 @@ def scenario_of(
     return Scenario(duration, mu, pushes, patches, seed, **more)
 
 
-def require(robot: str | None, urdf: Path | None, mujoco: bool, video: bool, report: bool) -> None:
+def require(robot: str | None, urdf: Path | None, packages: Sequence[str], video: bool, report: bool) -> None:
     """Raise for all optional packages at once if one that a run cannot do without is missing."""
     from surefoot.cli import extras
 
     named = robot if urdf is None else str(urdf.absolute())
-    needed = (*extras.robot_packages(named), *(["mujoco"] if mujoco else []))
+    needed = (*extras.robot_packages(named), *packages)
     extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))

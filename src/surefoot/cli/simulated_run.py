@@ -25,7 +25,7 @@ from surefoot.simulation.observers import Progress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.world import World
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 S = TypeVar("S", bound=RunSummary)
 

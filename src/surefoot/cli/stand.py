@@ -14,8 +14,8 @@ from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.simulation.worlds import WORLDS
 
-WORLDS = ("mujoco", "rigid")
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
 
@@ -52,13 +52,13 @@ def stand(
 
     console = plain_console(quiet=as_json)
     if world not in WORLDS:
-        raise ProblemError(unknown_name("world", world, WORLDS))
+        raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
     sides = parsing.facets(facets)
-    options.require(robot, urdf, world == "mujoco", video, report)
+    options.require(robot, urdf, WORLDS[world][1], video, report)
     setup = _set_up(robot, urdf, feet, slope, lifts)
     allocation = _allocation(setup, mu, sides, fit, solver)
     with plain_console(stderr=True, quiet=as_json).status(
@@ -90,20 +90,16 @@ class _Setup:
         return StandingController(self.robot, self.plan, self.terrain, self.q, mu, allocation=allocation)
 
     def world(self, name: str, mu: float, payload: float) -> Any:
-        if name == "rigid":
-            from surefoot.simulation.rigid import RigidWorld
+        from surefoot.simulation.worlds import make_world
 
-            return RigidWorld(self.robot, self.terrain, mu, payload=payload)
-        from surefoot.simulation.mujoco import MujocoWorld
-
-        return MujocoWorld(self.robot, self.terrain, mu, payload=payload)
+        return make_world(name, self.robot, self.terrain, mu, payload=payload)
 
 
 def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
-    from surefoot.stance import FlatTerrain, SlopeTerrain
+    from surefoot.terrain import FlatTerrain, SlopeTerrain
 
     robot = load(name, urdf, feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:

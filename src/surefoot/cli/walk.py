@@ -35,7 +35,10 @@ def walk(
         Path | None, typer.Option(help="Lines of 'time vx vy yaw_rate' instead of --velocity.")
     ] = None,
     terrain: Annotated[
-        str, typer.Option(help="flat, slope:DEG, stairs:HEIGHT,DEPTH or rough:SEED,HEIGHT [m].")
+        str,
+        typer.Option(
+            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
+        ),
     ] = "flat",
     mu: options.Friction = 0.6,
     believed_mu: Annotated[
@@ -70,7 +73,7 @@ def walk(
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))
-    options.require(robot, urdf, True, video, report)
+    options.require(robot, urdf, ["mujoco"], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     schedule = _schedule(model, gait, gait_file, period)
     _check_steps(model, schedule, command)
@@ -120,14 +123,14 @@ def _set_up(
 ) -> tuple[Any, Any, Any]:
     """Return controller, world and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
-    from surefoot.simulation.mujoco import MujocoWorld
     from surefoot.simulation.walk_terrain import check_ground, start_pose
+    from surefoot.simulation.worlds import make_world
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
     q = start_pose(robot, ground)
     check_ground(robot, ground, q, mu)
-    return controller, MujocoWorld(robot, ground, mu, payload=payload), q
+    return controller, make_world("mujoco", robot, ground, mu, payload=payload), q
 
 
 def _account() -> Any:

@@ -29,7 +29,7 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_log
-from surefoot.stance import FlatTerrain, Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Moved, see below; these names work for one release."""
 
-from surefoot.moved import moved
+from surefoot.deprecation import moved
 
-__getattr__ = moved(
-    __name__, {"Log": ("surefoot.log", "surefoot.log.Log"), "read_log": ("surefoot.log", "surefoot.read_log")}
-)
+__getattr__ = moved(__name__, {"Log": "surefoot.log", "read_log": "surefoot.log"})

@@ -16,6 +16,9 @@ from surefoot.simulation.run import run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH, Scenario
 from surefoot.simulation.world import World
 
+WalkScenario = Scenario
+"""Every scenario has faults now."""
+
 
 def run_walking(
     world: World,

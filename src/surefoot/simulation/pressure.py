@@ -1,5 +1,5 @@
 """Moved, see below; these names work for one release."""
 
-from surefoot.moved import moved
+from surefoot.deprecation import moved
 
-__getattr__ = moved(__name__, {"sole_pressures": ("surefoot.audit", "surefoot.audit.sole_pressures")})
+__getattr__ = moved(__name__, {"sole_pressures": "surefoot.audit"})

@@ -15,7 +15,7 @@ from surefoot.simulation.faults import Faults
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import World
 from surefoot.spatial import rotation_from_quaternion
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 START_SPEED = 0.01
 """Standard deviation of the seeded disturbance of the base's velocity at the start [m/s]."""

@@ -1,5 +1,5 @@
 """Moved, see below; these names work for one release."""
 
-from surefoot.moved import moved
+from surefoot.deprecation import moved
 
-__getattr__ = moved(__name__, {"run_standing": ("surefoot.simulation.old", "surefoot.run")})
+__getattr__ = moved(__name__, {"run_standing": "surefoot.simulation.old"})

@@ -1,7 +1,5 @@
 """Moved, see below; these names work for one release."""
 
-from surefoot.moved import moved
+from surefoot.deprecation import moved
 
-__getattr__ = moved(
-    __name__, {"summarise_walk": ("surefoot.simulation.old", "surefoot.audit.summarise_walk")}
-)
+__getattr__ = moved(__name__, {"summarise_walk": "surefoot.simulation.old"})

@@ -1,11 +1,5 @@
 """Moved, see below; these names work for one release."""
 
-from surefoot.moved import moved
+from surefoot.deprecation import moved
 
-__getattr__ = moved(
-    __name__,
-    {
-        "run_walking": ("surefoot.simulation.old", "surefoot.run"),
-        "WalkScenario": ("surefoot.simulation.scenario", "surefoot.Scenario"),
-    },
-)
+__getattr__ = moved(__name__, dict.fromkeys(("run_walking", "WalkScenario"), "surefoot.simulation.old"))
