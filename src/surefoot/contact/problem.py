@@ -25,8 +25,6 @@ Law = Literal["coulomb", "convex"]
 Fit = Literal["inner", "outer"]
 LAWS: tuple[Law, ...] = ("coulomb", "convex")
 
-COMPILED_CONTACTS = 45
-"""Contacts up to which a dense compiled call pays."""
 ASYMMETRY = 1e-8
 """Largest |G - Gᵀ|, and largest -λ for an eigenvalue λ, over largest |G| that is taken for rounding.
 
@@ -79,6 +77,9 @@ class ContactProblem:
         What was changed when the problem was read from a file, in words; empty otherwise.
     reference
         (n, 3) forces of somebody else's solution that came with a file, or None.
+    prepared
+        What solvers keep with a problem, by their own names: views of its arrays, never copies of them, since
+        those may be changed in place. No part of the problem.
 
     Raises
     ------
@@ -109,8 +110,7 @@ class ContactProblem:
         if law not in LAWS:
             raise ProblemError(unknown_name("law", law, LAWS))
         self.law: Law = law
-        sparse = not isinstance(G, np.ndarray) and sp.issparse(G)
-        self._read_vectors(g, mu, normal_min, normal_max, not sparse)
+        self._read_vectors(g, mu, normal_min, normal_max)
         self.bilateral: BoolArray | None = None
         if bilateral is not None:
             self._hold(bilateral)
@@ -120,58 +120,72 @@ class ContactProblem:
         self.notes: tuple[str, ...] = ()
         self.reference: FloatArray | None = None
         self.compliance = _compliance(compliance, self.contacts)
+        self.prepared: dict[str, Any] = {}
         self._sparse: Any = None
-        size = self.g.size
-        if sparse:
+        self._dense: FloatArray | None = None
+        size = 3 * self.contacts
+        if not isinstance(G, np.ndarray) and sp.issparse(G):
             self._sparse = _checked_sparse(G, size, self.compliance)
         else:
-            self.__dict__["G"] = self._packed[:size]
-            _read_dense(G, self.compliance, self.G)
+            self._dense = np.empty((size, size))
+            _read_dense(G, self.compliance, self._dense)
 
     def _read_vectors(
-        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike, dense: bool
+        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
     ) -> None:
-        """Read the vectors: one compiled check, and the words only where it fails.
-
-        They lie in one array, below a dense G, as compiled calls take them; see `compiled`.
-        """
+        """Read the vectors: one compiled check, and the words only where it fails."""
         vector = np.asarray(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
         self.contacts = n = vector.size // 3
-        room = dense or n <= COMPILED_CONTACTS
-        self._packed = np.empty((3 * n + 3 if room else 3, 3 * n))
-        self._cut()
-        laws = self.laws
+        self._vectors = np.empty((2, 3 * n))
+        own_mu, low, high = self.mu, self.normal_min, self.normal_max
         try:
-            laws[0], laws[1], laws[2] = mu, normal_min, normal_max
+            own_mu[:], low[:], high[:] = mu, normal_min, normal_max
             if vector.shape == (3 * n,):
-                self.g[:] = vector
-                if vectors_fit(self.g, laws):
+                self._vectors[0] = vector
+                if vectors_fit(self._vectors):
                     return
         except (TypeError, ValueError):
             pass
         vector = finite_array("g", g, (None,))
         if vector.size % 3:
             raise ProblemError(f"g must have three entries per contact, got {vector.size}")
-        laws[0] = per_contact("mu", mu, n)
-        if np.isinf(self.mu).any():
+        own_mu[:] = per_contact("mu", mu, n)
+        if np.isinf(own_mu).any():
             raise ProblemError("mu must be finite, got inf")
-        laws[1] = per_contact("normal_min", normal_min, n)
-        if np.isinf(self.normal_min).any():
+        low[:] = per_contact("normal_min", normal_min, n)
+        if np.isinf(low).any():
             raise ProblemError("normal_min must be finite, got inf")
-        laws[2] = per_contact("normal_max", normal_max, n)
-        check_order(self.normal_min, self.normal_max)
+        high[:] = per_contact("normal_max", normal_max, n)
+        check_order(low, high)
 
-    def _cut(self) -> None:
-        """Cut the vectors out of their common array."""
-        self.g, self.laws = self._packed[-3], self._packed[-2].reshape(3, self.contacts)
-        self.mu, self.normal_min, self.normal_max = self.laws
+    @property
+    def g(self) -> FloatArray:
+        """The (3n,) free velocity; may be changed in place, not replaced, as all arrays of a problem."""
+        part: FloatArray = self._vectors[0]
+        return part
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take the state of a copy, whose arrays must again be parts of one."""
-        self.__dict__.update(state)
-        self._cut()
-        if "G" in state and self._packed.shape[0] > 3:
-            self.__dict__["G"] = self._packed[: self.g.size]
+    @property
+    def vectors(self) -> FloatArray:
+        """All vectors in one array (2, 3n), as compiled calls take them: g; mu, normal_min and normal_max."""
+        return self._vectors
+
+    @property
+    def mu(self) -> FloatArray:
+        """The (n,) friction coefficients."""
+        part: FloatArray = self._vectors[1, : self.contacts]
+        return part
+
+    @property
+    def normal_min(self) -> FloatArray:
+        """The (n,) lower bounds of the normal forces [N]; -inf marks a bilateral contact."""
+        part: FloatArray = self._vectors[1, self.contacts : 2 * self.contacts]
+        return part
+
+    @property
+    def normal_max(self) -> FloatArray:
+        """The (n,) upper bounds of the normal forces [N]."""
+        part: FloatArray = self._vectors[1, 2 * self.contacts :]
+        return part
 
     def _hold(self, bilateral: ArrayLike) -> None:
         """Read the mask of bilateral contacts."""
@@ -195,14 +209,12 @@ class ContactProblem:
         low, high = self.normal_min > 0.0, (self.normal_max > 0.0) & (self.normal_max < np.inf)
         return bool((low | high).any())
 
-    @cached_property
+    @property
     def G(self) -> FloatArray:
-        """The (3n, 3n) Delassus operator with compliance, dense."""
-        if self.contacts > COMPILED_CONTACTS:
-            return np.ascontiguousarray(self._sparse.toarray())
-        room = self._packed[: self.g.size]
-        room[:] = self._sparse.toarray()
-        return room
+        """The (3n, 3n) Delassus operator with compliance, dense and in C order."""
+        if self._dense is None:
+            self._dense = np.ascontiguousarray(self._sparse.toarray())
+        return self._dense
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -245,19 +257,6 @@ class ContactProblem:
         return f"ContactProblem(contacts={self.contacts}, law={self.law!r}{sides})"
 
     @cached_property
-    def compiled(self) -> FloatArray | None:
-        """What one compiled call takes, as one array (3n + 3, 3n); None for pyramids, or too many contacts.
-
-        Its rows are G, g, the laws (mu, normal_min, normal_max), and last whether the law is convex. Every
-        argument of a compiled call costs time, arrays most.
-        """
-        if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
-            return None
-        last = self.G.shape[0] + 2  # a sparse G is read into its room by this
-        self._packed[last, 0] = self.law == "convex"
-        return self._packed
-
-    @cached_property
     def norm(self) -> float:
         """The spectral norm ||G||₂ (Lanczos, to about 1e-9 relative; see `spectral`)."""
         if self.contacts == 0:
@@ -277,7 +276,7 @@ class ContactProblem:
         scales = np.zeros((4, self.contacts))
         if self.contacts == 0:
             return scales
-        if self._sparse is None or "G" in self.__dict__:
+        if self._dense is not None:
             scales_dense(self.G, self.g, self.normal_min, self.normal_max, scales)
         else:
             b = self.blocks

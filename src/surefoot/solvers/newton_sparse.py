@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
-from surefoot.solvers.newton import (
+from surefoot.solvers.newton_step import (
     PATIENCE,
     PROXIMAL,
     PROXIMAL_FAR,

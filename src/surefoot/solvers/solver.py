@@ -14,17 +14,14 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
 from surefoot.contact.problem import LAWS, ContactProblem, Law
 from surefoot.contact.proof import InfeasibilityProof
-from surefoot.contact.residuals import Residuals, certificate
-from surefoot.contact.solution import ContactSolution, Status
+from surefoot.contact.residuals import certificate
+from surefoot.contact.solution import ContactSolution, Status, record_of
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
-from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, entry_point
 from surefoot.solvers.infeasibility import find_proof
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
-ITERATION = 2e-7
-"""Seconds that an iteration of a compiled call takes per contact, sweeps and Newton steps as they come."""
-_clock, _INFINITY, _empty, _SOLVED = time.perf_counter, math.inf, np.empty, Status.SOLVED
+_clock, _INFINITY, _SOLVED = time.perf_counter, math.inf, Status.SOLVED
 
 
 @dataclass(frozen=True)
@@ -59,13 +56,13 @@ class Answer(NamedTuple):
     proof: InfeasibilityProof | None = None
 
 
-Shortcut = Callable[[FloatArray, float, int, int, bool, FloatArray], int]
-"""(`ContactProblem.compiled`, tol, max_iterations, 0, warm, buffer of `ContactSolution`) -> iterations.
-
-The iterations are turned bit by bit (less than zero) if the problem is not solved. A bound of -1 on them is
-none; `warm` says that the buffer holds forces to start from.
-"""
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
+Attempt = Callable[
+    [ContactProblem, float, int | None, float, FloatArray | None],
+    tuple[FloatArray, int, bool, int] | None,
+]
+"""(problem, tol, max_iterations, max_time, warm start) -> record of `ContactSolution`, iterations, whether
+`contact.residuals` says SOLVED, iterations that were allowed; None for a problem that it does not take."""
 Function = TypeVar("Function", bound=SolverFunction)
 
 
@@ -80,13 +77,14 @@ class SolverEntry:
     polyhedral: bool
     bilateral: bool
     bounds: bool
-    shortcut: Shortcut | None = None
+    attempt: Attempt | None = None
 
 
 _REGISTRY: dict[str, SolverEntry] = {}
 _MODULES = (
     "distribution",
     "auto",
+    "newton",
     "nsgs",
     "admm",
     "interior_point",
@@ -97,8 +95,6 @@ _MODULES = (
 _loaded = False
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 """What may have its cause in a problem without solution."""
-_SHORTCUTS: dict[str, Shortcut] = {}
-"""Shortcuts that have been asked for, compiled."""
 
 
 def register(
@@ -109,7 +105,7 @@ def register(
     polyhedral: bool = False,
     bilateral: bool = False,
     bounds: bool = True,
-    shortcut: Shortcut | None = None,
+    attempt: Attempt | None = None,
 ) -> Callable[[Function], Function]:
     """Return the decorator that makes a function a solver.
 
@@ -125,15 +121,14 @@ def register(
         Whether it takes problems with bilateral contacts.
     bounds
         Whether it takes normal bounds other than 0 and infinity.
-    shortcut
-        What `solve` tries first where `ContactProblem.compiled` is not None: one compiled call that solves
-        and has `contact.residuals` judge. If that is not solved, the function goes on from its forces. It
-        has to take everything on exact cones: bounds, bilateral contacts, both laws.
+    attempt
+        What `solve` tries first, one compiled call that solves and has `contact.residuals` judge. If that
+        is not solved, the function goes on from its forces.
     """
 
     def decorate(function: Function) -> Function:
         _REGISTRY[name] = SolverEntry(
-            name, function, tuple(laws), exact, polyhedral, bilateral, bounds, shortcut
+            name, function, tuple(laws), exact, polyhedral, bilateral, bounds, attempt
         )
         return function
 
@@ -194,7 +189,7 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
-    shortcut = _SHORTCUTS.get(solver) if type(solver) is str else None
+    entry = _REGISTRY.get(solver) if _loaded and type(solver) is str else None
     if (
         type(tol) is not float
         or type(max_time) is not float
@@ -206,22 +201,16 @@ def solve(
         max_iterations = whole_number("max_iterations", max_iterations)
     if warm_start is not None:
         warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
-    if shortcut is None and (shortcut := find_solver(solver, problem).shortcut) is not None:
-        types = MATRIX, REAL, INTEGER, INTEGER, BOOLEAN, MATRIX
-        _SHORTCUTS[solver] = shortcut = entry_point(shortcut, *types)
+    if entry is None:
+        entry = find_solver(solver, problem)
     before = 0
-    if shortcut is not None and (packed := problem.compiled) is not None:
-        n = problem.contacts
-        buffer = _empty((2 * n + 3, 3))
-        if warm_start is not None:
-            buffer[:n] = warm_start
-        most = -1 if max_iterations is None else max_iterations
-        if max_time < _INFINITY:
-            most = fitting(max_time, n, most)
-        done = shortcut(packed, tol, most, 0, warm_start is not None, buffer)
-        if done >= 0:
-            return ContactSolution(problem, buffer[:n], _SOLVED, solver, done, _clock() - start, buffer)
-        before, warm_start = ~done, buffer[:n]
+    if entry.attempt is not None:
+        first = entry.attempt(problem, tol, max_iterations, max_time, warm_start)
+        if first is not None:
+            record, before, solved, _ = first
+            if solved:
+                return ContactSolution(problem, record, _SOLVED, solver, before, _clock() - start)
+            warm_start = record[: problem.contacts]
     entry = find_solver(solver, problem)
     if problem.contacts == 0:
         answer = Answer(np.zeros((0, 3)), 0)
@@ -240,12 +229,6 @@ def solve(
     if proof is not None:
         return certify(problem, answer._replace(proof=proof), entry.name, tol, _clock() - start)
     return found
-
-
-def fitting(max_time: float, contacts: int, most: int) -> int:
-    """Return how many iterations of a compiled call, which looks at no clock, should fit; at most `most`."""
-    fits = int(min(max_time / (ITERATION * contacts), 1e9))
-    return fits if most < 0 else min(fits, most)
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
@@ -279,8 +262,10 @@ def certify(
         status, proof = Status.ALMOST, None
     else:
         status, proof = stop, None
-    details = velocities, Residuals(*numbers), answer.timings or {}, proof
-    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details)
+    record = record_of(forces, velocities, numbers)
+    return ContactSolution(
+        problem, record, status, name, answer.iterations, solve_time, answer.timings, proof
+    )  # fmt: skip
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
