@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from surefoot.cones import WrenchCone as WrenchCone
     from surefoot.contact import LCP as LCP
     from surefoot.contact import ContactProblem as ContactProblem
+    from surefoot.contact import ContactSet as ContactSet
     from surefoot.contact import ContactSolution as ContactSolution
     from surefoot.contact import InfeasibilityProof as InfeasibilityProof
     from surefoot.contact import Redundancy as Redundancy
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from surefoot.contact import Status as Status
     from surefoot.contact import carry_over as carry_over
     from surefoot.contact import check_proof as check_proof
+    from surefoot.contact import contacts as contacts
+    from surefoot.contact import laws as laws
     from surefoot.contact import persisting as persisting
     from surefoot.contact import read_lcp as read_lcp
     from surefoot.contact import read_problem as read_problem
@@ -86,6 +89,7 @@ _HOMES = {
     "contact": (
         "LCP",
         "ContactProblem",
+        "ContactSet",
         "ContactSolution",
         "InfeasibilityProof",
         "Redundancy",
@@ -93,6 +97,8 @@ _HOMES = {
         "Status",
         "carry_over",
         "check_proof",
+        "contacts",
+        "laws",
         "persisting",
         "read_lcp",
         "read_problem",

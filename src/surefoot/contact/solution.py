@@ -57,7 +57,7 @@ class ContactSolution:
     problem
         What was asked.
     forces, velocities
-        (n, 3), contact frames (tangent, tangent, normal); velocities are G @ forces + g.
+        (n, 3), contact frames (tangent, tangent, normal), or `problem.shape`; velocities are G @ forces + g.
     status
         See `Status`.
     residuals
@@ -92,7 +92,7 @@ class ContactSolution:
     ) -> None:
         self._problem = problem
         self._record = record
-        self._forces = record[: problem.contacts]
+        self._forces = record[: problem.shape[0]]
         self._status = status
         self._solver = solver
         self._iterations = iterations

@@ -33,7 +33,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact import ContactProblem, ContactSolution
-from surefoot.contact.problem import LAWS, Law
+from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError, SimulationError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
@@ -116,7 +116,7 @@ class RigidWorld:
         *,
         restitution: float = 0.0,
         stabilisation: Stabilisation = "projection",
-        law: Law = "coulomb",
+        law: str = "coulomb",
         solver: str = "auto",
         tol: float = 1e-8,
     ) -> None:
@@ -379,7 +379,7 @@ class RigidWorld:
             self._place()
             self._weigh()
 
-    def _problem(self, G: FloatArray, g: FloatArray, mu: float, law: Law = "coulomb") -> ContactProblem:
+    def _problem(self, G: FloatArray, g: FloatArray, mu: float, law: str = "coulomb") -> ContactProblem:
         """Return the contact problem of finite numbers."""
         if not max(rigid_step.largest(g), rigid_step.largest(G.ravel())) < np.inf:
             raise self._lost("contact problem")

@@ -5,6 +5,7 @@ steps (`compiled`). Larger problems: sweeps on 3x3 blocks, then Newton steps by 
 sweeps between them (`on_blocks`). What these leave unsolved is handed on: for Coulomb's law to an interior
 point and ADMM, with Newton steps from where it is, and for the convex law to Newton's method on its dual
 (`distribution`) and an interior point. Pyramids: ADMM, then Lemke's method (Coulomb) or a QP solver (convex).
+Contacts of any kind: ADMM with Newton steps from where it is.
 The forces returned are the best that any of them found; the status is theirs.
 `max_time` is checked between methods and iterations; the one compiled call of a small problem looks at no
 clock and is given as many iterations as should fit.
@@ -28,6 +29,7 @@ from surefoot.solvers.infeasibility import find_proof
 from surefoot.solvers.newton_sparse import NO_GUESS
 from surefoot.solvers.newton_step import FEW
 from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PROOF, Plan, Stage
+from surefoot.solvers.set_newton import set_admm_and_newton
 from surefoot.solvers.solver import (
     Answer,
     Settings,
@@ -48,13 +50,16 @@ PARTS: dict[str, SolverFunction] = {
     ON_BLOCKS: on_blocks.on_blocks,
     plans.ADMM_AND_NEWTON: on_blocks.admm_and_newton,
     plans.MORE_NEWTON: on_blocks.more_newton,
+    plans.SETS: set_admm_and_newton,
 }
 
 
-@register("auto", bilateral=True, polyhedral=True, attempt=attempt)
+@register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt)
 def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, exact or on pyramids; an iteration is one of whatever method ran."""
     start = time.perf_counter()
+    if problem.general:
+        return _run(problem, settings, warm_start, 0, plans.GENERAL, start)
     if problem.facets is not None:
         return _run(problem, settings, warm_start, 0, plans.PYRAMIDS[problem.law], start)
     if problem.contacts <= COMPILED_CONTACTS:

@@ -80,11 +80,11 @@ iterations that were allowed; a plain tuple, because a solve of two microseconds
 
 
 def packed_form(problem: ContactProblem) -> Packed | None:
-    """Return what the compiled call takes, kept with the problem; None for pyramids, or too many contacts."""
+    """Return what the compiled call takes, kept with the problem; None where it takes no such problem."""
     n = problem.contacts
     found: Packed | None = None
-    if problem.facets is None and 0 < n <= COMPILED_CONTACTS:
-        mode = CONVEX if problem.law == "convex" else 0
+    if not problem.general and problem.facets is None and 0 < n <= COMPILED_CONTACTS:
+        mode = CONVEX if problem.law.shift == 0.0 else 0
         found = problem.G, problem.vectors, mode, n
     problem.prepared[NAME] = found
     return found

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.contact.blocks import checked_mirror
-from surefoot.contact.problem import ASYMMETRY, ContactProblem, Fit, Law
+from surefoot.contact.matrix import ASYMMETRY
+from surefoot.contact.problem import ContactProblem, Fit
 from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.contact.solution import Status
@@ -181,7 +182,7 @@ class ContactSolver:
         self,
         contacts: int,
         mu: ArrayLike,
-        law: Law = "coulomb",
+        law: str = "coulomb",
         normal_min: ArrayLike = 0.0,
         normal_max: ArrayLike = np.inf,
         facets: int | None = None,
@@ -205,14 +206,14 @@ class ContactSolver:
             np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, facets, fit,
             compliance=compliance, bilateral=bilateral,
         )  # fmt: skip
-        self.law: Law = law
+        self.law = self._laws.law
         self._memory = np.zeros((m + 5, max(m, 2)))
         self._shapes = (m, m), (m,)
         self._most = UNBOUNDED if self.max_iterations is None else self.max_iterations
-        self._compiled = facets is None and 0 < n <= COMPILED_CONTACTS
+        self._compiled = not self._laws.general and facets is None and 0 < n <= COMPILED_CONTACTS
         if self._compiled:
             self._memory[m + LAWS] = self._laws.vectors[1]
-            self._memory[m + FLAGS, 0] = CONVEX if law == "convex" else 0
+            self._memory[m + FLAGS, 0] = CONVEX if self.law.shift == 0.0 else 0
             self._memory[m + COMPLIANCE] = np.diagonal(self._laws.G)
             types = MATRIX, VECTOR, MATRIX, REAL, INTEGER, BOOLEAN, MATRIX
             self._call = entry_point(_solve_raw, *types)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 PROOF, EARLY_PROOF = "infeasibility proof", "infeasibility proof, in small parts only"
 ON_BLOCKS, ADMM_AND_NEWTON = "sweeps and newton on blocks", "admm and newton"
-MORE_NEWTON = "more newton on blocks"
+MORE_NEWTON, SETS = "more newton on blocks", "admm and newton on sets"
 """What is tried besides solvers; see `auto`."""
 
 
@@ -73,3 +73,11 @@ PYRAMIDS: dict[str, Plan] = {
     "coulomb": (Stage("admm", 2000, warm=True), Stage(PROOF), Stage("lemke"), Stage("admm", warm=True)),
     "convex": (Stage("admm", 2000, warm=True), Stage(PROOF), Stage("daqp"), Stage("admm", warm=True)),
 }
+GENERAL: Plan = (
+    Stage("set_newton", 30),
+    Stage(SETS, 300),
+    Stage(PROOF),
+    Stage(SETS, 10_000, warm=True),
+    Stage("set_admm", 20_000),
+)
+"""For contacts of any kind."""

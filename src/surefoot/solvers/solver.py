@@ -12,7 +12,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
-from surefoot.contact.problem import LAWS, ContactProblem, Law
+from surefoot.contact.laws import LAWS
+from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import certificate
 from surefoot.contact.solution import ContactSolution, Status, record_of
@@ -72,11 +73,12 @@ class SolverEntry:
 
     name: str
     function: SolverFunction
-    laws: tuple[Law, ...]
+    laws: tuple[str, ...] | None
     exact: bool
     polyhedral: bool
     bilateral: bool
     bounds: bool
+    general: bool
     attempt: Attempt | None = None
 
 
@@ -91,6 +93,8 @@ _MODULES = (
     "staggered",
     "lemke",
     "external",
+    "set_admm",
+    "set_newton",
 )
 _loaded = False
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
@@ -100,11 +104,12 @@ GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 def register(
     name: str,
     *,
-    laws: Iterable[Law] = LAWS,
+    laws: Iterable[str] | None = tuple(LAWS),
     exact: bool = True,
     polyhedral: bool = False,
     bilateral: bool = False,
     bounds: bool = True,
+    general: bool = False,
     attempt: Attempt | None = None,
 ) -> Callable[[Function], Function]:
     """Return the decorator that makes a function a solver.
@@ -114,21 +119,24 @@ def register(
     name
         What users pass to `solve`.
     laws
-        The laws it solves.
+        The laws it solves, by name; None for any `Law`.
     exact, polyhedral
         Whether it takes problems with exact cones, and with pyramids.
     bilateral
         Whether it takes problems with bilateral contacts.
     bounds
         Whether it takes normal bounds other than 0 and infinity.
+    general
+        Whether it takes contacts of any kind, through `problem.contact_set`.
     attempt
         What `solve` tries first, one compiled call that solves and has `contact.residuals` judge. If that
         is not solved, the function goes on from its forces.
     """
 
     def decorate(function: Function) -> Function:
+        own = None if laws is None else tuple(laws)
         _REGISTRY[name] = SolverEntry(
-            name, function, tuple(laws), exact, polyhedral, bilateral, bounds, attempt
+            name, function, own, exact, polyhedral, bilateral, bounds, general, attempt
         )
         return function
 
@@ -174,7 +182,8 @@ def solve(
     max_iterations, max_time
         Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
-        (n, 3) forces to start from; see `surefoot.contact.warm_start` for contacts that came and went.
+        (n, 3) forces to start from, or `problem.shape`; see `surefoot.contact.warm_start` for contacts that
+        came and went.
 
     Returns
     -------
@@ -200,7 +209,7 @@ def solve(
     if max_iterations is not None:
         max_iterations = whole_number("max_iterations", max_iterations)
     if warm_start is not None:
-        warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
+        warm_start = finite_array("warm_start", warm_start, problem.shape)
     if entry is None:
         entry = find_solver(solver, problem)
     before = 0
@@ -213,7 +222,7 @@ def solve(
             warm_start = record[: problem.contacts]
     entry = find_solver(solver, problem)
     if problem.contacts == 0:
-        answer = Answer(np.zeros((0, 3)), 0)
+        answer = Answer(np.zeros(problem.shape), 0)
     else:
         remaining = None if max_iterations is None else max_iterations - before
         left = max(max_time - (_clock() - start), 0.0)
@@ -232,8 +241,8 @@ def solve(
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
-    """Return the flat (3n,) forces to start from, a fresh array: zero without a warm start."""
-    return np.zeros(3 * problem.contacts) if warm_start is None else warm_start.flatten()
+    """Return the flat forces to start from, a fresh array: zero without a warm start."""
+    return np.zeros(problem.g.size) if warm_start is None else warm_start.flatten()
 
 
 def certify(
@@ -243,12 +252,13 @@ def certify(
 
     Forces that are not finite are replaced by the admissible ones nearest to zero.
     """
-    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(-1, 3)
+    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(problem.shape)
     if not np.isfinite(forces).all():
         forces = nearest_to_zero(problem)
     still = problem.scales[1] == 0.0
     if still.any():  # parts without any velocity: their solution is known
-        forces = np.where(still[:, None], nearest_to_zero(problem), forces)
+        rows = np.repeat(still, [c.rows for c in problem.contact_set]).reshape(problem.shape)
+        forces = np.where(rows, nearest_to_zero(problem), forces)
     velocities, numbers = certificate(problem, forces)
     error, rest = numbers[0], max(numbers[1], numbers[2])
     stop = Status.STALLED if answer.stop is Status.INFEASIBLE else answer.stop
@@ -269,7 +279,9 @@ def certify(
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
-    """Return the (n, 3) admissible forces nearest to zero."""
+    """Return the admissible forces nearest to zero, in the problem's shape."""
+    if problem.general:
+        return problem.contact_set.nearest_to_zero()
     forces = np.zeros((problem.contacts, 3))
     forces[:, 2] = np.maximum(problem.normal_min, 0.0)
     return forces
@@ -289,8 +301,12 @@ def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
 
 def mismatch(entry: SolverEntry, problem: ContactProblem) -> str | None:
     """Return why a solver does not take a problem, or None."""
-    if problem.law not in entry.laws:
-        return f"does not solve law={problem.law!r}"
+    if entry.laws is not None and problem.law not in entry.laws:
+        return f"does not solve law={str(problem.law)!r}"
+    if entry.general:
+        return None
+    if problem.general:
+        return "takes contacts of three rows under Coulomb's or the convex law only"
     if problem.facets is None and not entry.exact:
         return "takes pyramids only (use problem.polyhedral(facets))"
     if problem.facets is not None and not entry.polyhedral:

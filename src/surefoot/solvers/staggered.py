@@ -37,7 +37,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     """Solve either law by a sequence of convex problems; an iteration is one of them."""
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
-    coulomb = problem.law == "coulomb"
+    coulomb = problem.law.shift > 0.0
     laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     held = problem.normal_min == -np.inf
