@@ -17,6 +17,7 @@ Limits: dense matrices; a null space that is only nearly there gives a reach too
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from typing import Protocol
@@ -118,8 +119,8 @@ def _onto_null_space(directions: Directions, G: FloatArray, d: FloatArray) -> Fl
     J = directions.project(d)[1]
     # an edge of the cone counts as the ray through d: its roundness is left out
     columns = []
-    for k, start in enumerate(directions.starts):
-        own = slice(start, [*directions.starts, d.size][k + 1])
+    for k, (start, end) in enumerate(itertools.pairwise([*directions.starts, d.size])):
+        own = slice(start, end)
         p = d[own]
         size = float(np.linalg.norm(p))
         if size == 0.0:
@@ -161,7 +162,8 @@ class _Discs:
     """The cone D of contacts of any kind; see `proof` for which discs are narrowed."""
 
     def __init__(self, problem: ContactProblem, members: IntArray) -> None:
-        chosen = [problem.contact_set[k] for k in members]
+        whole = problem.contact_set
+        chosen = [whole[k] for k in members]
         contacts = ContactSet(chosen)
         self.starts, self.lengths = contacts.offsets[:-1], contacts.lengths
         offset, group, table = pack(contacts, problem.law, np.ones(len(chosen)))

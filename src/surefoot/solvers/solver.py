@@ -257,7 +257,8 @@ def certify(
         forces = nearest_to_zero(problem)
     still = problem.scales[1] == 0.0
     if still.any():  # parts without any velocity: their solution is known
-        rows = np.repeat(still, [c.rows for c in problem.contact_set]).reshape(problem.shape)
+        counts = np.diff(problem.contact_set.offsets) if problem.general else 3
+        rows = np.repeat(still, counts).reshape(problem.shape)
         forces = np.where(rows, nearest_to_zero(problem), forces)
     velocities, numbers = certificate(problem, forces)
     error, rest = numbers[0], max(numbers[1], numbers[2])
