@@ -25,9 +25,8 @@ from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.faults import Faults, believed_robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Ice, Push
-from surefoot.simulation.walk_terrain import PitTerrain
 from surefoot.simulation.walking import WalkScenario, run_walking
-from surefoot.stance import FlatTerrain, Terrain
+from surefoot.terrain import FlatTerrain, PitTerrain, Terrain
 
 DISTURBED = 1.5
 """Time of the disturbance, plus up to one cycle of the gait [s]."""

@@ -13,9 +13,9 @@ from surefoot.arrays import FloatArray
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.rigid import RigidWorld
+from surefoot.simulation.worlds import make_world
 from surefoot.spatial import GRAVITY
-from surefoot.stance import FlatTerrain
+from surefoot.terrain import FlatTerrain
 
 SETTLED = 500
 """Last steps of a run, over which the resting force is judged."""
@@ -68,12 +68,7 @@ def drop(world: str, robot: str = "go2", height: float = 0.3, seconds: float = 4
 
 def _made(world: str, robot: Robot, q: FloatArray, height: float) -> tuple[Any, StandingController]:
     ground = FlatTerrain()
-    if world == "rigid":
-        made: Any = RigidWorld(robot, ground)
-    else:
-        from surefoot.simulation.mujoco import MujocoWorld
-
-        made = MujocoWorld(robot, ground)
+    made = make_world(world, robot, ground)
     start = q.copy()
     start[2] += height
     made.reset(start)
@@ -110,7 +105,7 @@ def _watched(
     """Run again with everything recorded."""
     made, controller = _made(world, robot, q, height)
     normals, deepest, contacts, given, excess = [], 0.0, 0, 0.0, -np.inf
-    rigid = isinstance(made, RigidWorld)
+    rigid = world == "rigid"
     begin = made.energy() if rigid else np.nan
     for k in range(round(seconds / made.dt)):
         state, v = made.state()

@@ -1,5 +1,6 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
+from . import laws as laws
 from .cones import Cone as Cone
 from .cones import FrictionCone as FrictionCone
 from .cones import FrictionPyramid as FrictionPyramid
@@ -17,7 +18,6 @@ from .contact import Status as Status
 from .contact import carry_over as carry_over
 from .contact import check_proof as check_proof
 from .contact import contacts as contacts
-from .contact import laws as laws
 from .contact import persisting as persisting
 from .contact import read_lcp as read_lcp
 from .contact import read_problem as read_problem
@@ -25,6 +25,10 @@ from .contact import redundancy as redundancy
 from .contact import residuals as residuals
 from .contact import stewart_trinkle as stewart_trinkle
 from .contact import write_problem as write_problem
+from .contact.engines import Translation as Translation
+from .contact.engines import combination_rules as combination_rules
+from .contact.engines import combine_friction as combine_friction
+from .contact.engines import translate as translate
 from .control.force_distribution import ForceDistributor as ForceDistributor
 from .control.gait import Gait as Gait
 from .control.gait import ModeSchedule as ModeSchedule
@@ -74,19 +78,20 @@ from .solvers import solve as solve
 from .solvers import solve_lcp as solve_lcp
 from .solvers import solver_names as solver_names
 from .stance import Contact as Contact
-from .stance import FlatTerrain as FlatTerrain
 from .stance import HalfSpaces as HalfSpaces
-from .stance import HeightfieldTerrain as HeightfieldTerrain
 from .stance import PatchContact as PatchContact
 from .stance import PointContact as PointContact
-from .stance import SlopeTerrain as SlopeTerrain
-from .stance import StairsTerrain as StairsTerrain
 from .stance import Stance as Stance
 from .stance import StanceBatch as StanceBatch
-from .stance import Terrain as Terrain
 from .stance import grasp_map as grasp_map
 from .stance import read_stance as read_stance
 from .stance import write_stance as write_stance
+from .terrain import FlatTerrain as FlatTerrain
+from .terrain import HeightfieldTerrain as HeightfieldTerrain
+from .terrain import PitTerrain as PitTerrain
+from .terrain import SlopeTerrain as SlopeTerrain
+from .terrain import StairsTerrain as StairsTerrain
+from .terrain import Terrain as Terrain
 from .viz.video import Renderer as Renderer
 from .viz.video import RenderError as RenderError
 from .viz.video import cone_lines as cone_lines

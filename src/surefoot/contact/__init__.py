@@ -1,6 +1,5 @@
 """Contact problems, their solutions and the laws as numbers; free of any solver."""
 
-from surefoot.contact import laws
 from surefoot.contact import sets as contacts
 from surefoot.contact.diagnosis import Redundancy, redundancy
 from surefoot.contact.files import read_lcp, read_problem, write_problem
@@ -25,7 +24,6 @@ __all__ = [
     "carry_over",
     "check_proof",
     "contacts",
-    "laws",
     "persisting",
     "read_lcp",
     "read_problem",

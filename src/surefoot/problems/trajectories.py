@@ -65,7 +65,7 @@ def simulate(scene: Scene, duration: float = DURATION) -> list[Instance]:
     from surefoot.simulation.mujoco import MujocoWorld
     from surefoot.simulation.run import Push, Scenario
     from surefoot.simulation.standing import run_standing
-    from surefoot.stance import FlatTerrain, SlopeTerrain
+    from surefoot.terrain import FlatTerrain, SlopeTerrain
 
     robot = load_robot(ROBOT)
     terrain = SlopeTerrain(scene.slope) if scene.slope else FlatTerrain()

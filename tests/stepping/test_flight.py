@@ -5,7 +5,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.simulation.bodies import box
-from surefoot.simulation.rigid_flight import fly, follow_shape
+from surefoot.stepping.flight import fly, follow_shape
 
 RATES = np.linspace(3.0, 9.0, 12)
 

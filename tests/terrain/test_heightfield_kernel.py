@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surefoot.stance import HeightfieldTerrain
+from surefoot.terrain import HeightfieldTerrain
 
 
 def catmull_rom(u: np.ndarray) -> np.ndarray:

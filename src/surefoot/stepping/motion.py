@@ -17,7 +17,7 @@ References
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -48,8 +48,16 @@ SHRINK, GROW, SAFETY = 0.2, 5.0, 0.9
 """Bounds of the change of a piece's length after one, and its safety factor."""
 
 
+class Ahead(NamedTuple):
+    """Where a motion leads: q (nq,), v (nv,), and the acceleration there (nv,) where it came for nothing."""
+
+    q: FloatArray
+    v: FloatArray
+    rate: FloatArray | None
+
+
 class FreeMotion:
-    """Moves a robot that nothing touches; one per world, since it keeps its work arrays.
+    """Moves a robot that nothing touches; one per thread, since it keeps its work arrays.
 
     Parameters
     ----------
@@ -72,27 +80,30 @@ class FreeMotion:
         self._aba, self._integrate = pinocchio.aba, pinocchio.integrate
         n = model.nv
         self._rest = np.zeros(n)
-        self._end: FloatArray | None
         self._moves, self._slopes = np.zeros((7, n)), np.zeros((7, n))
         self._xi, self._speed = np.zeros(n), np.zeros(n)
-        self._rate, self._end = self._rest, None  # acceleration at the end of the last call, and the v there
 
     def acceleration(self, q: FloatArray, v: FloatArray, effort: FloatArray | None = None) -> FloatArray:
         """Return v̇ (nv,) under (nv,) generalised forces [N m, N]."""
         return np.asarray(self._aba(self.model, self.data, q, v, self._rest if effort is None else effort))
 
     def advance(
-        self, q: FloatArray, v: FloatArray, seconds: float, effort: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray] | None:
-        """Return q and v `seconds` later; None where `PIECES` do not suffice, or nothing stays finite.
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        seconds: float,
+        effort: FloatArray | None = None,
+        rate: FloatArray | None = None,
+    ) -> Ahead | None:
+        """Return where q and v lead in `seconds`; None where `PIECES` do not suffice or nothing stays finite.
 
-        Without effort, a call that goes on from the very v that the last one returned takes the acceleration
-        from there.
+        `rate` is the acceleration at the start as the last call left it (`Ahead.rate`), for a motion that
+        goes on from there; None where it is not known.
         """
-        known = effort is None and v is self._end
-        first = self._rate if known else self.acceleration(q, v, effort)
+        known = rate is not None
+        first = self.acceleration(q, v, effort) if rate is None else rate
         xi, speed = self._xi, self._speed
-        last, self._end = first, None
+        last = first
         error = straight(seconds, first, v, xi, speed)
         if not error <= TOLERANCE:
             if self._curved or not error <= HOPE * TOLERANCE:
@@ -101,14 +112,12 @@ class FreeMotion:
             last = self.acceleration(self._integrate(self.model, q, xi), speed, effort).copy()
             if not bent(seconds, first, last, v, self._floating, xi, speed) <= TOLERANCE:
                 return self._pieces(q, v, seconds, first, effort)
-        out = self._integrate(self.model, q, xi), speed.copy()
-        if not known:
-            self._rate, self._end = last, out[1]
-        return out
+        # an acceleration is carried on once: cheap steps in a row would let it drift
+        return Ahead(self._integrate(self.model, q, xi), speed.copy(), None if known else last)
 
     def _pieces(
         self, q: FloatArray, v: FloatArray, seconds: float, first: FloatArray, effort: FloatArray | None
-    ) -> tuple[FloatArray, FloatArray] | None:
+    ) -> Ahead | None:
         """Go on in pieces, each as long as the embedded pair allows."""
         left = length = seconds
         for _ in range(PIECES):
@@ -116,8 +125,7 @@ class FreeMotion:
             if error <= TOLERANCE:
                 q, v, first, left = ahead, speed, self._slopes[6].copy(), left - length
                 if left <= 0.0:
-                    self._rate, self._end = first, v
-                    return q, v
+                    return Ahead(q, v, first)
             elif not error < np.inf:
                 error = np.inf  # not a number: as short as it goes
             change = SAFETY * (TOLERANCE / max(error, 1e-30)) ** 0.2

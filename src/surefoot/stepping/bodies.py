@@ -1,4 +1,4 @@
-"""The moving bodies of the rigid world: masses, forces of gravity and motors, motion without contacts."""
+"""The moving bodies of a step: masses, forces of gravity and motors, motion without contacts."""
 
 from __future__ import annotations
 
@@ -8,18 +8,21 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.robot import Robot
-from surefoot.simulation import rigid_step
-from surefoot.simulation.rigid_feet import add_spheres
-from surefoot.simulation.rigid_motion import FreeMotion
+from surefoot.stepping import arithmetic
+from surefoot.stepping.detection import Detection
+from surefoot.stepping.motion import FreeMotion
+from surefoot.terrain import Terrain
 
 
-class RigidBodies:
-    """A robot's model of the rigid world's own, with payload and contact spheres.
+class Bodies:
+    """A copy of a robot's model, with its payload.
 
     Parameters
     ----------
     robot
         The robot.
+    terrain
+        What its feet may touch.
     payload
         Point mass fixed to the base's origin [kg].
 
@@ -27,20 +30,20 @@ class RigidBodies:
     ----------
     model, data
         Pinocchio's.
-    spheres
-        The contact spheres of the feet.
+    contacts
+        Where the feet are to the ground.
     flight, coasting
         Free motion under gravity, and under no forces.
     L
         (nv, nv) lower factor of the mass matrix, as of the last `weigh`.
     """
 
-    def __init__(self, robot: Robot, payload: float) -> None:
+    def __init__(self, robot: Robot, terrain: Terrain, payload: float) -> None:
         import pinocchio
 
         self.model = loaded_model(robot, payload)
-        self.spheres = add_spheres(self.model, robot)
-        self.data = self.model.createData()
+        self.contacts = Detection(self.model, robot.contact_points, terrain)
+        self.data = self.contacts.data
         weightless = self.model.copy()
         weightless.gravity.setZero()
         self.flight = FreeMotion(self.model, robot.floating)
@@ -52,7 +55,7 @@ class RigidBodies:
 
     def weigh(self, q: FloatArray) -> None:
         """Bring the factor of the mass matrix up to (nq,) q."""
-        rigid_step.factorise(self._crba(self.model, self.data, q), self.L)
+        arithmetic.factorise(self._crba(self.model, self.data, q), self.L)
 
     def free_velocity(
         self, q: FloatArray, v: FloatArray, effort: FloatArray, push: FloatArray | None, dt: float
@@ -65,7 +68,7 @@ class RigidBodies:
             effort, local = effort.copy(), self.data.oMi[1].rotation.T @ push
             effort[:3] += local
             effort[3:6] += np.cross(self._lever, local)
-        return rigid_step.free_velocity(self.L, effort - self._gravity(self.model, self.data, q), v, dt)
+        return arithmetic.free_velocity(self.L, effort - self._gravity(self.model, self.data, q), v, dt)
 
     def moved(self, q: FloatArray, step: FloatArray) -> FloatArray:
         """Return the configuration (nq,) that lies a (nv,) step from q."""
@@ -101,7 +104,7 @@ def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
         isinstance(value, np.ndarray)
         and value.dtype == np.float64
         and value.shape == (size,)
-        and rigid_step.largest(value) < np.inf
+        and arithmetic.largest(value) < np.inf
     ):
         return value
     return finite_array(name, value, (size,))

@@ -8,10 +8,10 @@ import pytest
 
 import surefoot as sf
 from surefoot.robot.centroidal import momentum
-from surefoot.simulation import rigid_motion
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.simulation.rigid_flight import fly
-from surefoot.simulation.rigid_motion import ERROR, STAGES, FreeMotion
+from surefoot.stepping import motion as rules
+from surefoot.stepping.flight import fly
+from surefoot.stepping.motion import ERROR, STAGES, FreeMotion
 
 
 def thrown(robot, seed: int, speed: float) -> tuple[np.ndarray, np.ndarray]:
@@ -106,13 +106,13 @@ def test_cheap_ways_keep_the_tolerance(speed, monkeypatch):
     for motion in (cheap, pair):
         motion.model = robot.model.copy()
         motion.model.gravity.setZero()
-    here = there = (q, speed * v)
+    here = there = (q, speed * v, None)
     for _ in range(2):
-        here = cheap.advance(*here, 5e-4)
-    monkeypatch.setattr(rigid_motion, "TOLERANCE", 1e-15)
-    monkeypatch.setattr(rigid_motion, "PIECES", 5000)
+        here = cheap.advance(here[0], here[1], 5e-4, rate=here[2])
+    monkeypatch.setattr(rules, "TOLERANCE", 1e-15)
+    monkeypatch.setattr(rules, "PIECES", 5000)
     for _ in range(2):
-        there = pair.advance(*there, 5e-4)
+        there = pair.advance(there[0], there[1], 5e-4, rate=there[2])
     assert np.abs(here[1] - there[1]).max() < 3e-8 * np.abs(speed * v).max()
     assert np.abs(here[0] - there[0]).max() < 3e-8 * np.abs(speed * v).max()
 
@@ -123,16 +123,16 @@ def test_stage_twin_and_tangent_rate():
     moves, slopes, v = rng.normal(size=(7, 18)), rng.normal(size=(7, 18)), rng.normal(size=18)
     xi, speed, h = np.zeros(18), np.zeros(18), 0.01
     for i in range(1, 7):
-        rigid_motion.stage(i, h, v, moves, slopes, True, xi, speed)
+        rules.stage(i, h, v, moves, slopes, True, xi, speed)
         assert np.allclose(speed, v + h * STAGES[i, :i] @ slopes[:i], atol=1e-14)
         before = np.delete(moves, i, axis=0)[:i]
         assert np.allclose(xi, h * STAGES[i, :i] @ before, atol=1e-14)
         D = pinocchio.dIntegrate(model, pinocchio.neutral(model), xi, pinocchio.ArgumentPosition.ARG1)
         assert np.allclose(D @ moves[i], speed, atol=1e-11)
-    share = rigid_motion.pair_error(h, slopes, v)
+    share = rules.pair_error(h, slopes, v)
     assert share == pytest.approx(np.abs(h * ERROR @ slopes).max() / np.abs(v).max(), rel=1e-12)
     slopes[3, 5] = np.nan
-    assert np.isnan(rigid_motion.pair_error(h, slopes, v))
+    assert np.isnan(rules.pair_error(h, slopes, v))
 
 
 def test_ball_joints_move_as_rotations():
@@ -150,9 +150,9 @@ def test_ball_joints_move_as_rotations():
         h = pinocchio.computeCentroidalMomentum(model, data, q, v)
         return np.append(h.np, pinocchio.computeKineticEnergy(model, data, q, v))
 
-    start = kept()
+    start, rate = kept(), None
     for _ in range(200):
-        q, v = motion.advance(q, v, 2e-3)
+        q, v, rate = motion.advance(q, v, 2e-3, rate=rate)
     assert np.abs(kept() - start).max() < 1e-6 * np.abs(start).max()
 
 
