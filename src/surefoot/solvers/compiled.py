@@ -72,8 +72,9 @@ def solve_compiled(
     return done if max(numbers[0], numbers[1], numbers[2]) <= tol else done + UNSOLVED
 
 
-Packed = tuple[FloatArray, FloatArray, int, int]
-"""G and the vectors (a problem's own arrays, no copies), the mode of its law, and its contacts."""
+Packed = tuple[FloatArray, FloatArray, int, tuple[int, int]]
+"""G and the vectors (a problem's own arrays, no copies), the mode of its law, and the shape of
+a record."""
 Attempt = tuple[FloatArray, int, bool, int]
 """The record of `ContactSolution`, the iterations taken, whether the certificate says SOLVED, and the
 iterations that were allowed; a plain tuple, because a solve of two microseconds would notice another."""
@@ -85,7 +86,7 @@ def packed_form(problem: ContactProblem) -> Packed | None:
     found: Packed | None = None
     if not problem.general and problem.facets is None and 0 < n <= COMPILED_CONTACTS:
         mode = CONVEX if problem.law.shift == 0.0 else 0
-        found = problem.G, problem.vectors, mode, n
+        found = problem.G, problem.vectors, mode, (2 * n + 3, 3)
     problem.prepared[NAME] = found
     return found
 
@@ -101,13 +102,13 @@ def attempt(
     packed = problem.prepared.get(NAME) or packed_form(problem)
     if packed is None:
         return None
-    G, vectors, law, n = packed
+    G, vectors, law, shape = packed
     limit = UNBOUNDED if most is None else most
     if max_time < _INFINITY:
-        limit = min(limit, int(min(max_time / (ITERATION * n), 1e9)))
-    record = _empty((2 * n + 3, 3))
+        limit = min(limit, int(min(max_time / (ITERATION * problem.contacts), 1e9)))
+    record = _empty(shape)
     if start is not None:
-        record[:n] = start
+        record[: problem.contacts] = start
         mode |= WARM
     done = (_entry or _compile())(G, vectors, tol, limit, mode | law, record)
     if done < UNSOLVED:

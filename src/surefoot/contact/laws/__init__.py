@@ -1,4 +1,4 @@
-"""Contact laws as values: rigid ones here, one file and one line in `LAWS` each; compliant ones in `soft/`."""
+"""Contact laws as values: rigid ones here, one file and one line in `LAWS` each; soft ones in `soft/`."""
 
 from __future__ import annotations
 
