@@ -14,8 +14,8 @@ from surefoot.solvers import (
     elimination,
     lcp_iterative,
     lemke,
-    newton,
     newton_sparse,
+    newton_step,
     nsgs,
     pyramid,
     solver,
@@ -157,7 +157,7 @@ def test_newton_step_solves_the_linearised_equations(law: str) -> None:
             start = exact.forces.ravel() + size * rng.normal(size=12) * np.abs(exact.forces).max()
             local = nsgs.prepare_dense(p.G, p.scales)
             force, u = start.copy(), p.G @ start + p.g
-            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", 0.0, 1, 0.1, local, force, u)
+            newton_step.newton_dense(p.G, p.g, *laws(p), law == "convex", 0.0, 1, 0.1, local, force, u)
             errors.append(np.abs(force - exact.forces.ravel()).max())
         assert errors[0] < 1e-3
         assert errors[1] < max(0.1 * errors[0], 1e-9), (seed, errors)
@@ -217,7 +217,7 @@ def test_sparse_newton_steps_are_the_dense_ones() -> None:
     local = nsgs.prepare_dense(p.G, p.scales)
     start = sf.solve(p, "nsgs", max_iterations=3).forces.ravel()
     dense, u = start.copy(), p.G @ start + p.g
-    newton.newton_dense(p.G, p.g, *laws(p), False, 1e-10, 4, 0.1, local, dense, u)
+    newton_step.newton_dense(p.G, p.g, *laws(p), False, 1e-10, 4, 0.1, local, dense, u)
     sparse = start.copy()
     newton_sparse.BlockNewton(p, 1e-10, np.inf).run(sparse, 4, 0.1)
     assert np.allclose(dense, sparse, atol=1e-9)
