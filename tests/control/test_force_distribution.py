@@ -20,7 +20,8 @@ from surefoot.bench.forces_instances import (
 )
 from surefoot.bench.forces_instances import grasp_map as grasp_map_of
 from surefoot.bench.forces_program import cone_violation, contact_problem
-from surefoot.solvers import distribution_work, distribution_wrench
+from surefoot.solvers.dual_newton import work as distribution_work
+from surefoot.solvers.dual_newton import wrench as distribution_wrench
 
 SOLVED = sf.Status.SOLVED
 

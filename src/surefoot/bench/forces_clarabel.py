@@ -23,8 +23,8 @@ import scipy.sparse as sp
 from surefoot.arrays import FloatArray
 from surefoot.bench.forces_instances import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.bench.forces_program import cone_rows, program
-from surefoot.cones.projection import project_truncated
 from surefoot.errors import MissingExtra
+from surefoot.numerics.projection import project_truncated
 
 UNITS = (1.0, 0.1, 0.01, 1e-3, 0.1, 0.01, 1e-3)
 """Of the change from one round to the next."""

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
 from surefoot.simulation import rigid_step
 from surefoot.stance import SlopeTerrain, Terrain
@@ -87,7 +88,7 @@ class FeetOnGround:
         self._plane = terrain.frame([0.0, 0.0]) if isinstance(terrain, SlopeTerrain) else None
         if self._plane is not None:
             self.frames[:] = self._plane
-        self._centres = np.zeros((n, 3))
+        self._centres, self._own = np.zeros((n, 3)), np.arange(n)
 
     def gaps(self, q: FloatArray) -> FloatArray:
         """Return the distances (p,) of the spheres to the ground [m] at (nq,) q; the frames follow."""
@@ -106,5 +107,5 @@ class FeetOnGround:
     def points(self) -> FloatArray:
         """Return the spheres' lowest points (p, 3) [m] at the q of the last `gaps`; J follows."""
         points = self._centres - self._spheres.radius[:, None] * self.frames[:, :, 2]
-        rigid_step.contact_rows(self._data.J, self._spheres.support, points, self.frames, self.J)
+        contact_jacobian(self._data.J, self._spheres.support, self._own, points, self.frames, self.J)
         return np.asarray(points)
