@@ -141,7 +141,7 @@ def test_it_stops_where_told():
 def test_the_path_ends_at_the_same_root(seed):
     memory = program(seed)
     path = Path(1e3, 1e-6, 0.05, 1e-6, 10.0, 300.0, 300.0)
-    y, _, error, count = run_path(memory, path, 1e-20)
+    y, _, error, _ = run_path(memory, path, 1e-20)
     assert y == pytest.approx(root(memory, 1e-6)[0], abs=1e-9)
     assert error <= 1e-20
     assert run_path(memory, path._replace(limit=2.0), 1e-20)[3] <= 2

@@ -130,7 +130,7 @@ def build(
     M, limits, centre = np.empty((count, 3, 6)), np.empty((count, 3)), np.empty((count, 3))
     heading = _heading_frame(ref_rotation[N // 2])
     drift = _free_motion(rotation, motion, ref_rotation, reference, heading, dt)
-    q = gradient(drift, weights, terminal, dt)
+    q = _gradient(drift, weights, terminal, dt)
     lever = np.empty(3)
     verdict = GOOD
     at = 0
@@ -287,7 +287,7 @@ def _free_motion(
 
 
 @kernel
-def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArray:
+def _predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArray:
     """Return the (N + 1, 2, 6) errors under (N, 6) accelerations."""
     out = drift.copy()
     for k in range(accelerations.shape[0]):
@@ -299,10 +299,10 @@ def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArr
 
 
 @kernel
-def gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
+def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
     """Return the (6 N,) gradient of the tracking cost at no acceleration; costates run backwards."""
     N = drift.shape[0] - 1
-    free = predict(drift, np.zeros((N, 6)), dt)
+    free = _predict(drift, np.zeros((N, 6)), dt)
     q = np.empty(6 * N)
     for j in range(6):
         place = rate = 0.0
@@ -359,7 +359,7 @@ def finish(
                 accelerations[k, j] += M[i, a, j] * force[i, a]
             for b in range(3):
                 world[k, leg, b] += frames[k, leg, b, a] * force[i, a]
-    errors = predict(drift, accelerations, dt)
+    errors = _predict(drift, accelerations, dt)
     motion, turn = reference.copy(), np.zeros((N + 1, 3))
     for k in range(N + 1):
         for b in range(3):
