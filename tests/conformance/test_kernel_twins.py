@@ -46,6 +46,7 @@ control.mpc_model        finish               control/test_mpc_model.py::test_th
 control.mpc_model        hessians             control/test_mpc_model.py::test_the_hessian_is_that_of_simulated_errors
 control.mpc_model        log_between          control/test_mpc_model.py::test_the_rotation_vector_is_scipys
 control.mpc_model        planned_sway         control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
+control.mpc_model        predict              control/test_mpc_model.py::test_the_prediction_is_the_march by solve
 control.standing_kernels contact_torques      control/test_standing.py::test_contact_torques_kernel_against_pinocchio
 control.standing_kernels foot_impedance       control/test_standing.py::test_foot_impedance_kernel_against_plain_numpy
 control.standing_kernels grasp_map_of_points  control/test_standing.py::test_grasp_map_kernel

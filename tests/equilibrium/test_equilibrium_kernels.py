@@ -40,7 +40,7 @@ def quadratic(x: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_the_scaling_takes_both_points_to_the_same(seed: int) -> None:
-    """W is symmetric with W z = W⁻¹ x, and W² = P(√x) P(P(√x) z)^(-½) P(√x) with the quadratic representation P."""
+    """W is symmetric with W z = W⁻¹ x, and W² = P(√x) P(P(√x) z)^(-½) P(√x)."""
     rng = np.random.default_rng(seed)
     x, z = interior(rng), interior(rng)
     v, eta = np.empty(SIZE), np.empty(LORENTZ)

@@ -15,7 +15,7 @@ from surefoot.compilation.progress import LOG, progress
 from surefoot.compilation.tree import Tree
 
 
-class KernelType(types.Dispatcher):  # type: ignore[misc]
+class KernelType(types.Dispatcher):
     """A kernel given to a kernel as an argument: its type says which, and its value is nothing."""
 
 

@@ -287,7 +287,7 @@ def _free_motion(
 
 
 @kernel
-def _predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArray:
+def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArray:
     """Return the (N + 1, 2, 6) errors under (N, 6) accelerations."""
     out = drift.copy()
     for k in range(accelerations.shape[0]):
@@ -302,7 +302,7 @@ def _predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatAr
 def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
     """Return the (6 N,) gradient of the tracking cost at no acceleration; costates run backwards."""
     N = drift.shape[0] - 1
-    free = _predict(drift, np.zeros((N, 6)), dt)
+    free = predict(drift, np.zeros((N, 6)), dt)
     q = np.empty(6 * N)
     for j in range(6):
         place = rate = 0.0
@@ -359,7 +359,7 @@ def finish(
                 accelerations[k, j] += M[i, a, j] * force[i, a]
             for b in range(3):
                 world[k, leg, b] += frames[k, leg, b, a] * force[i, a]
-    errors = _predict(drift, accelerations, dt)
+    errors = predict(drift, accelerations, dt)
     motion, turn = reference.copy(), np.zeros((N + 1, 3))
     for k in range(N + 1):
         for b in range(3):

@@ -21,16 +21,22 @@ def _reduced(A: FloatArray, i: int, j: int) -> float:
     return total
 
 
+@inline_kernel
+def _fill_column(A: FloatArray, j: int) -> None:
+    """Set column j of the factor below its diagonal: by columns no entry waits for another."""
+    for i in range(j + 1, A.shape[0]):
+        A[i, j] = _reduced(A, i, j) / A[j, j]
+
+
 @kernel
 def cholesky(A: FloatArray) -> bool:
     """Replace the lower triangle of A (n, n) by its Cholesky factor; False if A is not positive definite."""
-    for i in range(A.shape[0]):
-        for j in range(i):
-            A[i, j] = _reduced(A, i, j) / A[j, j]
-        square = _reduced(A, i, i)
+    for j in range(A.shape[0]):
+        square = _reduced(A, j, j)
         if not square > 0.0:
             return False
-        A[i, i] = math.sqrt(square)
+        A[j, j] = math.sqrt(square)
+        _fill_column(A, j)
     return True
 
 
@@ -42,15 +48,14 @@ def guarded_cholesky(A: FloatArray) -> float:
     finite.
     """
     least = 1.0
-    for i in range(A.shape[0]):
-        for j in range(i):
-            A[i, j] = _reduced(A, i, j) / A[j, j]
-        top, square = A[i, i], _reduced(A, i, i)
+    for j in range(A.shape[0]):
+        top, square = A[j, j], _reduced(A, j, j)
         if not math.isfinite(square):
             return math.nan
         if square < least * top:
             least = square / top
-        A[i, i] = math.sqrt(square) if square > VANISHED * top else HUGE
+        A[j, j] = math.sqrt(square) if square > VANISHED * top else HUGE
+        _fill_column(A, j)
     return least
 
 
