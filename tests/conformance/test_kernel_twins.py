@@ -19,8 +19,6 @@ import surefoot
 TESTS = Path(__file__).parents[1]
 SOURCES = Path(surefoot.__file__).parent
 DECORATORS = {"kernel", "inline_kernel", "releasing_kernel"}
-MEASUREMENTS = "bench"
-"""The room whose kernels call others over and over: what they measure is tested where it is defined."""
 
 TABLE = """
 audit.slides             free_slides          audit/test_laws.py::test_free_slides_kernel_against_plain_numpy
@@ -60,6 +58,7 @@ control.whole_body_kernels eliminate          control/test_whole_body.py::test_e
 control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
 control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
+equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
 equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
 equilibrium.margin       depth                equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
 equilibrium.margin       load_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
@@ -112,24 +111,7 @@ numerics.six             times                numerics/test_six.py::test_six_dim
 numerics.vectors         advance              numerics/test_points.py::test_vectors
 numerics.vectors         cross                numerics/test_points.py::test_vectors
 numerics.vectors         dot                  numerics/test_points.py::test_vectors
-simulation.mujoco_contacts frames_along       simulation/test_mujoco_ground.py::test_frames_match_the_library
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
-simulation.rigid_motion  bent                 simulation/test_rigid_motion.py::test_cheap_ways_keep_the_tolerance by advance
-simulation.rigid_motion  bracket              simulation/test_rigid_motion.py::test_stage_twin_and_tangent_rate by stage
-simulation.rigid_motion  halfway              simulation/test_rigid_motion.py::test_cheap_ways_keep_the_tolerance by advance
-simulation.rigid_motion  pair_error           simulation/test_rigid_motion.py::test_stage_twin_and_tangent_rate
-simulation.rigid_motion  stage                simulation/test_rigid_motion.py::test_stage_twin_and_tangent_rate
-simulation.rigid_motion  straight             simulation/test_rigid_motion.py::test_cheap_ways_keep_the_tolerance by advance
-simulation.rigid_step    apply_impulses       simulation/test_rigid_step.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
-simulation.rigid_step    assemble             simulation/test_rigid_step.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
-simulation.rigid_step    factorise            simulation/test_rigid_step.py::test_factor_and_solves
-simulation.rigid_step    free_velocity        simulation/test_rigid_step.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
-simulation.rigid_step    largest              simulation/test_rigid_step.py::test_largest_magnitude
-simulation.rigid_step    mean_work            conformance/test_small_kernels.py::test_mean_work_and_swerves
-simulation.rigid_step    near_ground          simulation/test_rigid_step.py::test_near_ground_takes_what_may_touch
-simulation.rigid_step    surface_frames       simulation/test_rigid_step.py::test_surface_frames_are_those_of_single_normals
-simulation.rigid_step    swerves              conformance/test_small_kernels.py::test_mean_work_and_swerves
-simulation.rigid_step    with_missed          simulation/test_rigid_step.py::test_contacts_that_the_others_push_down_join_in
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.auto             solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one
@@ -177,8 +159,24 @@ solvers.stopping         force_error          solvers/test_solver_kernels.py::te
 solvers.stopping         project              solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         velocity_error       solvers/test_solver_kernels.py::test_projection_and_errors
-stance.heightfield       bicubic              stance/test_heightfield_kernel.py::test_heights_match_plain_numpy by height
-stance.heightfield       catmull_rom          stance/test_heightfield_kernel.py::test_heights_match_plain_numpy by height
+stepping.arithmetic      apply_impulses       stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
+stepping.arithmetic      assemble             stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
+stepping.arithmetic      factorise            stepping/test_arithmetic.py::test_factor_and_solves
+stepping.arithmetic      free_velocity        stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
+stepping.arithmetic      largest              stepping/test_arithmetic.py::test_largest_magnitude
+stepping.arithmetic      mean_work            conformance/test_small_kernels.py::test_mean_work_and_swerves
+stepping.arithmetic      near_ground          stepping/test_arithmetic.py::test_near_ground_takes_what_may_touch
+stepping.arithmetic      swerves              conformance/test_small_kernels.py::test_mean_work_and_swerves
+stepping.arithmetic      with_missed          stepping/test_arithmetic.py::test_contacts_that_the_others_push_down_join_in
+stepping.motion          bent                 stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
+stepping.motion          bracket              stepping/test_motion.py::test_stage_twin_and_tangent_rate by stage
+stepping.motion          halfway              stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
+stepping.motion          pair_error           stepping/test_motion.py::test_stage_twin_and_tangent_rate
+stepping.motion          stage                stepping/test_motion.py::test_stage_twin_and_tangent_rate
+stepping.motion          straight             stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
+terrain.frames           surface_frames       stepping/test_arithmetic.py::test_surface_frames_are_those_of_single_normals
+terrain.heightfield      bicubic              terrain/test_heightfield_kernel.py::test_heights_match_plain_numpy by height
+terrain.heightfield      catmull_rom          terrain/test_heightfield_kernel.py::test_heights_match_plain_numpy by height
 """  # noqa: E501  # one line per kernel
 
 LINES = [line.split() for line in TABLE.strip().splitlines()]
@@ -192,7 +190,7 @@ def public_kernels() -> set[tuple[str, str]]:
         for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
                 names = {d.id for d in node.decorator_list if isinstance(d, ast.Name)}
-                if names & DECORATORS and not module.startswith(MEASUREMENTS):
+                if names & DECORATORS:
                     found.add((module, node.name))
     return found
 

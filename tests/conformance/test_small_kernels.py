@@ -8,8 +8,8 @@ import pytest
 import surefoot as sf
 from surefoot.contact import blocks
 from surefoot.kernels import kernel
-from surefoot.simulation import rigid_step
 from surefoot.solvers import nsgs, stopping
+from surefoot.stepping import arithmetic
 
 
 def test_block_determinant() -> None:
@@ -86,12 +86,12 @@ def test_mean_work_and_swerves() -> None:
     rng = np.random.default_rng(1)
     impulses, arriving, leaving = rng.normal(size=(3, 4, 3))
     impulses[:, 2] = [1.0, 2.0, 0.0, 3.0]  # the third touches nothing
-    work, push = rigid_step.mean_work(impulses, arriving, leaving)
+    work, push = arithmetic.mean_work(impulses, arriving, leaving)
     assert work == pytest.approx(0.5 * np.sum(impulses * (arriving + leaving)))
     assert push == pytest.approx(6.0)
     J, v, foot = rng.normal(size=(12, 7)), rng.normal(size=7), np.array([0, 0, 0, 1])
     frames = np.linalg.qr(rng.normal(size=(4, 3, 3)))[0]
-    found = rigid_step.swerves(J, v, leaving, impulses, foot, frames, 0.0)
+    found = arithmetic.swerves(J, v, leaving, impulses, foot, frames, 0.0)
     assert found is not None
     u = (J @ v).reshape(4, 3)
     world = np.einsum("cij,cj->ci", frames, 0.5 * (u - leaving))
@@ -100,4 +100,4 @@ def test_mean_work_and_swerves() -> None:
         expected[c] = frames[c].T @ world[mates].mean(axis=0)
     np.testing.assert_allclose(found[0], u, atol=1e-13)
     np.testing.assert_allclose(found[1], expected, atol=1e-13)
-    assert rigid_step.swerves(J, v, leaving, impulses, foot, frames, 1e9) is None
+    assert arithmetic.swerves(J, v, leaving, impulses, foot, frames, 1e9) is None

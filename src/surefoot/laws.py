@@ -1,0 +1,35 @@
+"""Soft contact laws by name: `surefoot.laws.HuntCrossley(stiffness=2e5, dissipation=0.5)`."""
+
+from surefoot.contact.laws.soft import (
+    Behaviour,
+    ExactFriction,
+    ForceJacobian,
+    Friction,
+    Hertz,
+    HuntCrossley,
+    Linearisation,
+    MujocoLaw,
+    RegularisedFriction,
+    SoftLaw,
+    SpringDamper,
+    behaviour,
+    rebound,
+    validate_law,
+)
+
+__all__ = [
+    "Behaviour",
+    "ExactFriction",
+    "ForceJacobian",
+    "Friction",
+    "Hertz",
+    "HuntCrossley",
+    "Linearisation",
+    "MujocoLaw",
+    "RegularisedFriction",
+    "SoftLaw",
+    "SpringDamper",
+    "behaviour",
+    "rebound",
+    "validate_law",
+]
