@@ -1,6 +1,8 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
 from . import laws as laws
+from .audit import summarise_stand as summarise_stand
+from .audit import summarise_walk as summarise_walk
 from .cones import Cone as Cone
 from .cones import FrictionCone as FrictionCone
 from .cones import FrictionPyramid as FrictionPyramid
@@ -27,6 +29,9 @@ from .contact.engines import Translation as Translation
 from .contact.engines import combination_rules as combination_rules
 from .contact.engines import combine_friction as combine_friction
 from .contact.engines import translate as translate
+from .control.controller import Command as Command
+from .control.controller import Controller as Controller
+from .control.controller import RobotState as RobotState
 from .control.force_distribution import ForceDistributor as ForceDistributor
 from .control.gait import Gait as Gait
 from .control.gait import ModeSchedule as ModeSchedule
@@ -37,6 +42,7 @@ from .control.stance_forces import distribute as distribute
 from .control.standing import StandingController as StandingController
 from .control.standing_plan import StandingPlan as StandingPlan
 from .control.walking import WalkingController as WalkingController
+from .control.walking_body import VelocityCommand as VelocityCommand
 from .control.whole_body import WholeBodyController as WholeBodyController
 from .equilibrium import ComVolume as ComVolume
 from .equilibrium import ForceLimits as ForceLimits
@@ -58,12 +64,18 @@ from .errors import NoSolution as NoSolution
 from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
+from .log import Log as Log
+from .log import read_log as read_log
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.rigid import RigidWorld as RigidWorld
+from .simulation.run import run as run
+from .simulation.scenario import Ice as Ice
+from .simulation.scenario import Push as Push
+from .simulation.scenario import Scenario as Scenario
 from .solvers import Answer as Answer
 from .solvers import ContactForces as ContactForces
 from .solvers import ContactSolver as ContactSolver

@@ -8,14 +8,14 @@ import typer
 
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import to_json
-from surefoot.contact.engines.names import ENGINES
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
     from surefoot.contact.engines import Translation
     from surefoot.contact.laws.soft import Behaviour
 
-NAMES = ", ".join(ENGINES)
+NAMES = "physical, hunt-crossley, mujoco, drake, physx, isaaclab, ode, bullet, ..."
+"""Some of them; a wrong name is answered with all."""
 _UNITS = {"rest_depth": "rest depth [m]", "restitution": "restitution", "frequency": "frequency [rad/s]"}
 _UNITS["settling_time"] = "settling time to 2 % [s]"
 

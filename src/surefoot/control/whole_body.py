@@ -126,6 +126,12 @@ class WholeBodyController:
         self._map = np.zeros((3 * count, nv)).T
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
 
+    def reset(self) -> None:
+        """Forget the forces of the step before, and which feet stood."""
+        self._set_stance(np.ones(len(self._stance), dtype=bool))
+        for distributor in (self._distributor, self._limited):
+            distributor.reset()
+
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
         """Compute everything that depends on the state alone and return the part that tasks need."""
         self._known = computable(q, v)

@@ -74,7 +74,8 @@ class Detection:
         self._jacobians, self._placed = pinocchio.computeJointJacobians, pinocchio.updateFramePlacement
         n = len(points)
         self._support, self._own, self._radii = points.support, np.arange(n), points.radii[:, None]
-        self._frames, self._J = np.zeros((n, 3, 3)), np.zeros((3 * n, model.nv))
+        self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        self._J = np.zeros((3 * n, model.nv))
         self._plane = terrain.frame([0.0, 0.0])[:, 2] if terrain.planar else None
         self._above = points.radii
         if terrain.planar:
@@ -86,7 +87,9 @@ class Detection:
         """Return the contacts at (nq,) q; `frames` and `J` are work arrays, valid until the next call."""
         model, data = self._model, self.data
         self._jacobians(model, data, q)
-        centres = np.array([self._placed(model, data, k).translation for k in self._spheres]).reshape(-1, 3)
+        centres = self._centres
+        for k, sphere in enumerate(self._spheres):
+            centres[k] = self._placed(model, data, sphere).translation
         if self._plane is not None:
             gaps = np.asarray(centres @ self._plane - self._above)
         else:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from surefoot.simulation.log import Log
-from surefoot.simulation.pressure import sole_pressures
+from surefoot.audit import sole_pressures
+from surefoot.log import Log
 
 CORNERS = np.array([[0.12, 0.03, -0.03], [0.12, -0.03, -0.03], [-0.05, 0.025, -0.03], [-0.05, -0.025, -0.03]])
 

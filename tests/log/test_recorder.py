@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ProblemError, WriteError
-from surefoot.simulation import log as log_module
-from surefoot.simulation import log_stream
-from surefoot.simulation.log import Log, read_log
-from surefoot.simulation.log_stream import CHUNK_BYTES, Recorder
+from surefoot.log import CHANNELS, Log, Recorder, npz, parts, read_log
+from surefoot.log import recorder as recorder_module
+from surefoot.log.recorder import CHUNK_BYTES
 
-ROWS = {"time": (), "q": (19,), "forces": (4, 3), "active": (4,), "grasp_map": (6, 12)}
+ROWS = [CHANNELS[name].sized(nq=19, p=4) for name in ("time", "q", "forces", "active", "grasp_map")]
+NAMES = [channel.name for channel in ROWS]
 ROW_BYTES = 8 * (1 + 19 + 12 + 72) + 4
 CHUNK = CHUNK_BYTES // ROW_BYTES
 
@@ -47,12 +47,12 @@ def check(log: Log, count: int) -> None:
         if k < count:
             for name, value in values(k).items():
                 np.testing.assert_array_equal(log[name][k], value)
-    assert {name: len(array) for name, array in log.arrays.items()} == dict.fromkeys(ROWS, count)
+    assert {name: len(array) for name, array in log.arrays.items()} == dict.fromkeys(NAMES, count)
 
 
 @pytest.mark.parametrize("count", [1, CHUNK, CHUNK + 1, 2 * CHUNK, 3 * CHUNK + 7])
 def test_streamed_rows_come_back(count: int, tmp_path: Path) -> None:
-    recorder = Recorder(count, tmp_path / "parts", {"robot": "box"}, **ROWS)
+    recorder = Recorder(count, ROWS, tmp_path / "parts", {"robot": "box"})
     fill(recorder, count)
     log = recorder.finish({"outcome": "done"})
     check(log, count)
@@ -70,10 +70,10 @@ def test_streamed_rows_come_back(count: int, tmp_path: Path) -> None:
 def test_a_long_log_is_mapped_and_saved_the_same(
     streamed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in (log_module, log_stream):
+    for module in (npz, recorder_module):
         monkeypatch.setattr(module, "MEMORY", 2 * CHUNK_BYTES)
     count = 5 * CHUNK + 3
-    recorder = Recorder(count, tmp_path / "parts" if streamed else None, **ROWS)
+    recorder = Recorder(count, ROWS, tmp_path / "parts" if streamed else None)
     fill(recorder, count)
     log = recorder.finish({})
     assert isinstance(log["q"], np.memmap)
@@ -87,7 +87,7 @@ def test_a_long_log_is_mapped_and_saved_the_same(
 
 
 def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
-    recorder = Recorder(10**9, tmp_path / "parts", **ROWS)
+    recorder = Recorder(10**9, ROWS, tmp_path / "parts")
     fill(recorder, 10)
     tracemalloc.start()
     try:
@@ -100,7 +100,7 @@ def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
 
 
 def test_a_run_without_a_row_leaves_nothing(tmp_path: Path) -> None:
-    Recorder(10, tmp_path / "parts", **ROWS).abandon()
+    Recorder(10, ROWS, tmp_path / "parts").abandon()
     assert not (tmp_path / "parts").exists()
 
 
@@ -108,9 +108,9 @@ def test_nothing_that_exists_is_touched(tmp_path: Path) -> None:
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "q.npy").write_text("mine")
     with pytest.raises(ProblemError, match="parts exists already"):
-        Recorder(10, tmp_path / "parts", **ROWS)
+        Recorder(10, ROWS, tmp_path / "parts")
     assert (tmp_path / "parts" / "q.npy").read_text() == "mine"
-    recorder = Recorder(10, tmp_path / "run", **ROWS)
+    recorder = Recorder(10, ROWS, tmp_path / "run")
     fill(recorder, 3)
     (tmp_path / "run" / "notes.txt").write_text("mine")
     (tmp_path / "log.npz").write_text("mine")
@@ -126,8 +126,8 @@ KILLED = f"""
 import os, sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parent)!r})
-from test_log_stream import CHUNK, ROWS, Recorder, fill
-recorder = Recorder(10**6, Path(sys.argv[1]), {{"robot": "box"}}, **ROWS)
+from test_recorder import CHUNK, ROWS, Recorder, fill
+recorder = Recorder(10**6, ROWS, Path(sys.argv[1]), {{"robot": "box"}})
 fill(recorder, 3 * CHUNK + 5)
 os.kill(os.getpid(), {int(signal.SIGKILL)})
 """
@@ -139,7 +139,7 @@ def test_a_killed_run_leaves_a_log(tmp_path: Path) -> None:
     log = read_log(tmp_path / "parts")
     check(log, 3 * CHUNK)
     assert log.facts == {"robot": "box"}
-    for name in ROWS:  # plain files for everybody
+    for name in NAMES:  # plain files for everybody
         assert len(np.load(tmp_path / "parts" / f"{name}.npy")) == 3 * CHUNK
 
 
@@ -147,7 +147,7 @@ def test_a_killed_run_leaves_a_log(tmp_path: Path) -> None:
 def test_an_interrupted_write_is_made_again(
     call: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original, calls = log_stream._write_at, 0
+    original, calls = parts._write_at, 0
 
     def write(file: Any, offset: int, data: Any) -> None:
         nonlocal calls
@@ -157,9 +157,9 @@ def test_an_interrupted_write_is_made_again(
             raise KeyboardInterrupt
         original(file, offset, data)
 
-    recorder = Recorder(10**6, tmp_path / "parts", **ROWS)
+    recorder = Recorder(10**6, ROWS, tmp_path / "parts")
     fill(recorder, CHUNK)
-    monkeypatch.setattr(log_stream, "_write_at", write)
+    monkeypatch.setattr(parts, "_write_at", write)
     calls = 10
     with pytest.raises(KeyboardInterrupt):
         fill(recorder, 1)
@@ -167,15 +167,15 @@ def test_an_interrupted_write_is_made_again(
 
 
 def test_a_full_disk_keeps_what_fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    original, room = log_stream._write_at, 3 * CHUNK * 8 * 72
+    original, room = parts._write_at, 3 * CHUNK * 8 * 72
 
     def write(file: Any, offset: int, data: Any) -> None:
         if offset + len(data) > room:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         original(file, offset, data)
 
-    monkeypatch.setattr(log_stream, "_write_at", write)
-    recorder = Recorder(10**6, tmp_path / "parts", {"outcome": "interrupted"}, **ROWS)
+    monkeypatch.setattr(parts, "_write_at", write)
+    recorder = Recorder(10**6, ROWS, tmp_path / "parts", {"outcome": "interrupted"})
     with pytest.raises(WriteError, match=r"cannot write .*parts: No space left on device"):
         fill(recorder, 9 * CHUNK)
     count = recorder.count
@@ -188,9 +188,9 @@ LIMITED = f"""
 import resource, sys
 from pathlib import Path
 sys.path.insert(0, {str(Path(__file__).parent)!r})
-from test_log_stream import CHUNK, ROWS, Recorder, WriteError, fill
+from test_recorder import CHUNK, ROWS, Recorder, WriteError, fill
 resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))
-recorder = Recorder(10**6, Path(sys.argv[1]) / "parts", **ROWS)
+recorder = Recorder(10**6, ROWS, Path(sys.argv[1]) / "parts")
 try:
     fill(recorder, 4 * CHUNK)
 except WriteError as error:
