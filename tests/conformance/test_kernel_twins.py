@@ -21,7 +21,6 @@ SOURCES = Path(surefoot.__file__).parent
 DECORATORS = {"kernel", "inline_kernel", "releasing_kernel"}
 
 TABLE = """
-audit.slides             free_slides          audit/test_laws.py::test_free_slides_kernel_against_plain_numpy
 audit.slides             slide_on             audit/test_laws.py::test_free_slides_kernel_against_plain_numpy by free_slides
 cones.double_description polar_rays           cones/test_representation.py::test_engines_agree_with_exact_rationals by from_rays
 cones.nearest            nearest_points       cones/test_nearest.py::test_nearest_points
