@@ -30,8 +30,8 @@ from surefoot.batch.active import (
 )
 from surefoot.contact.blocks import checked_mirror
 from surefoot.kernels import kernel
+from surefoot.numerics.elimination import lu_solve
 from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, solve_compiled
-from surefoot.solvers.elimination import lu_solve
 
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 """What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive

@@ -31,7 +31,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.elimination import invert_shifted
+from surefoot.numerics.elimination import invert_shifted
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 from surefoot.solvers.stopping import measure_of

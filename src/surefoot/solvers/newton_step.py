@@ -23,7 +23,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel
-from surefoot.solvers.elimination import lu_solve, symmetric_solve
+from surefoot.numerics.elimination import lu_solve, symmetric_solve
 from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
 from surefoot.solvers.stopping import velocity_error
 

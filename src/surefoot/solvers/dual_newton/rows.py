@@ -21,8 +21,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers import distribution_work as base
-from surefoot.solvers.distribution_newton import (
+from surefoot.solvers.dual_newton import work as base
+from surefoot.solvers.dual_newton.dense import (
     CENTRE,
     DUAL,
     HIGH,
@@ -33,7 +33,7 @@ from surefoot.solvers.distribution_newton import (
     VALUE,
     minimise,
 )
-from surefoot.solvers.distribution_wrench import RELATIVE, distribute_wrench
+from surefoot.solvers.dual_newton.wrench import RELATIVE, distribute_wrench
 
 RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 
@@ -49,7 +49,7 @@ ALMOST_KEPT = 1e-6
 
 
 @kernel
-def stiffen(
+def _stiffen(
     columns: FloatArray, sets: FloatArray, duals: FloatArray, rows: FloatArray, factor: float
 ) -> None:
     """Multiply the roots of the rows' weights by `factor`."""
@@ -65,7 +65,7 @@ def stiffen(
 
 
 @kernel
-def update(
+def _update(
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray
 ) -> tuple[float, float]:
     """Move the multipliers; return the largest violation and the largest pull of a moved q."""
@@ -89,7 +89,7 @@ def update(
 
 
 @kernel
-def proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bool:
+def _proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bool:
     """Tell whether MOVED separates every T f from every q: max over f, q of MOVED . (T f - q) < 0."""
     count = rows.shape[0]
     contacts = sets.shape[0] - count
@@ -117,7 +117,7 @@ def proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> boo
 
 
 @kernel
-def keep_rows(
+def _keep_rows(
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
     rows: FloatArray, warm: bool, tol: float, row_tol: float, limit: float,
 ) -> tuple[float, float, int, bool, bool]:  # fmt: skip
@@ -142,20 +142,20 @@ def keep_rows(
             points[CENTRE, 3 * contacts + j] = rows[j, LIGHT] * rows[j, LAST]
         error, floor, used = minimise(columns, sets, points, duals, H, warm or turn > 0, tol, limit)
         iterations += used
-        violation, shift = update(columns, sets, points, duals, rows)
+        violation, shift = _update(columns, sets, points, duals, rows)
         if violation <= row_tol and shift**2 <= max(tol, floor):
             return error, violation, iterations, True, False
         still = still + 1 if violation > max(row_tol, (LEAST if empty else 0.95) * last) else 0
-        empty = empty or (violation > row_tol and proves_empty(columns, sets, rows))
+        empty = empty or (violation > row_tol and _proves_empty(columns, sets, rows))
         if iterations >= limit or (empty and still >= STUBBORN):
             break
         if still >= STUBBORN and raised < 4:  # feasible, it seems, but with multipliers far away
-            stiffen(columns, sets, duals, rows, math.sqrt(RAISE))
+            _stiffen(columns, sets, duals, rows, math.sqrt(RAISE))
             raised += 1
             still = 0
         last = violation
     for _ in range(raised):
-        stiffen(columns, sets, duals, rows, 1.0 / math.sqrt(RAISE))
+        _stiffen(columns, sets, duals, rows, 1.0 / math.sqrt(RAISE))
     return error, violation, iterations, False, empty
 
 
@@ -182,7 +182,7 @@ def rows_work(contacts: int, count: int) -> RowsWork:
 
 
 @kernel
-def load_rows(
+def _load_rows(
     wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray,
     contacts: int, margin: float,
@@ -221,7 +221,7 @@ def load_rows(
 
 
 @kernel
-def restore(
+def _restore(
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
     rows: FloatArray, tol: float, limit: float, contacts: int,
 ) -> tuple[int, bool]:  # fmt: skip
@@ -237,13 +237,13 @@ def restore(
     duals[DUAL, :] = 0.0
     rows[:, MULTIPLIER] = 0.0
     heavy = math.sqrt(HEAVINESS * rows.shape[0] / steep) if steep > 0.0 else 1.0
-    stiffen(columns, sets, duals, rows, heavy / rows[0, HEAVY])
-    _, _, used, settled, _ = keep_rows(columns, sets, points, duals, H, rows, True, tol, INSET, limit)
+    _stiffen(columns, sets, duals, rows, heavy / rows[0, HEAVY])
+    _, _, used, settled, _ = _keep_rows(columns, sets, points, duals, H, rows, True, tol, INSET, limit)
     return used, settled
 
 
 @inline_kernel
-def not_usable(jacobian: FloatArray, low: FloatArray, high: FloatArray) -> bool:
+def _not_usable(jacobian: FloatArray, low: FloatArray, high: FloatArray) -> bool:
     """Tell whether the rows hold a number that is not finite, or a limit that nothing can keep."""
     check = 0.0
     for j in range(jacobian.shape[1]):
@@ -254,7 +254,7 @@ def not_usable(jacobian: FloatArray, low: FloatArray, high: FloatArray) -> bool:
 
 
 @inline_kernel
-def solve_rows(
+def _solve_rows(
     wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
     columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
     rows: FloatArray, contacts: int, tol: float, limit: float,
@@ -269,8 +269,8 @@ def solve_rows(
     """
     margin, iterations, settled, empty, error = INSET, 0, False, False, math.inf
     for _ in range(3):
-        load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts, margin)
-        error, violation, used, settled, empty = keep_rows(
+        _load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts, margin)
+        error, violation, used, settled, empty = _keep_rows(
             columns, sets, points, duals, H, rows, True, tol, margin, limit
         )
         iterations += used
@@ -283,13 +283,13 @@ def solve_rows(
     for _ in range(3):
         if not settled and not empty:
             error = math.inf
-            used, settled = restore(columns, sets, points, duals, H, rows, tol, limit, contacts)
+            used, settled = _restore(columns, sets, points, duals, H, rows, tol, limit, contacts)
             iterations += used
     return error, iterations, solved, empty
 
 
 @inline_kernel
-def take_forces(points: FloatArray, work: FloatArray, contacts: int) -> bool:
+def _take_forces(points: FloatArray, work: FloatArray, contacts: int) -> bool:
     """Copy the forces found to `work`; False if they are too large for double precision."""
     check = 0.0
     for k in range(contacts):
@@ -310,7 +310,7 @@ def distribute_with_rows(
     The rows are first left out: mostly they hold by themselves, and then that is the optimum.
     """
     contacts, results = forces.shape[0], forces.shape[0] + 1
-    if not_usable(jacobian, low, high):
+    if _not_usable(jacobian, low, high):
         base.hold(work, contacts, forces)
         return base.INVALID
     code = distribute_wrench(grasp_map, wrench, work, forces)
@@ -325,10 +325,10 @@ def distribute_with_rows(
         for a in range(6):
             duals[DUAL, a] = work[contacts, base.DUAL + a]
     tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], 200.0)
-    error, iterations, solved, empty = solve_rows(
+    error, iterations, solved, empty = _solve_rows(
         wrench, jacobian, low, high, work, columns, sets, points, duals, H, rows, contacts, tol, limit
     )
-    if not take_forces(points, work, contacts):
+    if not _take_forces(points, work, contacts):
         work[results, base.WARM] = work[results, base.ROWS_WARM] = 0.0
         base.hold(work, contacts, forces)
         work[results, base.ROW_VIOLATION] = row_violation(jacobian, forces, low, high)

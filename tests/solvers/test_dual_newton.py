@@ -1,16 +1,12 @@
-"""The compiled kernels of force distribution against plain NumPy twins and finite differences."""
+"""The dual Newton method on scalars and on dense arrays, against plain NumPy twins and finite differences."""
 
 import numpy as np
 import pytest
 
-from surefoot.cones.projection import project_truncated
 from surefoot.kernels import kernel
-from surefoot.solvers import distribution_newton as general
-from surefoot.solvers import distribution_six as six
-from surefoot.solvers import distribution_work as layout
-from surefoot.solvers import distribution_wrench as wrench
-
-LOWER = np.tril_indices(6)
+from surefoot.numerics import six
+from surefoot.solvers.dual_newton import dense, wrench
+from surefoot.solvers.dual_newton import work as layout
 
 
 def project_twin(point, mu, low, high):
@@ -44,46 +40,31 @@ def forces_twin(B, c, cones, y, rho=1.0):
 
 
 @kernel
-def run_place_and_evaluate(work, contacts, y, b, rho):
-    wrench.place(work, contacts, y, rho)
-    return wrench.evaluate(work, contacts, y, b)
+def run_enter(work, contacts, y, b, kappa):
+    return wrench._enter((work, contacts, b, 0.0), y, kappa)
 
 
 @kernel
 def run_assemble(work, contacts, kappa):
-    return wrench.assemble(work, contacts, kappa)
+    return wrench._assemble(work, contacts, kappa)
 
 
 @kernel
-def run_slope(work, contacts, d, rho, t):
-    wrench.aim(work, contacts, d, rho)
-    wrench.move(work, contacts, t)
-    return wrench.slope(work, contacts, t)
-
-
-@kernel
-def run_six(H, a, s):
-    return six.solve_six(H, a), six.times(H, a), six.add_outer(H, a), six.mix(a, s, a), six.dot(a, a)
+def run_derivative(work, contacts, b, kappa, y, d, t):
+    memory = work, contacts, b, 0.0
+    for k in range(contacts):
+        for a in range(3):
+            work[k, layout.OLD + a] = work[k, layout.POINT + a]
+        layout.store_vector(work, k, layout.STEP, wrench._pulled(work, k, d, 1.0 / kappa))
+    ahead, curve = wrench._line(memory, six.mix(y, 1.0, d), d)
+    found = wrench._derivative((memory, kappa, ahead, curve), t)
+    return found, wrench._take(memory, y, d, kappa, t, 0.0)
 
 
 def full(lower):
     H = np.zeros((6, 6))
-    H[LOWER] = lower
+    H[np.tril_indices(6)] = lower
     return H + np.tril(H, -1).T
-
-
-def test_six_dimensional_algebra():
-    rng = np.random.default_rng(0)
-    for _ in range(50):
-        M = rng.normal(size=(6, 6)) * 10.0 ** rng.uniform(-3, 3, (6, 1))
-        H, a, s = M @ M.T + 1e-3 * np.eye(6), rng.normal(size=6), rng.normal()
-        x, product, outer, mixed, square = run_six(tuple(H[LOWER]), tuple(a), s)
-        np.testing.assert_allclose(H @ x, -a, atol=1e-7 * np.linalg.cond(H) ** 0.5)
-        np.testing.assert_allclose(product, H @ a, rtol=1e-9, atol=1e-9 * np.abs(H).max())
-        np.testing.assert_allclose(full(outer), H + np.outer(a, a), rtol=1e-12)
-        np.testing.assert_allclose(mixed, (1 + s) * a, rtol=1e-12)
-        assert square == pytest.approx(a @ a)
-    assert np.array_equal(full(six.scaled_identity(2.5)), 2.5 * np.eye(6))
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -92,7 +73,8 @@ def test_gradient_is_that_of_the_dual(seed):
     B, c, b, cones, work = program(seed)
     rng = np.random.default_rng(seed)
     y, rho = rng.normal(size=6), rng.uniform(0.2, 1.0)
-    F = run_place_and_evaluate(work, 5, tuple(y), tuple(b), rho)
+    F, square = run_enter(work, 5, tuple(y), tuple(b), 1.0 / rho)
+    assert square == pytest.approx(np.dot(F, F))
     f = forces_twin(B, c, cones, y, rho)
     np.testing.assert_allclose(F, y + B @ f - b, atol=1e-11)
     np.testing.assert_allclose(work[:5, layout.FORCE : layout.FORCE + 3].ravel(), f, atol=1e-12)
@@ -112,7 +94,7 @@ def test_curvature_is_the_derivative_of_the_gradient(seed):
     B, c, b, cones, work = program(seed)
     rng = np.random.default_rng(100 + seed)
     y, rho = rng.normal(size=6), rng.uniform(0.2, 1.0)
-    run_place_and_evaluate(work, 5, tuple(y), tuple(b), rho)
+    run_enter(work, 5, tuple(y), tuple(b), 1.0 / rho)
     H = rho * full(run_assemble(work, 5, 1.0 / rho))
     h = 1e-7
     numeric = np.array(
@@ -125,14 +107,18 @@ def test_curvature_is_the_derivative_of_the_gradient(seed):
     np.testing.assert_allclose(H, numeric, rtol=1e-5, atol=1e-5)
 
 
-def test_slope_along_a_step():
+def test_derivative_along_a_step():
+    """t of the way it is F there times the direction, and a step taken ends there."""
     B, c, b, cones, work = program(3)
     rng = np.random.default_rng(3)
     y, d, t, rho = rng.normal(size=6), rng.normal(size=6), 0.37, 0.6
-    run_place_and_evaluate(work, 5, tuple(y), tuple(b), rho)
-    found = run_slope(work, 5, tuple(d), rho, t)
-    expected = forces_twin(B, c, cones, y + t * d, rho) @ (rho * B.T @ d)
-    assert found == pytest.approx(expected, abs=1e-11)
+    run_enter(work, 5, tuple(y), tuple(b), 1.0 / rho)
+    found, (end, F, _, slope) = run_derivative(work, 5, tuple(b), 1.0 / rho, tuple(y), tuple(d), t)
+    expected = y + t * d + B @ forces_twin(B, c, cones, y + t * d, rho) - b
+    assert found == pytest.approx(expected @ d, abs=1e-10)
+    assert slope == pytest.approx(expected @ d, abs=1e-10)
+    np.testing.assert_allclose(F, expected, atol=1e-10)
+    np.testing.assert_allclose(end, y + t * d, atol=1e-12)
     np.testing.assert_allclose(
         work[:5, layout.POINT : layout.POINT + 3].ravel(), c + rho * B.T @ (y + t * d), atol=1e-12
     )
@@ -171,11 +157,11 @@ def test_general_newton_matches_the_six_dimensional_one():
         sets = np.zeros((5, 4))
         sets[:, :3] = cones
         points, duals, H = np.zeros((5, 15)), np.zeros((5, 6)), np.zeros((6, 6))
-        points[general.CENTRE], duals[general.TARGET] = c, b
+        points[dense.CENTRE], duals[dense.TARGET] = c, b
         columns = np.ascontiguousarray(B.T)
-        error, _, _ = general.minimise(columns, sets, points, duals, H, False, 1e-20, 100.0)
+        error, _, _ = dense.minimise(columns, sets, points, duals, H, False, 1e-20, 100.0)
         assert error <= 1e-20
-        f = points[general.VALUE]
+        f = points[dense.VALUE]
         y = b - B @ f
         np.testing.assert_allclose(f, forces_twin(B, c, cones, y), atol=1e-8)
 
@@ -190,42 +176,33 @@ def test_general_curvature_with_intervals():
     sets[:5, :3] = cones
     sets[5:, 1], sets[5:, 2], sets[5:, 3] = -0.5, 0.5, [1.5, 2.0, 0.7]
     points, duals, H = np.zeros((5, 15 + rows)), np.zeros((5, m)), np.zeros((m, m))
-    points[general.CENTRE, :15] = c
+    points[dense.CENTRE, :15] = c
     columns = np.ascontiguousarray(B9.T)
 
+    memory = columns, sets, points, duals, H, 0.0
+
     def gradient(y):
-        duals[general.DUAL] = y
-        duals[general.TARGET, :6] = b
-        general.pull_back(columns, sets, y, points[general.POINT], 1.0, 5)
-        points[general.POINT] += points[general.CENTRE]
-        square = general.gradient(columns, sets, points, duals, 5)
-        F = duals[general.GRADIENT].copy()
+        duals[dense.DUAL] = y
+        duals[dense.TARGET, :6] = b
+        F, square = dense._enter(memory, duals[dense.DUAL], 1.0)
         assert square == pytest.approx(F @ F)
-        return F
+        return F.copy()
 
     y = 0.3 * rng.normal(size=m)
     numeric = np.array([gradient(y + 1e-7 * e) - gradient(y - 1e-7 * e) for e in np.eye(m)]).T / 2e-7
-    gradient(y)
-    general.assemble(columns, sets, points, duals, H, 1.0, 5)
+    F = gradient(y)
+    dense._assemble(memory, 1.0)
     np.testing.assert_allclose(np.tril(H), np.tril(numeric), rtol=1e-5, atol=1e-5)
-    x = rng.normal(size=m)
     S = np.tril(H) + np.tril(H, -1).T
-    solution = x.copy()
-    general.solve_in_place(H, solution)
-    np.testing.assert_allclose(S @ solution, x, atol=1e-9)
-
-
-def test_projection_twin():
-    @kernel
-    def run(x, y, z, mu, low, high):
-        return project_truncated(x, y, z, mu, low, high)
-
-    rng = np.random.default_rng(0)
-    for _ in range(300):
-        p, mu, low = rng.normal(size=3) * 5.0, rng.uniform(0.0, 2.0), rng.uniform(0.0, 2.0)
-        np.testing.assert_allclose(
-            run(*p, mu, low, low + 3.0), project_twin(p, mu, low, low + 3.0), atol=1e-12
-        )
+    d, start = dense._direction(memory, duals[dense.GRADIENT], 1.0)
+    np.testing.assert_allclose(S @ d, -F, atol=1e-9)
+    assert start == pytest.approx(F @ d)
+    ahead, curve = dense._line(memory, y + d, d)
+    for t in (0.0, 0.4, 1.0):
+        found = dense._derivative((memory, 1.0, ahead, curve), t)
+        assert found == pytest.approx(gradient(y + t * d) @ d, rel=1e-9, abs=1e-9)
+        gradient(y)
+        dense._direction(memory, duals[dense.GRADIENT], 1.0)
 
 
 @kernel
@@ -253,7 +230,7 @@ def test_a_steady_change_is_foretold_and_noise_is_not():
 def test_sum_of_outer_products():
     @kernel
     def run(work, first, end):
-        return wrench.sum_outer(six.scaled_identity(2.0), work, first, end, layout.BLOCK)
+        return wrench._sum_outer(six.scaled_identity(2.0), work, first, end, layout.BLOCK)
 
     work = np.random.default_rng(0).normal(size=(7, layout.WIDTH))
     V = work[2:6, layout.BLOCK : layout.BLOCK + 6]

@@ -1,11 +1,13 @@
-"""The kernels of the MPC's Newton method, each against plain NumPy."""
+"""The dual Newton method over a horizon: each kernel against plain NumPy."""
 
 import numpy as np
 import pytest
 from scipy.optimize import approx_fprime
 
-from surefoot.cones.projection import project_truncated
-from surefoot.solvers import mpc_newton as kernels
+from surefoot.kernels import kernel
+from surefoot.numerics.line_search import search
+from surefoot.numerics.projection import project_truncated
+from surefoot.solvers.dual_newton import horizon
 
 N, CONTACTS, RHO = 4, 7, 1e-2
 
@@ -45,6 +47,38 @@ def random_program(seed):
     return P, np.linalg.inv(P), rng.normal(size=6 * N), step, M, bounds, centre, point
 
 
+def memory_of(program, y):
+    """Return the memory of the method with the points of multipliers y."""
+    P, K, q, step, M, bounds, centre, _ = program
+    places, vectors = np.empty((6, CONTACTS, 3)), np.empty((4, 6 * N))
+    places[horizon.CENTRE], places[horizon.BOUNDS] = centre, bounds
+    vectors[horizon.SLOPE], vectors[horizon.DUAL] = q, y
+    memory = horizon.Memory(K, P, M, step, places, vectors, np.empty((6 * N, 6 * N)))
+    run_pull_back(memory, vectors[horizon.DUAL])
+    return memory
+
+
+@kernel
+def run_pull_back(memory, y):
+    horizon._pull_back(memory, y, RHO, horizon.CENTRE, horizon.POINT)
+
+
+@kernel
+def run_search(memory, y, d):
+    """Return where the search along d from y ends; a step is tried in full first, as the method does."""
+    places, end = memory.places, y.copy()
+    for i in range(places.shape[1]):
+        for a in range(3):
+            places[horizon.OLD, i, a] = places[horizon.POINT, i, a]
+    horizon._pull_back(memory, d, RHO, -1, horizon.MOVE)
+    _, _, _, at_0 = horizon._take(memory, end, d, RHO, 0.0, 0.0)
+    _, _, _, at_1 = horizon._take(memory, end, d, RHO, 1.0, 0.0)
+    ahead, curve = horizon._line(memory, end, d)
+    t = search(horizon._derivative, (memory, RHO, ahead, curve), at_0, at_1, 0.01) if at_1 > 0.0 else 1.0
+    _, _, _, slope = horizon._take(memory, end, d, RHO, t, 1.0)
+    return t, at_0, at_1, slope
+
+
 def wide(step, M):
     """Return the (6 N, 3 c) matrix of all contacts' accelerations, step by step."""
     out = np.zeros((6 * N, 3 * CONTACTS))
@@ -64,13 +98,14 @@ def over_steps(K):
 def test_the_newton_matrix_is_the_gradients_jacobian(program):
     _, K, _, step, M, bounds, _, point = program
     force = np.array([project(p, b) for p, b in zip(point, bounds, strict=True)])
-    V = np.empty((6 * N, 6 * N))
-    kernels.assemble(V, K, step, M, bounds, point, force, RHO)
+    memory = memory_of(program, np.zeros(6 * N))
+    memory.places[horizon.POINT], memory.places[horizon.FORCE] = point, force
+    horizon._assemble(memory, RHO)
     D = np.zeros((3 * CONTACTS, 3 * CONTACTS))
     for i in range(CONTACTS):
         D[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = jacobian(point[i], bounds[i])
     wanted = over_steps(K) + wide(step, M) @ D @ wide(step, M).T / RHO
-    assert np.allclose(np.triu(V), np.triu(wanted), rtol=1e-6, atol=1e-6)
+    assert np.allclose(np.triu(memory.V), np.triu(wanted), rtol=1e-6, atol=1e-6)
 
 
 def dual(y, program):
@@ -92,37 +127,35 @@ def primal(forces, program):
 
 
 def test_gradient_and_gap_are_those_of_the_dual(program):
-    P, K, q, step, M, bounds, centre, _ = program
     y = np.random.default_rng(1).normal(size=6 * N)
-    point, force, F = np.empty((CONTACTS, 3)), np.empty((CONTACTS, 3)), np.empty(6 * N)
-    kernels.place(step, M, centre, y, RHO, point)
-    size = kernels.evaluate(K, P, q, step, M, bounds, y, point, force, F)
+    memory = memory_of(program, y)
+    F, error = horizon._enter(memory, y, RHO)
     slope = approx_fprime(y, lambda v: -dual(v, program), 1e-6)  # the kernel minimises minus the dual
     assert np.allclose(F, slope, rtol=0, atol=1e-3 * np.abs(F).max())
-    assert size / 2.0 == pytest.approx(primal(force, program) - dual(y, program), rel=1e-9)
+    gap = primal(memory.places[horizon.FORCE], program) - dual(y, program)
+    assert RHO * error / 2.0 == pytest.approx(gap, rel=1e-9)
 
 
 def test_the_search_finds_the_lowest_point_of_a_step(program):
-    P, K, q, step, M, bounds, centre, _ = program
     rng = np.random.default_rng(2)
+    searched = 0
     for _ in range(20):
         y, d = rng.normal(size=(2, 6 * N))
-        point, force, F = np.empty((CONTACTS, 3)), np.empty((CONTACTS, 3)), np.empty(6 * N)
-        kernels.place(step, M, centre, y, RHO, point)
-        kernels.evaluate(K, P, q, step, M, bounds, y, point, force, F)
-        d *= -np.sign(F @ d) * 3.0
-        move = -(wide(step, M).T @ d).reshape(-1, 3) / RHO
-        base, curve = (over_steps(K) @ (y - q)) @ d, d @ over_steps(K) @ d
-        t = kernels.search(bounds, point, move, RHO, base, curve, F @ d)
-        kernels.evaluate(K, P, q, step, M, bounds, y + t * d, point + t * move, force, G := np.empty(6 * N))
-        assert abs(G @ d) <= 0.011 * abs(F @ d) or (t == 1.0 and G @ d <= 0.51 * abs(F @ d))
+        memory = memory_of(program, y)
+        d *= -np.sign(horizon._enter(memory, y, RHO)[0] @ d) * 3.0
+        t, at_0, at_1, slope = run_search(memory, y, d)
+        numeric = (dual(y - 1e-6 * d, program) - dual(y + 1e-6 * d, program)) / 2e-6
+        assert at_0 == pytest.approx(numeric, rel=1e-5)
+        assert abs(slope) <= 0.011 * abs(at_0) or (t == 1.0 and at_1 <= 0.0)
+        searched += t < 1.0
+    assert searched > 5
 
 
 def solve(program, tol=1e-8, patience=30, limit=100, guess=None):
     P, K, q, step, M, bounds, centre, _ = program
     point = np.full((CONTACTS, 3), np.nan) if guess is None else guess.copy()
     force = np.empty((CONTACTS, 3))
-    count, error = kernels.newton(K, P, q, step, M, bounds, centre, RHO, tol, patience, limit, point, force)
+    count, error = horizon.newton(K, P, q, step, M, bounds, centre, RHO, tol, patience, limit, point, force)
     return count, error, point, force
 
 

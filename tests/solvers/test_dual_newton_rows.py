@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from surefoot.solvers import distribution_newton as newton
-from surefoot.solvers import distribution_rows as rows_of
-from surefoot.solvers import distribution_work as layout
+from surefoot.solvers.dual_newton import dense as newton
+from surefoot.solvers.dual_newton import rows as rows_of
+from surefoot.solvers.dual_newton import work as layout
 
 
 def loaded(seed, n=4, count=5):
@@ -24,7 +24,7 @@ def loaded(seed, n=4, count=5):
     arrays = rows_of.rows_work(n, count)
     w = rng.normal(size=6)
     columns, sets, points, duals, _, rows = arrays
-    rows_of.load_rows(
+    rows_of._load_rows(
         w, np.ascontiguousarray(T.T), low, high, work, columns, sets, points, duals, rows, n, 0.0
     )
     units = np.column_stack([unit_t, unit_t, unit_n]).ravel()
@@ -58,7 +58,7 @@ def test_stiffer_rows_are_the_same_program():
         return (columns[:, 6:].T @ f - sets[4:, newton.LINK] * light * q) / rows[:, rows_of.HEAVY]
 
     first = gap()
-    rows_of.stiffen(columns, sets, duals, rows, 7.0)
+    rows_of._stiffen(columns, sets, duals, rows, 7.0)
     np.testing.assert_allclose(gap(), first)
     np.testing.assert_allclose(duals[newton.DUAL, 6:] * rows[:, rows_of.HEAVY], before)
 
@@ -71,7 +71,7 @@ def test_update_moves_multipliers_and_measures():
     old, last = rows[:, rows_of.MULTIPLIER].copy(), rows[:, rows_of.LAST].copy()
     points[newton.VALUE] = np.concatenate([f, q * rows[:, rows_of.LIGHT]])
     duals[newton.DUAL] = y
-    violation, shift = rows_of.update(columns, sets, points, duals, rows)
+    violation, shift = rows_of._update(columns, sets, points, duals, rows)
     value = T @ (units * f)
     assert violation == pytest.approx(max(0.0, *(low - value), *(value - high)))
     assert shift == pytest.approx(np.max(np.abs(q - last) * rows[:, rows_of.LIGHT]))
@@ -100,7 +100,7 @@ def test_proof_of_emptiness_is_one(seed):
         most += top
     least = np.sum(np.minimum(direction * (low + offset), direction * (high + offset)))
     if abs(most - least) > 1e-3:
-        assert rows_of.proves_empty(columns, sets, rows) == (most < least)
+        assert rows_of._proves_empty(columns, sets, rows) == (most < least)
 
 
 def test_row_violation_and_limits():

@@ -11,15 +11,17 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.cones.projection import project_truncated
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.distribution_six import Six, dot, mix, scale
+from surefoot.numerics.projection import project_truncated
+from surefoot.numerics.six import Six, dot, mix, scale
+from surefoot.numerics.vectors import Three
 
 # `work` has one row per contact ...
 MU, LOW, HIGH = 0, 1, 2  # the cone, in scaled units; HIGH = 0 switches the contact off
 TANGENT, NORMAL = 3, 4  # newtons per scaled unit
 CENTRE = 5  # c, 3 numbers
-BLOCK = 8  # the contact's part of B: three columns of six
+BLOCK = 8  # the contact's part of B: three columns of six, ...
+BLOCK_X, BLOCK_Y, BLOCK_Z = BLOCK, BLOCK + 6, BLOCK + 12  # ... one for each component of its force
 POINT = 26  # c + Bᵀ y, 3 numbers
 OLD = 29  # the points before a step
 STEP = 32  # how far a full Newton step moves them
@@ -33,7 +35,7 @@ WIDTH = 50
 DUAL, ROOT, CHANGE = 0, 6, 12
 # ... one with settings and results ...
 WARM, TOLERANCE, LIMIT, HAS_LAST, ITERATIONS, FORCE_ERROR, GAP, WRENCH_ERROR = 0, 1, 2, 3, 4, 5, 6, 7
-ROW_VIOLATION, ROWS_WARM = 8, 9  # see `surefoot.solvers.distribution_rows`
+ROW_VIOLATION, ROWS_WARM = 8, 9  # see `rows`
 TREND, INSIDE = 10, 11  # whether CHANGE foretells the next one, whether no cone or bound was active
 # ... and three per contact for vectors whose outer products are summed.
 
@@ -59,16 +61,35 @@ def column(work: FloatArray, k: int, at: int) -> Six:
 
 
 @inline_kernel
-def combine(work: FloatArray, k: int, x: float, y: float, z: float) -> Six:
-    """Return the wrench B_i (x, y, z) of the contact in a row."""
-    return (
-        work[k, 8] * x + work[k, 14] * y + work[k, 20] * z,
-        work[k, 9] * x + work[k, 15] * y + work[k, 21] * z,
-        work[k, 10] * x + work[k, 16] * y + work[k, 22] * z,
-        work[k, 11] * x + work[k, 17] * y + work[k, 23] * z,
-        work[k, 12] * x + work[k, 18] * y + work[k, 24] * z,
-        work[k, 13] * x + work[k, 19] * y + work[k, 25] * z,
-    )
+def store(work: FloatArray, k: int, at: int, y: Six) -> None:
+    """Write six numbers into a row."""
+    work[k, at], work[k, at + 1], work[k, at + 2] = y[0], y[1], y[2]
+    work[k, at + 3], work[k, at + 4], work[k, at + 5] = y[3], y[4], y[5]
+
+
+@inline_kernel
+def vector(work: FloatArray, k: int, at: int) -> Three:
+    """Return three numbers of a row."""
+    return work[k, at], work[k, at + 1], work[k, at + 2]
+
+
+@inline_kernel
+def store_vector(work: FloatArray, k: int, at: int, v: Three) -> None:
+    """Write three numbers into a row."""
+    work[k, at], work[k, at + 1], work[k, at + 2] = v
+
+
+@inline_kernel
+def combine(work: FloatArray, k: int, f: Three) -> Six:
+    """Return the wrench B_i f of the contact in a row."""
+    x, y, z = column(work, k, BLOCK_X), column(work, k, BLOCK_Y), column(work, k, BLOCK_Z)
+    return mix(mix(scale(f[0], x), f[1], y), f[2], z)
+
+
+@inline_kernel
+def project(work: FloatArray, k: int, point: Three) -> Three:
+    """Return the nearest point of the contact's truncated cone, in its scaled units."""
+    return project_truncated(point[0], point[1], point[2], work[k, MU], work[k, LOW], work[k, HIGH])
 
 
 @inline_kernel
@@ -93,7 +114,7 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
             x = grasp_map[i, 3 * k] * (root * st)
             y = grasp_map[i, 3 * k + 1] * (root * st)
             z = grasp_map[i, 3 * k + 2] * (root * sn)
-            work[k, BLOCK + i], work[k, BLOCK + 6 + i], work[k, BLOCK + 12 + i] = x, y, z
+            work[k, BLOCK_X + i], work[k, BLOCK_Y + i], work[k, BLOCK_Z + i] = x, y, z
             total += x * x + y * y + z * z
     return total, check + total * 0.0
 
@@ -117,13 +138,13 @@ def set_limits(work: FloatArray, low: FloatArray, high: FloatArray, on: BoolArra
 def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     """Write the forces in newtons and remember them as the last command."""
     for k in range(contacts):
+        x = y = z = 0.0
         if work[k, HIGH] > 0.0:
-            forces[k, 0] = work[k, FORCE] * work[k, TANGENT]
-            forces[k, 1] = work[k, FORCE + 1] * work[k, TANGENT]
-            forces[k, 2] = min(max(work[k, FORCE + 2] * work[k, NORMAL], work[k, FLOOR]), work[k, CEILING])
-        else:
-            forces[k, 0] = forces[k, 1] = forces[k, 2] = 0.0
-        work[k, LAST], work[k, LAST + 1], work[k, LAST + 2] = forces[k, 0], forces[k, 1], forces[k, 2]
+            x, y, z = vector(work, k, FORCE)
+            x, y, z = x * work[k, TANGENT], y * work[k, TANGENT], z * work[k, NORMAL]
+            z = min(max(z, work[k, FLOOR]), work[k, CEILING])
+        forces[k, 0], forces[k, 1], forces[k, 2] = x, y, z
+        store_vector(work, k, LAST, (x, y, z))
 
 
 @kernel
@@ -137,15 +158,9 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
     work[results, ROW_VIOLATION] = math.inf
     keep = work[contacts + 1, HAS_LAST] > 0.0
     for k in range(contacts):
-        x, y, z = (work[k, LAST], work[k, LAST + 1], work[k, LAST + 2]) if keep else (0.0, 0.0, 0.0)
-        work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2] = project_truncated(
-            x / work[k, TANGENT],
-            y / work[k, TANGENT],
-            z / work[k, NORMAL],
-            work[k, MU],
-            work[k, LOW],
-            work[k, HIGH],
-        )
+        x, y, z = vector(work, k, LAST) if keep else (0.0, 0.0, 0.0)
+        x, y, z = x / work[k, TANGENT], y / work[k, TANGENT], z / work[k, NORMAL]
+        store_vector(work, k, FORCE, project(work, k, (x, y, z)))
     unload(work, contacts, forces)
 
 
@@ -178,19 +193,15 @@ def remainder(work: FloatArray, contacts: int, b: Six) -> Six:
     out = scale(-1.0, b)
     for k in range(contacts):
         if work[k, HIGH] > 0.0:
-            out = mix(out, 1.0, combine(work, k, work[k, FORCE], work[k, FORCE + 1], work[k, FORCE + 2]))
+            out = mix(out, 1.0, combine(work, k, vector(work, k, FORCE)))
     return out
 
 
 @inline_kernel
-def inside(work: FloatArray, contacts: int) -> bool:
+def _inside(work: FloatArray, contacts: int) -> bool:
     """Tell whether every point lies within its cone and bounds."""
     for k in range(contacts):
-        if work[k, HIGH] > 0.0 and (
-            work[k, FORCE] != work[k, POINT]
-            or work[k, FORCE + 1] != work[k, POINT + 1]
-            or work[k, FORCE + 2] != work[k, POINT + 2]
-        ):
+        if work[k, HIGH] > 0.0 and vector(work, k, FORCE) != vector(work, k, POINT):
             return False
     return True
 
@@ -217,11 +228,4 @@ def remember(work: FloatArray, contacts: int, y: Six) -> None:
     store(work, contacts, CHANGE, change)
     work[results, WARM], work[results, HAS_LAST] = 1.0, 1.0
     work[results, TREND] = 1.0 if helps else 0.0
-    work[results, INSIDE] = 1.0 if inside(work, contacts) else 0.0
-
-
-@inline_kernel
-def store(work: FloatArray, k: int, at: int, y: Six) -> None:
-    """Write six numbers into a row."""
-    work[k, at], work[k, at + 1], work[k, at + 2] = y[0], y[1], y[2]
-    work[k, at + 3], work[k, at + 4], work[k, at + 5] = y[3], y[4], y[5]
+    work[results, INSIDE] = 1.0 if _inside(work, contacts) else 0.0

@@ -1,7 +1,7 @@
-"""Bring the rows of a stance's equations to orthonormal form, and know their rank.
+"""Orthonormal rows: Gram-Schmidt, done twice against rounding, with the rank; reflections.
 
-Shared by every question of this room: two feet have rank five (no moment about the line through
-them), one point has rank three, and a load outside the rows' range can never be carried.
+A stance's equations come to this form before any question to it: two feet have rank five (no moment about the
+line through them), one point has rank three, and a load outside the rows' range can never be carried.
 """
 
 from __future__ import annotations
@@ -11,10 +11,38 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 
 RANK_TOLERANCE = 1e-10
 """Share of a row that must be independent of the others for the row to count."""
+
+
+@inline_kernel
+def remove_rows(Q: FloatArray, k: int, shares: FloatArray, passes: int = 2) -> float:
+    """Take what lies along the rows before k, orthonormal, out of row k of Q; return the length that is left.
+
+    Adds what each took to `shares` (k or more,). The second pass takes out what rounding left of the first.
+    """
+    m = Q.shape[1]
+    for _ in range(passes):
+        for j in range(k):
+            s = 0.0
+            for i in range(m):
+                s += Q[j, i] * Q[k, i]
+            for i in range(m):
+                Q[k, i] -= s * Q[j, i]
+            shares[j] += s
+    size = 0.0
+    for i in range(m):
+        size += Q[k, i] * Q[k, i]
+    return math.sqrt(size)
+
+
+@inline_kernel
+def scale_row(Q: FloatArray, k: int, size: float) -> None:
+    """Divide row k of Q by `size`."""
+    for i in range(Q.shape[1]):
+        Q[k, i] /= size
 
 
 @kernel
@@ -37,7 +65,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
     p: int = A.shape[0]
     m: int = A.shape[1]
     rest = A.copy()
-    first = np.empty(p)
+    first, spare = np.empty(p), np.zeros(p)
     taken = np.zeros(p, dtype=np.bool_)
     T[:, :] = 0.0
     for j in range(p):
@@ -60,18 +88,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
             return k
         for i in range(m):
             Q[k, i] = rest[at, i] / length
-        for q in range(k):  # once more, against rounding
-            s = 0.0
-            for i in range(m):
-                s += Q[q, i] * Q[k, i]
-            for i in range(m):
-                Q[k, i] -= s * Q[q, i]
-        s = 0.0
-        for i in range(m):
-            s += Q[k, i] * Q[k, i]
-        s = 1.0 / math.sqrt(s)
-        for i in range(m):
-            Q[k, i] *= s
+        scale_row(Q, k, remove_rows(Q, k, spare, 1))  # once more, against rounding
         pivots[k] = at
         taken[at] = True
         for j in range(p):

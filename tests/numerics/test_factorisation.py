@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surefoot.solvers.factorisation import factor, solve_factored
+from surefoot.numerics.factorisation import factor, solve_factored
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 6, 7, 24, 60, 61, 62, 63])
