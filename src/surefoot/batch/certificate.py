@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from surefoot.batch.answers import ALMOST, INVALID, SOLVED, STALLED
 from surefoot.contact.scales import LENT
+from surefoot.solvers.solver import ALMOST_FACTOR
 
 NOISE = 68.0
 """Share of sqrt(trace G_kk trace G_jj), in machine epsilons, up to which entries of G_kj are rounding."""
@@ -97,9 +98,7 @@ def _closure(xp: Any, joined: Any) -> Any:
     return joined
 
 
-def velocity_errors(
-    xp: Any, forces: Any, velocities: Any, mu: Any, s: Scales, on: Any, convex: bool
-) -> Any:
+def velocity_errors(xp: Any, forces: Any, velocities: Any, mu: Any, s: Scales, on: Any, convex: bool) -> Any:
     """Return ε_k / s_k (..., n) of forces and velocities (..., n, 3)."""
     rest = ~(s.speed > 0.0)
     weight = xp.where(s.weight > 0.0, s.weight, xp.ones_like(s.weight))
@@ -133,12 +132,13 @@ def judge(
     open_ = 4.0 * float(xp.finfo(G.dtype).eps) * (norms * sizes[..., None, :]).sum(-1)
     moving = s.speed > 0.0
     rounding = xp.where(moving, open_ / xp.where(moving, s.speed, 1.0), 0.0).max(-1)
-    worst = xp.maximum(error, rounding)
+    rest = rounding
     if convex:
         power = abs((forces * velocities).sum(-1))
         some = s.energy > 0.0
         gap = xp.where(some, power / xp.where(some, s.energy, 1.0), xp.where(power > 0.0, xp.inf, 0.0))
-        worst = xp.maximum(worst, gap.max(-1))
-    status = xp.where(worst <= tol, SOLVED, xp.where(error <= 1e3 * tol, ALMOST, STALLED))
+        rest = xp.maximum(rest, gap.max(-1))
+    near = xp.where(error <= tol, SOLVED, xp.where(error <= ALMOST_FACTOR * tol, ALMOST, STALLED))
+    status = xp.where(rest <= tol, near, STALLED)
     lost = ~(xp.isfinite(error) | (error == xp.inf))
     return xp.where(lost, INVALID, status), xp.where(lost, xp.inf, error)

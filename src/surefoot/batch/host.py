@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.batch.active import active, certified, finite, gradients
+from surefoot.batch.modes import active, certified, finite, gradients
 from surefoot.batch.answers import Forces
 from surefoot.batch.certificate import lawful, scales
 from surefoot.solvers.contact_solver import ContactSolver
@@ -32,9 +32,7 @@ def solve_on_host(
     return out.reshape(*lead, n, 3)
 
 
-def answer(
-    G: FloatArray, g: FloatArray, mu: FloatArray, on: BoolArray, convex: bool, tol: float
-) -> Forces:
+def answer(G: FloatArray, g: FloatArray, mu: FloatArray, on: BoolArray, convex: bool, tol: float) -> Forces:
     """Return the answer of double-precision problems, any entries."""
     with np.errstate(all="ignore"):  # what overflows shows in the status
         G, g, mu, good = lawful(np, G, g, mu)

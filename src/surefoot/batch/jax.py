@@ -2,7 +2,7 @@
 
 `solve` is written in JAX throughout: Newton's method on the central path (`batch.path`), followed to its end
 or, with `smoothing`, to a point on it; where a fast descent fails, slower ones follow. Its gradient is that of
-the active system, or of the path's point (`batch.active`). `solve_on_host` hands the same problems to
+the active system, or of the path's point (`batch.modes`). `solve_on_host` hands the same problems to
 `surefoot.solve_batch` on the CPU, and has the same gradients.
 
 Limits: normal bounds 0 and infinity (a mask switches contacts off). In double precision, which needs
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.batch import cones
-from surefoot.batch.active import active, certified, finite, gradients, snapped
+from surefoot.batch.modes import active, certified, finite, gradients, snapped
 from surefoot.batch.answers import INVALID, Forces, check_dtype, check_law, check_shapes
 from surefoot.batch.certificate import lawful, scales
 from surefoot.batch.host import solve_on_host as host_forces
@@ -170,9 +170,7 @@ def _descend(path: Any, target: Any) -> tuple[Any, Any]:
     return best, error
 
 
-def _answer(
-    settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any
-) -> tuple[Forces, Any]:
+def _answer(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> tuple[Forces, Any]:
     """Return the answer and the path's y."""
     convex, smoothing, tol = settings
     G, g, mu, good = lawful(jnp, G, g, mu)

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from surefoot.batch.active import spread
+from surefoot.batch.modes import spread
 from surefoot.batch.certificate import Scales, blocks_of
 
 
@@ -68,9 +68,7 @@ def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) 
     top = xp.where(top > 0.0, top, 1.0)
     scaled = side[..., :, None] * G * side[..., None, :]
     tilt = mu * D / top[..., None]
-    return Path(
-        scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex
-    )
+    return Path(scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex)
 
 
 def slacks(xp: Any, path: Path, y: Any, kappa: Any) -> tuple[Any, Any, Any]:
@@ -169,9 +167,13 @@ def path_gradients(
     v = xp.linalg.solve(xp.swapaxes(M, -1, -2), (path.turn * p)[..., None])
     h = (xp.swapaxes(J, -1, -2) @ xp.reshape(v, (*shape, 1)))[..., 0]
     _, tilt, bend = slacks(xp, path, y, kappa)
-    lean = xp.stack([h[..., 0] + h[..., 2] * tilt[..., 0], h[..., 1] + h[..., 2] * tilt[..., 1], h[..., 2]], -1)
+    lean = xp.stack(
+        [h[..., 0] + h[..., 2] * tilt[..., 0], h[..., 1] + h[..., 2] * tilt[..., 1], h[..., 2]], -1
+    )
     safe = xp.where(mu > 0.0, mu, xp.ones_like(mu))
-    per_mu = xp.reshape(path.turn, shape) / path.unit[..., None, None]  # turn carries T D top; s needs T D / top
+    per_mu = (
+        xp.reshape(path.turn, shape) / path.unit[..., None, None]
+    )  # turn carries T D top; s needs T D / top
     back = -xp.reshape(per_mu * lean, flat)  # on u, as g
     bare = per_mu[..., 2:] * lean[..., :2]  # without T
     b = u + back

@@ -2,7 +2,7 @@
 
 `solve` computes on the CPU in double precision: tensors from a device are copied there and back, and float32
 in and out is rounded to float32 (about 1e-7), not solved in it. Its gradient is that of the active system
-(`batch.active`), once differentiable. The cone functions are made of PyTorch's own operations and stay on
+(`batch.modes`), once differentiable. The cone functions are made of PyTorch's own operations and stay on
 their device.
 """
 
@@ -24,9 +24,7 @@ except ImportError as error:
     raise MissingExtra("torch", "torch") from error
 
 
-def solve(
-    G: Any, g: Any, mu: Any, *, law: str = "coulomb", mask: Any = None, tol: float = 1e-8
-) -> Forces:
+def solve(G: Any, g: Any, mu: Any, *, law: str = "coulomb", mask: Any = None, tol: float = 1e-8) -> Forces:
     """Solve a batch of contact problems; differentiable in G, g and mu.
 
     Parameters

@@ -87,9 +87,7 @@ def active(
     kinks = on & (near <= KINK * speed)
     s, t = stick * one, slide * one
     flat = t * (1.0 if convex else 0.0)
-    columns = _stack(
-        xp, [[s, -t * ey, t * mu * ex], [zero, s + t * ex, t * mu * ey], [zero, zero, s + t]]
-    )
+    columns = _stack(xp, [[s, -t * ey, t * mu * ex], [zero, s + t * ex, t * mu * ey], [zero, zero, s + t]])
     rows = _stack(
         xp,
         [
@@ -125,9 +123,7 @@ def spread(xp: Any, blocks: Any) -> Any:
     return xp.reshape(wide, (*blocks.shape[:-3], 3 * n, 3 * n))
 
 
-def gradients(
-    xp: Any, G: Any, forces: Any, a: Active, cotangents: tuple[Any, Any]
-) -> tuple[Any, Any, Any]:
+def gradients(xp: Any, G: Any, forces: Any, a: Active, cotangents: tuple[Any, Any]) -> tuple[Any, Any, Any]:
     """Return the gradients with respect to G, g, mu (one per contact) of weights on forces and velocities.
 
     As `ContactDerivative.vjp`; the weights and forces are (..., n, 3).
@@ -173,9 +169,7 @@ def certified(
     return Forces(forces, velocities, status, error, modes.codes.astype(xp.int32), modes.kinks)
 
 
-def snapped(
-    xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, forces: Any, convex: bool
-) -> Any:
+def snapped(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, forces: Any, convex: bool) -> Any:
     """Return forces without what an iteration leaves: zero where contacts are open, on the rim where they slide."""
     modes = active(xp, forces, velocities_of(xp, G, g, forces), mu, s.weight, s.speed, on, convex)
     normal = xp.maximum(forces[..., 2], 0.0)
