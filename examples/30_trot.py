@@ -14,8 +14,9 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Push
 from surefoot.simulation.walk_summary import summarise_walk
-from surefoot.simulation.walk_terrain import rough_ground, start_pose
+from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.walking import WalkScenario, run_walking
+from surefoot.terrain import rough_ground
 from surefoot.viz.walk_plots import draw_footfalls, draw_velocity
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -56,3 +57,19 @@ def test_the_first_screen_of_the_readme() -> None:
     assert "make stand" in first
     assert "make test" in first
     assert "docs/images/go2.png" in first
+
+
+def test_the_picture_of_the_rooms_is_up_to_date() -> None:
+    drawing = runpy.run_path(str(ROOT / "docs" / "architecture.py"), run_name="drawing")
+    assert drawing["main"](["--check"]) == 0, "run python docs/architecture.py"
+    rooms = {name for name, _ in drawing["floors"]()}
+    found = {p.parent.name for p in (ROOT / "src" / "surefoot").glob("*/__init__.py")}
+    assert found <= rooms, "a room that import-linter does not know"
+
+
+def test_the_code_of_the_architecture_page() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    (block,) = CHECK["BLOCK"].findall(page)
+    names: dict[str, Any] = {}
+    exec(block[1], names)
+    assert names["solve_program"](names["program"]).x == pytest.approx([0.75, 0.0, 1.5], abs=1e-6)

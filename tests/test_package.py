@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -52,3 +55,20 @@ def test_absent_package_is_one_clear_error(module: str, package: str, call: str)
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.startswith(f"{package} is not installed; run: pip install 'surefoot[")
+
+
+def test_the_stub_is_the_one_list_of_names() -> None:
+    """Every name has one home in `__init__.pyi`, and is what its home calls by that name."""
+    source = (Path(sf.__file__).parent / "__init__.pyi").read_text(encoding="utf-8")
+    homes = re.findall(r"^from \.([\w.]+) import (\w+) as (\w+)$", source, re.MULTILINE)
+    assert sorted([name for _, name, _ in homes] + ["__version__"]) == sorted(sf.__all__)
+    for home, name, shown in homes:
+        assert name == shown
+        assert getattr(sf, name) is getattr(importlib.import_module(f"surefoot.{home}"), name)
+
+
+def test_the_contract_is_importable() -> None:
+    names = "FrictionCone Stance PointContact can_stand friction_needed com_region wrench_cone ContactProblem"
+    names += " solve read_problem write_problem load_robot distribute ForceDistributor ContactSolver"
+    names += " register Answer Settings grasp_map StanceBatch can_stand_many com_region_many HalfSpaces"
+    assert set(names.split()) <= set(sf.__all__)

@@ -44,7 +44,7 @@ ASK = (
 
 def run(code: str, *path: Path, **environment: str) -> str:
     """Run code in a new process, the folders first on its path, and return what it prints."""
-    given = {**os.environ, **environment}
+    given = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"} | environment
     given["PYTHONPATH"] = os.pathsep.join([*map(str, path), str(SOURCES.parent)])
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=given)
     assert out.returncode == 0, out.stderr

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_matrix
 
 import surefoot as sf
+from surefoot.solvers.backends import ConeProgram, End, solve_program
 
 sys.path.insert(0, str(Path(__file__).parent))  # pytest's importlib mode leaves the folder out
 from stance_families import FAMILIES, SCALES, corner_contacts, question
@@ -98,7 +98,7 @@ def certificate_fails(verdict, corners):
 
 def clarabel_margin(verdict, corners):
     """Return how far the cones' apices may rise for the forces found, in loads; None without any."""
-    clarabel = pytest.importorskip("clarabel")
+    pytest.importorskip("clarabel")
     scale, arm = size_of_load(verdict, corners)
     blocks = []
     for p, R, mu in corners:
@@ -110,16 +110,13 @@ def clarabel_margin(verdict, corners):
     shift = np.zeros(m)
     shift[::3] = 1.0
     level = np.hstack([A, (A @ shift)[:, None]])
-    rows = np.vstack([level, [*np.zeros(m), 1.0], np.hstack([-np.eye(m), np.zeros((m, 1))])])
-    right = np.concatenate([w, [1.0], np.zeros(m)])
-    kinds = [clarabel.ZeroConeT(6), clarabel.NonnegativeConeT(1)] + [clarabel.SecondOrderConeT(3)] * (m // 3)
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    cost = np.zeros(m + 1)
-    cost[m] = -1.0
-    program = (csc_matrix((m + 1, m + 1)), cost, csc_matrix(rows), right, kinds, settings)
-    found = clarabel.DefaultSolver(*program).solve()
-    if str(found.status) != "Solved":
+    cones = np.hstack([-np.eye(m), np.zeros((m, 1))])
+    program = ConeProgram.of(
+        None, [*np.zeros(m), -1.0], zero=(level, w), nonneg=(np.eye(m + 1)[m:], [1.0]),
+        second_order=(cones, np.zeros(m)),
+    )  # fmt: skip
+    found = solve_program(program, tol=None)
+    if found.end is not End.SOLVED:
         return None
     x = np.array(found.x[:m]) + found.x[m] * shift  # forces, put onto the equations and looked at again
     x += np.linalg.lstsq(A, w - A @ x, rcond=1e-15)[0]

@@ -1,6 +1,10 @@
 """The axioms of a closed convex cone, for every cone class of the package."""
 
 import math
+import re
+import textwrap
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +14,15 @@ from hypothesis import strategies as st
 from surefoot.cones import FrictionCone, PolyhedralCone, ProductCone, WrenchCone
 
 RNG = np.random.default_rng(7)
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "add-a-cone.md").read_text(encoding="utf-8")
+BLOCKS = [
+    textwrap.dedent(block)
+    for block in re.findall(r"^ *```python\n(.*?)^ *```", PAGE, re.DOTALL | re.MULTILINE)
+]
+SHOWN: dict[str, Any] = {}
+"""What the page about new cones defines and works out."""
+for _block in BLOCKS:
+    exec(_block, SHOWN)
 FAMILY = {
     "friction": FrictionCone(0.6),
     "friction, wide": FrictionCone(3.0),
@@ -27,6 +40,8 @@ FAMILY = {
     "polyhedral, half-space": PolyhedralCone.from_halfspaces([[0, 0, -1]]),
     "polyhedral, space": PolyhedralCone.from_rays(np.vstack([np.eye(3), -np.ones(3)])),
     "polyhedral, zero": PolyhedralCone.from_rays(np.zeros((0, 3))),
+    "the page's, of a friction cone": SHOWN["wall"],
+    "the page's, of a patch": SHOWN["TurnedCone"](WrenchCone(0.2, 0.1, 0.6), SHOWN["turn"]),
     "product": ProductCone([FrictionCone(0.5), WrenchCone(0.2, 0.1, 0.4), FrictionCone(0.9)]),
 }
 cones = pytest.mark.parametrize("cone", FAMILY.values(), ids=FAMILY.keys())
@@ -183,3 +198,27 @@ def test_fit_errors_equal_the_closed_forms_and_what_is_measured(facets, fit):
     assert radial == pytest.approx(form, rel=1e-9)
     area = abs(0.5 * np.sum(reach[:-1] * reach[1:] * np.sin(np.diff(angle))) / (math.pi * mu**2) - 1.0)
     assert pyramid.fit_error.area == pytest.approx(area, rel=1e-2)
+
+
+def test_the_page_says_what_its_cone_does():
+    wall = SHOWN["wall"]
+    assert len(BLOCKS) == 2
+    assert wall.contains([10.0, 0.0, 4.9])
+    assert not wall.contains([10.0, 0.0, 5.1])
+    assert wall.project([10.0, 0.0, 10.0]) == pytest.approx([12.0, 0.0, 6.0])
+
+
+@pytest.mark.parametrize(
+    ("cone", "rotation", "message"),
+    [
+        (FrictionCone(0.6), -np.eye(3), "rotation must be"),
+        (FrictionCone(0.6), 2.0 * np.eye(3), "rotation must be"),
+        (FrictionCone(0.6), np.full((3, 3), np.nan), "is NaN"),
+        (PolyhedralCone.from_rays(np.eye(4)), np.eye(3), "multiple of 3"),
+    ],
+)
+def test_the_pages_cone_refuses_what_is_none(cone, rotation, message):
+    from surefoot.errors import ProblemError
+
+    with pytest.raises(ProblemError, match=message):
+        SHOWN["TurnedCone"](cone, rotation)

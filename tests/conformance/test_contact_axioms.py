@@ -10,7 +10,7 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 import surefoot as sf
-from surefoot.bench.rigid_bodies import GRAVITY, Scene
+from surefoot.problems.rigid_bodies import GRAVITY, Scene
 from surefoot.spatial import skew
 
 SOLVERS = ("auto", "nsgs", "admm", "interior_point")

@@ -32,7 +32,8 @@ from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.world import World
-from surefoot.stance import FlatTerrain, PointContact, Stance
+from surefoot.stance import PointContact, Stance
+from surefoot.terrain import FlatTerrain
 
 NOT_FINITE = [math.nan, math.inf, -math.inf]
 EXTREME = [1e6, -1e12, 1e100, -1e200, 1e308, 1e-310]

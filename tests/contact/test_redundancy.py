@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.bench.problems import problem_set
-from surefoot.bench.rigid_bodies import Scene
+from surefoot.problems.contacts import problem_set
+from surefoot.problems.rigid_bodies import Scene
 
 
 def table(legs: int) -> tuple[sf.ContactProblem, np.ndarray]:

@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import surefoot as sf
-from surefoot.bench.forces_accuracy import measure_accuracy
-from surefoot.bench.forces_instances import (
+from benchmarks.forces.accuracy import measure_accuracy
+from surefoot.problems.allocation_program import cone_violation, contact_problem
+from surefoot.problems.allocations import (
     FORCE_WEIGHT,
     WRENCH_WEIGHTS,
     four_feet,
@@ -18,8 +19,7 @@ from surefoot.bench.forces_instances import (
     random_instances,
     random_rotation,
 )
-from surefoot.bench.forces_instances import grasp_map as grasp_map_of
-from surefoot.bench.forces_program import cone_violation, contact_problem
+from surefoot.problems.allocations import grasp_map as grasp_map_of
 from surefoot.solvers import distribution_work, distribution_wrench
 
 SOLVED = sf.Status.SOLVED

@@ -8,8 +8,8 @@ tolerance, its forces approach ours from 4e-2 N to 4e-3 N, always from a higher 
 import numpy as np
 import pytest
 
-from surefoot.bench.mpc_rivals import matrices, solve_exact
-from surefoot.bench.walk import tracking_cost
+from benchmarks.walk.race import tracking_cost
+from benchmarks.walk.rivals import matrices, solve_exact
 from surefoot.cones import FrictionCone
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
 from surefoot.spatial import rotation_about, rotation_from_normal

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.control.swing import RISE, apex_height, clear_lift, smooth_step, swing_motion
-from surefoot.stance import FlatTerrain, StairsTerrain
+from surefoot.terrain import FlatTerrain, StairsTerrain
 
 PLACES = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
 

@@ -11,7 +11,7 @@ from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot, load_robot, place
-from surefoot.stance import SlopeTerrain
+from surefoot.terrain import SlopeTerrain
 
 FORWARD = VelocityCommand.constant(0.5)
 ALL = np.ones(4, dtype=bool)

@@ -5,21 +5,25 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-import clarabel
 import numpy as np
 import pinocchio
 import pytest
-from scipy import sparse
 
 from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.whole_body import Tasks, Weights, WholeBodyController
 from surefoot.errors import ModelError
 from surefoot.robot import Robot, load_robot
+from surefoot.solvers.backends import ConeProgram, solve_program
 from surefoot.spatial import rotation_from_normal, skew
 
 GRAVITY = 9.81
 ALIGNED = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
 ROBOTS = ("go2", "anymal", "g1")
+
+
+def stack(matrices: list, rights: list, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return blocks of rows on top of each other, none included."""
+    return np.vstack([np.zeros((0, columns)), *matrices]), np.concatenate([np.zeros(0), *rights])
 
 
 @cache
@@ -193,35 +197,25 @@ def oracle(
     )
     A, b = np.vstack(blocks), np.concatenate(wanted)
     off = ~tasks.stance[points]
-    G, g, cones = [np.vstack(E)], [np.concatenate(e)], [clarabel.ZeroConeT(sum(len(x) for x in e))]
+    G, g, K = [], [], []  # G x <= g, and -K x in second-order cones
     for k in range(p):
         at = nv + 3 * k
         if off[k]:
-            G.append(np.eye(nx)[at : at + 3])
-            g.append(np.zeros(3))
-            cones.append(clarabel.ZeroConeT(3))
+            E.append(np.eye(nx)[at : at + 3])
+            e.append(np.zeros(3))
             continue
-        G.append(-np.vstack([mu * np.eye(nx)[at + 2], np.eye(nx)[at], np.eye(nx)[at + 1]]))
-        g.append(np.zeros(3))
-        cones.append(clarabel.SecondOrderConeT(3))
+        K.append(-np.vstack([mu * np.eye(nx)[at + 2], np.eye(nx)[at], np.eye(nx)[at + 1]]))
         G.append(np.vstack([np.eye(nx)[at + 2], -np.eye(nx)[at + 2]]))
         g.append(np.array([bounds[1], -bounds[0]]))
-        cones.append(clarabel.NonnegativeConeT(2))
     if np.isfinite(limits).all():
         T = np.hstack([M[6:], -Jf.T[6:]])
         G.append(np.vstack([T, -T]))
         g.append(np.concatenate([limits - h[6:], limits + h[6:]]))
-        cones.append(clarabel.NonnegativeConeT(2 * robot.joints))
-    options = clarabel.DefaultSettings()
-    options.verbose = False
-    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = 1e-11
-    P = sparse.csc_matrix(np.triu(A.T @ A))
-    solver = clarabel.DefaultSolver(
-        P, -A.T @ b, sparse.csc_matrix(np.vstack(G)), np.concatenate(g), cones, options
-    )
-    answer = solver.solve()
-    assert str(answer.status) in ("Solved", "AlmostSolved"), answer.status
-    x = np.array(answer.x)
+    program = ConeProgram.of(
+        A.T @ A, -A.T @ b, zero=(np.vstack(E), np.concatenate(e)), nonneg=stack(G, g, nx),
+        second_order=stack(K, [np.zeros(3)] * len(K), nx),
+    )  # fmt: skip
+    x = solve_program(program, tol=1e-10).solution()  # at 1e-11 it gives up short of it
     return x[:nv], x[nv:].reshape(-1, 3)
 
 

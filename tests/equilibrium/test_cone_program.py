@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_matrix
 
 from surefoot.equilibrium import margin, reduction, scaling
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
+from surefoot.solvers.backends import ConeProgram, End, solve_program
 
 
 def random_program(rng, lorentz, lines, rows):
@@ -27,18 +27,19 @@ def interior(rng, lorentz, lines):
 
 
 def clarabel_value(B, b, c, lorentz):
-    clarabel = pytest.importorskip("clarabel")
-    m = len(c)
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    kinds = [clarabel.ZeroConeT(len(b))] + [clarabel.SecondOrderConeT(3)] * lorentz
-    if m > 3 * lorentz:
-        kinds.append(clarabel.NonnegativeConeT(m - 3 * lorentz))
-    rows = csc_matrix(np.vstack([B, -np.eye(m)]))
-    right = np.concatenate([b, np.zeros(m)])
-    solution = clarabel.DefaultSolver(csc_matrix((m, m)), c, rows, right, kinds, settings).solve()
-    assert str(solution.status) == "Solved"
-    return solution.obj_val
+    pytest.importorskip("clarabel")
+    m, split = len(c), 3 * lorentz
+    minus, zeros = -np.eye(m), np.zeros(m)
+    program = ConeProgram.of(
+        None,
+        c,
+        zero=(B, b),
+        nonneg=(minus[split:], zeros[split:]),
+        second_order=(minus[:split], zeros[:split]),
+    )
+    found = solve_program(program, tol=None)
+    assert found.end is End.SOLVED
+    return float(c @ found.x)
 
 
 def solve(B, b, c, lorentz, start, kernel=minimise):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.bench.random_stances import random_case
-from surefoot.bench.statics_rivals import cddlib_rows
+from benchmarks.statics.rivals import cddlib_rows
 from surefoot.equilibrium import wrench_cone_size
 from surefoot.errors import ProblemError
+from surefoot.problems.stances import random_case
 from surefoot.spatial import GRAVITY
 
 

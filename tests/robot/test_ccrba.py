@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from surefoot.bench.momentum import chain
+from surefoot.problems.chains import chain
 from surefoot.robot import ccrba, centroidal
 
 

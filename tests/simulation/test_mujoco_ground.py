@@ -9,10 +9,16 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.robot import load_robot
 from surefoot.simulation.mujoco import add_ground
-from surefoot.simulation.mujoco_contacts import frames_along
-from surefoot.simulation.walk_terrain import PitTerrain, check_ground, rough_ground, start_pose
-from surefoot.spatial import rotation_from_normal
-from surefoot.stance import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain, Terrain
+from surefoot.simulation.walk_terrain import check_ground, start_pose
+from surefoot.terrain import (
+    FlatTerrain,
+    HeightfieldTerrain,
+    PitTerrain,
+    SlopeTerrain,
+    StairsTerrain,
+    Terrain,
+    rough_ground,
+)
 
 TERRAINS = [
     FlatTerrain(),
@@ -60,17 +66,6 @@ def test_a_ground_without_a_shape_is_told() -> None:
         add_ground(mujoco.MjSpec(), Odd(), 0.5)
     with pytest.raises(ProblemError, match="height fields of up to"):
         add_ground(mujoco.MjSpec(), HeightfieldTerrain(np.zeros((2, 2)), 100.0), 0.5)
-
-
-def test_frames_match_the_library() -> None:
-    rng = np.random.default_rng(1)
-    normals = rng.normal(size=(50, 3)) + np.array([0.0, 0.0, 2.0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    wanted = np.array([rotation_from_normal(n) for n in normals])
-    assert frames_along(normals) == pytest.approx(wanted, abs=1e-12)
-    odd = frames_along(np.array([[1.0, 0.0, 0.0]]))[0]
-    assert odd.T @ odd == pytest.approx(np.eye(3))
-    assert np.linalg.det(odd) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("terrain", TERRAINS[:4] + TERRAINS[5:], ids=repr)

@@ -15,9 +15,9 @@ from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.walk_summary import commanded_excess, summarise_walk
-from surefoot.simulation.walk_terrain import rough_ground, start_pose
+from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.walking import WalkScenario, run_walking
-from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain, rough_ground
 
 
 @cache

@@ -1,30 +1,58 @@
-"""`surefoot bench ...`: one sub-command per benchmark; each prints a ratio to rivals of the same run."""
+"""`surefoot bench ...`: the benchmarks that lie beside the source tree, where there is one."""
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
+import sys
+from pathlib import Path
+from typing import Any, cast
+
 import typer
+from typer.core import TyperGroup
 
-from surefoot.cli import (
-    bench_contact,
-    bench_faults,
-    bench_forces,
-    bench_momentum,
-    bench_rigid,
-    bench_statics,
-    bench_walk,
-)
-from surefoot.cli.literal_help import LiteralHelpCommand
+import surefoot
+from surefoot.errors import SurefootError
 
-app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
+FOLDER = Path(surefoot.__file__).parents[2] / "benchmarks"
+"""Where a checkout keeps them; an installed package has nothing there."""
 
 
-@app.callback()
-def bench() -> None:
-    """Measure Surefoot against its rivals in the same run."""
+class Absent(TyperGroup):
+    """A group of no commands, which fails with one line whatever it is asked."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Say where the benchmarks are.
+
+        Raises
+        ------
+        SurefootError
+            Always.
+        """
+        raise SurefootError(
+            "benchmarks come with the repository, not with the installed package; in a checkout of it, "
+            "after pip install -e '.[all]', run `surefoot bench` again"
+        )
 
 
-for _command in (
-    bench_momentum.momentum, bench_statics.statics, bench_walk.walk, bench_faults.faults,
-    bench_contact.contact, bench_rigid.rigid, bench_forces.forces,
-):  # fmt: skip
-    app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
+def commands(folder: Path = FOLDER) -> typer.Typer:
+    """Return the benchmarks of a checkout, or a group that says where they are."""
+    if not (folder / "commands" / "__init__.py").is_file():
+        app = typer.Typer(cls=Absent, context_settings={"ignore_unknown_options": True})
+        app.callback(
+            invoke_without_command=True,
+            help="Measure Surefoot against its rivals: part of the repository, not installed here.",
+        )(lambda: None)
+        return app
+    if "benchmarks" not in sys.modules:  # by its place: another package of that name may be on the path
+        found = importlib.util.spec_from_file_location(
+            "benchmarks", folder / "__init__.py", submodule_search_locations=[str(folder)]
+        )
+        assert found is not None
+        assert found.loader is not None
+        package = sys.modules["benchmarks"] = importlib.util.module_from_spec(found)
+        found.loader.exec_module(package)
+    return cast(typer.Typer, importlib.import_module("benchmarks.commands").app)
+
+
+app = commands()

@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError
 if TYPE_CHECKING:  # loading a simulation takes longer than most commands
     from surefoot.control.standing_plan import Lift
     from surefoot.simulation.run import Ice, Push
-    from surefoot.stance import Terrain
+    from surefoot.terrain import Terrain
 
 T = TypeVar("T")
 MU_MAX = 1e3
@@ -173,28 +173,12 @@ def velocity(text: str) -> tuple[float, float, float]:
     return x, y, turn
 
 
-STAIRS = 10
-"""Steps of the stairs of --terrain."""
-TERRAINS = "flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT"
-
-
 def terrain(text: str) -> Terrain:
-    """Return the terrain of "flat", "slope:DEG", "stairs:HEIGHT,DEPTH" or "rough:SEED,HEIGHT" [m].
+    """Return the terrain of "flat", "slope:DEG", "stairs:HEIGHT,DEPTH", ...: see `surefoot.terrain.TERRAINS`.
 
     >>> terrain("slope:15")
     SlopeTerrain(15)
     """
-    from surefoot.simulation.walk_terrain import rough_ground
-    from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain
+    from surefoot.terrain import read_terrain
 
-    kind, _, rest = text.partition(":")
-    values = [number("--terrain", part) for part in rest.split(",")] if rest else []
-    if kind == "flat" and not values:
-        return FlatTerrain()
-    if kind == "slope" and len(values) == 1:
-        return SlopeTerrain(values[0])
-    if kind == "stairs" and len(values) == 2:
-        return StairsTerrain(values[0], values[1], steps=STAIRS)
-    if kind == "rough" and len(values) == 2 and values[0] >= 0.0 and values[0] == int(values[0]):
-        return rough_ground(int(values[0]), values[1])
-    raise ProblemError(f"--terrain {text!r} is not one of: {TERRAINS}")
+    return read_terrain(text, "--terrain")

@@ -10,7 +10,7 @@ from surefoot.cli.output import to_json
 from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.robot import Robot
 from surefoot.simulation.log import Log
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 PARTS = "log.parts"
 """Folder that the log's rows go to during a run; log.npz takes its place at the end."""

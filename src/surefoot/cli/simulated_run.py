@@ -18,7 +18,7 @@ from surefoot.cli.progress import progress_bar
 from surefoot.cli.signals import ends_softly
 from surefoot.robot import Robot
 from surefoot.simulation.log import Log
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 Tell = Callable[[float], None] | None
 

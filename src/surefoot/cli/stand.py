@@ -12,8 +12,8 @@ from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.simulation.worlds import WORLDS
 
-WORLDS = ("mujoco", "rigid")
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
 
@@ -84,7 +84,7 @@ def _check(mu: float, world: str, duration: float, payload: float, seed: int | N
 
     parsing.friction("--mu", mu)
     if world not in WORLDS:
-        raise ProblemError(unknown_name("world", world, WORLDS))
+        raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
     parsing.duration(duration, SHORTEST)
     real_number("--payload", payload, low=0.0, high=1e4)
     parsing.seed(seed)
@@ -115,7 +115,7 @@ def _require(robot: str | None, world: str, video: bool, report: bool) -> None:
     """Raise for all optional packages at once if one that a stand cannot do without is missing."""
     from surefoot.cli import extras
 
-    needed = (*extras.robot_packages(robot), *(["mujoco"] if world == "mujoco" else []))
+    needed = (*extras.robot_packages(robot), *WORLDS[world][1])
     extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))
 
 
@@ -131,20 +131,16 @@ class _Setup:
         return StandingController(self.robot, self.plan, self.terrain, self.q, mu, allocation=allocation)
 
     def world(self, name: str, mu: float, payload: float) -> Any:
-        if name == "rigid":
-            from surefoot.simulation.rigid import RigidWorld
+        from surefoot.simulation.worlds import make_world
 
-            return RigidWorld(self.robot, self.terrain, mu, payload=payload)
-        from surefoot.simulation.mujoco import MujocoWorld
-
-        return MujocoWorld(self.robot, self.terrain, mu, payload=payload)
+        return make_world(name, self.robot, self.terrain, mu, payload=payload)
 
 
 def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
-    from surefoot.stance import FlatTerrain, SlopeTerrain
+    from surefoot.terrain import FlatTerrain, SlopeTerrain
 
     robot = load(name, urdf, feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:

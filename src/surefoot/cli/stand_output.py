@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
+from surefoot.spatial import GRAVITY
 
 OUTCOMES = {
     "stood": "stood",
@@ -59,7 +60,7 @@ FOOT_HEADER = ("foot", "normal force [N]", "share of m g", "highest cone use", "
 
 def law_rows(summary: dict[str, Any]) -> list[list[str]]:
     """Return the three laws as numbers."""
-    laws, weight = summary["laws"], summary["mass"] * 9.81
+    laws, weight = summary["laws"], summary["mass"] * GRAVITY
     return [
         [
             "1 unilateral: deepest penetration",
@@ -87,7 +88,7 @@ LAW_HEADER = ("law", "measured", "limit")
 def figure_lines(summary: dict[str, Any]) -> list[str]:
     """Return further figures, one line each."""
     base, step = summary["base"], summary["controller_step_us"]
-    weight = summary["mass"] * 9.81
+    weight = summary["mass"] * GRAVITY
     total = summary["normal_force_total_mean"]
     pressed = [
         f"centre of pressure of {foot['name']} at least {1e3 * abs(foot['pressure_margin']):.0f} mm inside "

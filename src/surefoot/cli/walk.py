@@ -35,7 +35,10 @@ def walk(
         Path | None, typer.Option(help="Lines of 'time vx vy yaw_rate' instead of --velocity.")
     ] = None,
     terrain: Annotated[
-        str, typer.Option(help="flat, slope:DEG, stairs:HEIGHT,DEPTH or rough:SEED,HEIGHT [m].")
+        str,
+        typer.Option(
+            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
+        ),
     ] = "flat",
     mu: Annotated[float, typer.Option(help="Friction of the ground.")] = 0.6,
     believed_mu: Annotated[
@@ -172,14 +175,14 @@ def _set_up(
 ) -> tuple[Any, Any, Any]:
     """Return controller, world and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
-    from surefoot.simulation.mujoco import MujocoWorld
     from surefoot.simulation.walk_terrain import check_ground, start_pose
+    from surefoot.simulation.worlds import make_world
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
     q = start_pose(robot, ground)
     check_ground(robot, ground, q, mu)
-    return controller, MujocoWorld(robot, ground, mu, payload=payload), q
+    return controller, make_world("mujoco", robot, ground, mu, payload=payload), q
 
 
 def _account() -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
-from surefoot.contact.files import condensed, from_foreign, turned
+from surefoot.contact.foreign import condensed, from_foreign, turned
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import MissingExtra, ProblemError
 

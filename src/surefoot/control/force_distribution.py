@@ -26,7 +26,13 @@ from surefoot.solvers import distribution_work as layout
 from surefoot.solvers.distribution_rows import RowsWork, distribute_with_rows, rows_work
 from surefoot.solvers.distribution_wrench import distribute_wrench
 
-_STATUS = (Status.SOLVED, Status.ALMOST, Status.MAX_ITERATIONS, Status.INVALID, Status.INFEASIBLE)
+_STATUS = {
+    layout.SOLVED: Status.SOLVED,
+    layout.ALMOST: Status.ALMOST,
+    layout.MAX_ITERATIONS: Status.MAX_ITERATIONS,
+    layout.INVALID: Status.INVALID,
+    layout.INFEASIBLE: Status.INFEASIBLE,
+}
 _FLOAT = np.float64
 _WRENCH = (6,)
 NOT_NUMBERS = "grasp_map and wrench must be arrays of numbers"
@@ -125,7 +131,7 @@ class ForceDistributor:
         self._weights = force_weights(weight, count)
         self._shape = (6, 3 * count)
         self._forces_shape = (count, 3)
-        self._code = 3
+        self._code = layout.INVALID
         self._work = work = layout.new_work(count)
         self._results, rows = work[count + 1], work[:count]
         work[count, layout.ROOT : layout.ROOT + 6] = self._roots

@@ -25,9 +25,8 @@ from surefoot.control.standing_kernels import (
 )
 from surefoot.control.standing_plan import StandingPlan, Target
 from surefoot.robot import Robot
-from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 NORMAL_MIN = 10.0
 """Least normal force of a standing foot [N], unless that is too much for a light robot."""
@@ -142,22 +141,13 @@ class StandingController:
 
     def _set_points(self, q: FloatArray) -> None:
         """Collect the contact points, the joints that carry each, and the feet's places on the ground."""
-        robot, model = self.robot, self._model
-        self.point_foot: IntArray = np.array(
-            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
-        )
-        self._centres = np.vstack([foot.centres for foot in robot.feet])
-        self._radii = np.array([robot.feet[k].radius for k in self.point_foot])
-        self._support = np.zeros((len(robot.feet), model.nv), dtype=np.bool_)
-        self._support[:, :6] = True
-        for k, foot in enumerate(robot.feet):
-            for joint in chain(model, foot.frame):
-                start = model.joints[joint].idx_v
-                self._support[k, start : start + model.joints[joint].nv] = True
-        self._point_support = self._support[self.point_foot]
+        points = self.robot.contact_points
+        self.point_foot: IntArray = points.foot
+        self._centres, self._radii = points.centres, points.radii
+        self._support, self._point_support = points.foot_support, points.support
         self._all_held = bool(self._support.any(axis=0).all())
-        self._frame_ids = [foot.frame for foot in robot.feet]
-        self._anchors = robot.foot_positions(q)
+        self._frame_ids = points.frames
+        self._anchors = self.robot.foot_positions(q)
         normals = self.terrain.normal(self._anchors[:, :2])
         self._normals = normals
         frames = np.array([self.terrain.frame(a[:2]) for a in self._anchors])

@@ -26,7 +26,7 @@ from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyCom
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_log
-from surefoot.stance import FlatTerrain, Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,6 @@ from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
-from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
@@ -95,22 +94,11 @@ class WholeBodyController:
 
     def _set_points(self) -> None:
         """Collect the contact points and what moves each foot."""
-        robot = self.robot
-        feet = robot.feet
-        self.point_foot: IntArray = np.array(
-            [k for k, f in enumerate(feet) for _ in f.centres], dtype=np.int64
-        )
-        self._offsets = np.ascontiguousarray(np.vstack([f.centres for f in feet]))
-        self._middles = np.array([f.centre for f in feet])
-        self._radii = np.array([f.radius for f in feet])
-        self._flat = np.array([f.flat for f in feet])
-        self._support = np.zeros((len(feet), self._model.nv), dtype=np.bool_)
-        self._support[:, :6] = True
-        for k, foot in enumerate(feet):
-            for joint in chain(self._model, foot.frame):
-                start = self._model.joints[joint].idx_v
-                self._support[k, start : start + self._model.joints[joint].nv] = True
-        self._frames = [foot.frame for foot in feet]
+        points = self.robot.contact_points
+        self.point_foot: IntArray = points.foot
+        self._offsets, self._middles = points.centres, points.middles
+        self._radii, self._flat = points.foot_radii, points.flat
+        self._support, self._frames = points.foot_support, points.frames
 
     def _set_sizes(self, mu: float, normal_min: float, normal_max: float) -> None:
         """Make the work space, the weights in their units and the force distribution."""

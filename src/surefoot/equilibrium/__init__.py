@@ -1,6 +1,7 @@
 """Questions to a stance: can it stand, how much friction does it need, where may its weight be."""
 
 from surefoot.equilibrium.limits import ForceLimits
+from surefoot.equilibrium.many import Verdicts, can_stand_many, com_region_many
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.equilibrium.statics import can_stand, friction_needed
@@ -13,8 +14,11 @@ __all__ = [
     "ForceLimits",
     "Region",
     "Verdict",
+    "Verdicts",
     "can_stand",
+    "can_stand_many",
     "com_region",
+    "com_region_many",
     "com_volume",
     "friction_needed",
     "support_polygon",

@@ -42,7 +42,7 @@ BAND = 1e-9
 """Forces that leave their cones by less than this share of the load count as possible."""
 REACH = 1e4
 """Total normal force, in loads, that an infeasibility proof must at least rule out."""
-_LEAST_MU = 1e-9
+LEAST_MU = 1e-9
 """Friction below which a contact's margin, at most mu times its normal force, is within `BAND` anyway."""
 _ROUNDING = 32.0 * 2.0**-53
 """Share of the largest terms by which A' y may be wrong, the rounding of A included."""
@@ -291,7 +291,7 @@ def stand(
 @inline_kernel
 def axis_scale(mu: float) -> float:
     """Return how far the axis must move for a distance of one to the cone's boundary (1 if frictionless)."""
-    return math.sqrt(1.0 + mu * mu) / max(mu, _LEAST_MU) if mu > 0.0 else 1.0
+    return math.sqrt(1.0 + mu * mu) / max(mu, LEAST_MU) if mu > 0.0 else 1.0
 
 
 @inline_kernel

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
-from surefoot.equilibrium.limits import equations
+from surefoot.equilibrium.limits import ForceLimits, equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, GAP, most_margin
 from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, turn_first_row
 from surefoot.errors import ProblemError
-
-if TYPE_CHECKING:
-    from surefoot.equilibrium.verdict import Verdict
+from surefoot.stance import Stance
 
 
 def farthest(
@@ -40,20 +38,31 @@ def farthest(
     return status, float(Q[0] @ x - b[0]) / alpha
 
 
-def largest_disturbance(verdict: Verdict, direction: ArrayLike) -> float:
+def largest_disturbance(
+    stance: Stance,
+    com: FloatArray,
+    load: FloatArray,
+    direction: ArrayLike,
+    limits: ForceLimits | None = None,
+    facets: int | None = None,
+    fit: Literal["inner", "outer"] = "inner",
+) -> float:
     """Return how far a wrench in `direction` on the robot may grow: see `Verdict.largest_disturbance`.
+
+    Parameters
+    ----------
+    stance, com, load, limits, facets, fit
+        A question that has forces for an answer, as in `Verdict`.
+    direction
+        (6,) [force; moment about the centre of mass], world axes.
 
     Raises
     ------
     ProblemError
         If the direction is not (6,), finite and nonzero.
     """
-    push = finite_array("direction", direction, (6,))
-    if not np.any(push):
-        raise ProblemError("direction must not be zero")
-    if not verdict.feasible or not len(verdict.stance):
-        return 0.0
-    eq = equations(verdict.stance, verdict.com, verdict.load, verdict.limits, verdict.facets, verdict.fit)
+    push = nonzero(direction)
+    eq = equations(stance, com, load, limits, facets, fit)
     outcome, margin, x, _, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
     if outcome not in (FEASIBLE, ENDLESS) or margin <= BAND:
         return 0.0
@@ -62,3 +71,17 @@ def largest_disturbance(verdict: Verdict, direction: ArrayLike) -> float:
     size = float(np.linalg.norm(d))
     status, reach = farthest(eq.A, eq.w, d / size, eq.lorentz, x)
     return math.inf if status == UNBOUNDED else max(0.0, reach) * eq.scale / size
+
+
+def nonzero(direction: ArrayLike) -> FloatArray:
+    """Return a direction as (6,) numbers.
+
+    Raises
+    ------
+    ProblemError
+        If it is not (6,), finite and nonzero.
+    """
+    push = finite_array("direction", direction, (6,))
+    if not np.any(push):
+        raise ProblemError("direction must not be zero")
+    return push

@@ -26,7 +26,7 @@ Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """Rows of the contact wrench that are fixed, their values, and the point as pick @ wrench + offset."""
 
 _MOST_DIRECTIONS = 2000
-_ROOM = 1e-8
+ROOM = 1e-8
 """Margin, in loads, below which the forces count as having no room inside their cones."""
 _HAIR = 0.5 * BAND
 """Margin, in loads, that the widened cones leave at least."""
@@ -57,7 +57,7 @@ class Traced:
 
 
 @dataclass
-class _Program:
+class Program:
     """Equations A x = w over cones, the point G x + offset, and a start inside the cones."""
 
     A: FloatArray
@@ -86,17 +86,17 @@ def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float, r
         return Traced(_NONE, _NONE, np.zeros(0), math.inf, unbounded=True)
     if outcome != FEASIBLE:
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
-    if margin > _ROOM:
-        return _certified(whole, None, tol)
+    if margin > ROOM:
+        return certified(whole, None, tol)
     most = _MOST_BACK / rays
     inside = _widened(_program(equations_of(BAND), rows), max(BAND, _HAIR - margin), most)
     if inside is None:
         return Traced(_NONE, _NONE, np.zeros(0), math.inf)
-    around = _widened(_program(equations_of(_ROOM), rows), _ROOM - min(0.0, margin), most)
-    return _certified(inside, around, tol)
+    around = _widened(_program(equations_of(ROOM), rows), ROOM - min(0.0, margin), most)
+    return certified(inside, around, tol)
 
 
-def _program(eq: Equations, rows: Rows) -> _Program:
+def _program(eq: Equations, rows: Rows) -> Program:
     """Pick the fixed rows of the wrench, scaled, and the point as a map of the cones' coordinates."""
     wrench, goal, pick, offset = rows
     unscale = np.array([1.0, 1.0, 1.0, eq.length, eq.length, eq.length]) * eq.scale
@@ -106,10 +106,10 @@ def _program(eq: Equations, rows: Rows) -> _Program:
     A[: len(goal)][moments] /= eq.length
     w[: len(goal)][moments] /= eq.length
     G = np.ascontiguousarray((pick * unscale) @ eq.A[:6])
-    return _Program(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
+    return Program(np.ascontiguousarray(A), w, eq.e, eq.lorentz, G, np.array(offset, dtype=float), w)
 
 
-def _certified(inside: _Program, around: _Program | None, tol: float) -> Traced:
+def certified(inside: Program, around: Program | None, tol: float) -> Traced:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
     best = Traced(_NONE, _NONE, np.zeros(0), math.inf)
     for share in _AIMS:
@@ -129,7 +129,7 @@ def _certified(inside: _Program, around: _Program | None, tol: float) -> Traced:
     return best
 
 
-def _outline(program: _Program, tol: float) -> tuple[int, FloatArray, FloatArray, FloatArray]:
+def _outline(program: Program, tol: float) -> tuple[int, FloatArray, FloatArray, FloatArray]:
     """Trace a program; return the outcome, the points reached, directions and heights."""
     A, w = program.A, program.w
     Q, T, pivots = np.empty_like(A), np.empty((len(A), len(A))), np.empty(len(A), dtype=np.int64)
@@ -145,7 +145,7 @@ def _outline(program: _Program, tol: float) -> tuple[int, FloatArray, FloatArray
     return outcome, points[:count].copy(), directions[:count].copy(), heights[:count].copy()
 
 
-def _widened(program: _Program, s: float, most: float) -> _Program | None:
+def _widened(program: Program, s: float, most: float) -> Program | None:
     """Move the cones' apices back by s, in loads: x + s e in K, in coordinates x + s e; None without room.
 
     Cones of little friction are moved by no more than `most` s: their width is in their friction.

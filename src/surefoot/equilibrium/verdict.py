@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.equilibrium.margin import REACH
+from surefoot.equilibrium.push import largest_disturbance, nonzero
 from surefoot.stance import Stance
 
 if TYPE_CHECKING:
@@ -212,9 +213,10 @@ class Verdict:
         float
             0 where the stance is impossible already, infinite where the contacts withstand any amount.
         """
-        from surefoot.equilibrium.push import largest_disturbance
-
-        return largest_disturbance(self, direction)
+        push = nonzero(direction)
+        if not self.feasible or not len(self.stance):
+            return 0.0
+        return largest_disturbance(self.stance, self.com, self.load, push, self.limits, self.facets, self.fit)
 
 
 _NONE = np.zeros(0)

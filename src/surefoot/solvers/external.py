@@ -1,12 +1,11 @@
-"""Backends of other projects: Clarabel (exact cones) and QP solvers through qpsolvers (pyramids).
+"""Solvers of other projects for contact problems: Clarabel (exact cones) and QP solvers (pyramids).
 
-Both take the convex law. Contacts that are switched off (normal_max = 0) are left out of the
-program, so that their force is exactly zero.
+Each is driven by its file in `backends/`. Both take the convex law. Contacts that are switched off
+(normal_max = 0) are left out of the program, so that their force is exactly zero.
 """
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
@@ -16,10 +15,18 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.errors import MissingExtra, SolverNotFound
+from surefoot.solvers.backends import ConeProgram, End, Options, backend
 from surefoot.solvers.solver import Answer, Settings, register
 
 QP_SOLVERS = ("daqp", "quadprog", "proxqp", "osqp", "piqp", "highs")
+STATUS_OF = dict.fromkeys(End, Status.STALLED) | {
+    End.INFEASIBLE: Status.INFEASIBLE,
+    End.ALMOST_INFEASIBLE: Status.INFEASIBLE,
+    End.UNBOUNDED: Status.INFEASIBLE,
+    End.MAX_ITERATIONS: Status.MAX_ITERATIONS,
+    End.MAX_TIME: Status.MAX_TIME,
+}
+"""What a solver's own word counts for; whether it is SOLVED is for the residuals to say."""
 
 
 def _active(problem: ContactProblem) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -44,61 +51,35 @@ def _selector(count: int, component: int) -> Any:
     )
 
 
+def _scaled(problem: ContactProblem, G: FloatArray, g: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Return G and g of size one, and the unit of force [N·s] that goes with it: tolerances are absolute."""
+    size, length = problem.norm or 1.0, float(np.linalg.norm(g)) or 1.0
+    return G / size, g / length, length / size
+
+
 @register("clarabel", laws=("convex",))
 def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve the convex law with exact second-order cones by Clarabel's interior-point method.
-
-    References
-    ----------
-    .. [1] P. Goulart, Y. Chen, "Clarabel: an interior-point solver for conic programs with quadratic
-       objectives", 2024.
-    """
-    try:
-        import clarabel
-    except ImportError as error:
-        raise MissingExtra("clarabel", "qp") from error
+    """Solve the convex law with exact second-order cones by Clarabel's interior-point method."""
     on, G, g = _active(problem)
     n = on.size
     if n == 0:
         return Answer(_spread(problem, on, []), 0)
-    size, length = problem.norm or 1.0, float(np.linalg.norm(g)) or 1.0
-    unit = length / size  # tolerances are absolute: hand over a problem of size one
-    G, g = G / size, g / length
+    G, g, unit = _scaled(problem, G, g)
     low, high, mu = problem.normal_min[on] / unit, problem.normal_max[on] / unit, problem.mu[on]
-    blocks, bounds, cones = [], [], []
     # without friction the second-order cone says nothing of the sign of f_z
-    lower, upper = np.flatnonzero((low > 0.0) | (mu == 0.0)), np.flatnonzero(np.isfinite(high))
+    lower = np.flatnonzero((low > 0.0) | (mu == 0.0))
     pick_z = _selector(n, 2)
-    if lower.size + upper.size:
-        blocks.append(sp.vstack([-pick_z[lower], pick_z[upper]]))
-        bounds.append(np.concatenate([-low[lower], high[upper]]))
-        cones.append(clarabel.NonnegativeConeT(int(lower.size + upper.size)))
     order = (np.arange(3)[None, :] * n + np.arange(n)[:, None]).ravel()  # (mu z, x, y) per contact
     stack = sp.vstack([sp.diags(mu) @ pick_z, _selector(n, 0), _selector(n, 1)]).tocsr()
-    blocks.append(-stack[order])
-    bounds.append(np.zeros(3 * n))
-    cones += [clarabel.SecondOrderConeT(3)] * n
-    options = clarabel.DefaultSettings()
-    options.verbose = False
+    bounds = sp.vstack([-pick_z.tocsr()[lower], pick_z], format="csr"), np.concatenate([-low[lower], high])
+    program = ConeProgram.of(G, g, nonneg=bounds, second_order=(-stack[order], np.zeros(3 * n)))
     # its stopping test is not ours: on a cone's boundary the velocity error is about the root of its gap
-    options.tol_gap_abs = options.tol_gap_rel = max(settings.tol**2, 1e-16)
-    options.tol_feas = max(1e-3 * settings.tol, 1e-14)
-    if settings.max_iterations is not None:
-        options.max_iter = settings.max_iterations
-    if np.isfinite(settings.max_time):
-        options.time_limit = settings.max_time
-    solver = clarabel.DefaultSolver(
-        sp.csc_matrix(np.triu(G)), g, sp.csc_matrix(sp.vstack(blocks)), np.concatenate(bounds), cones, options
-    )
-    found = solver.solve()
-    forces = unit * np.asarray(found.x)
-    return Answer(_spread(problem, on, forces), int(found.iterations), _clarabel_status(str(found.status)))
-
-
-def _clarabel_status(text: str) -> Status:
-    if "Infeasible" in text:
-        return Status.INFEASIBLE
-    return {"MaxIterations": Status.MAX_ITERATIONS, "MaxTime": Status.MAX_TIME}.get(text, Status.STALLED)
+    gap = max(settings.tol**2, 1e-16)
+    own = {"tol_gap_abs": gap, "tol_gap_rel": gap, "tol_feas": max(1e-3 * settings.tol, 1e-14)}
+    options = Options(None, settings.max_iterations, settings.max_time, own=own)
+    found = backend("clarabel", options).solve(program)
+    assert found.x is not None
+    return Answer(_spread(problem, on, unit * found.x), found.iterations, STATUS_OF[found.end])
 
 
 def pyramid_rows(problem: ContactProblem, on: IntArray) -> tuple[Any, FloatArray]:
@@ -115,57 +96,34 @@ def pyramid_rows(problem: ContactProblem, on: IntArray) -> tuple[Any, FloatArray
     return sp.block_diag(blocks, format="csc"), np.concatenate(limits)
 
 
-def _tolerances(name: str, settings: Settings) -> dict[str, Any]:
-    """Return each backend's own words for the tolerance and the bound on its iterations."""
+def _options(name: str, settings: Settings) -> Options:
+    """Return how a QP solver is run: to a hundredth of the tolerance, and what it needs besides."""
     tight = max(1e-2 * settings.tol, 1e-12)
-    table: dict[str, dict[str, Any]] = {
-        "daqp": {"dual_tol": tight, "primal_tol": tight},
-        # no polishing: where no constraint is active OSQP says so on stdout, whatever verbose is
-        "osqp": {"eps_abs": tight, "eps_rel": tight, "polishing": False, "max_iter": 50_000},
-        "highs": {
-            "primal_feasibility_tolerance": max(tight, 1e-10),
-            "dual_feasibility_tolerance": max(tight, 1e-10),
-            "qp_regularization_value": 1e-11,  # its default is what would be seen of the answer
-        },
-        "proxqp": {"eps_abs": tight, "eps_rel": 0.0},
-        "piqp": {"eps_abs": 0.01 * tight, "eps_rel": 0.01 * tight},
+    if name == "piqp":
+        tight *= 0.01
+    own: dict[str, dict[str, float]] = {
+        "osqp": {"max_iter": settings.max_iterations or 50_000},
+        "highs": {"qp_regularization_value": 1e-11},  # its default is what would be seen of the answer
     }
-    options = table.get(name, {})
-    if settings.max_iterations is not None and name in ("osqp", "proxqp", "piqp"):
-        options["max_iter"] = settings.max_iterations
-    return options
+    return Options(tight, settings.max_iterations, settings.max_time, own=own.get(name, {}))
 
 
 def _solve_qp(
     name: str, problem: ContactProblem, settings: Settings, warm_start: FloatArray | None
 ) -> Answer:
     """Solve the convex law on pyramids with one QP backend."""
-    try:
-        import qpsolvers
-    except ImportError as error:
-        raise MissingExtra("qpsolvers", "qp") from error
-    if name not in qpsolvers.available_solvers:
-        raise SolverNotFound(f"{name} is not installed; run: pip install 'surefoot[qp]'")
+    solver = backend(name, _options(name, settings))
     on, G, g = _active(problem)
     if on.size == 0:
         return Answer(_spread(problem, on, []), 0)
     C, d = pyramid_rows(problem, on)
-    size, length = problem.norm or 1.0, float(np.linalg.norm(g)) or 1.0
-    unit = length / size  # tolerances are absolute: hand over a problem of size one
-    G, g, d = G / size, g / length, d / unit
+    G, g, unit = _scaled(problem, G, g)
     if name == "quadprog":  # its Cholesky factorisation needs a positive definite matrix
         G = G + 1e-12 * np.eye(G.shape[0])
-    sparse = name in ("osqp", "highs")
-    program = qpsolvers.Problem(sp.csc_matrix(G) if sparse else G, g, C if sparse else C.toarray(), d)
     start = None if warm_start is None else warm_start[on].ravel() / unit
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # backends warn through Python; our status says it
-            found = qpsolvers.solve_problem(program, name, initvals=start, **_tolerances(name, settings))
-    except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError):
-        return Answer(_spread(problem, on, None), 0, Status.STALLED)
-    forces = None if found.x is None else unit * np.asarray(found.x)
-    return Answer(_spread(problem, on, forces), int(found.extras.get("iter", 0) or 0), Status.STALLED)
+    found = solver.solve(ConeProgram.of(G, g, nonneg=(C, d / unit)), start)
+    forces = None if found.x is None else unit * found.x
+    return Answer(_spread(problem, on, forces), found.iterations, Status.STALLED)
 
 
 def _register_qp(name: str) -> None:

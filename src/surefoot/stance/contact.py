@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -108,6 +109,14 @@ class Contact(ABC):
     def cone(self) -> Cone:
         """The cone of the contact's force (3) or wrench (6), in the contact frame."""
 
+    @abstractmethod
+    def sides(self, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+        """Return the rows C (`side_count` of them, dim) of C @ force <= 0: friction made of half-spaces."""
+
+    @abstractmethod
+    def side_count(self, facets: int) -> int:
+        """Return how many rows `sides` has."""
+
     @property
     def normal(self) -> FloatArray:
         """(3,) unit normal out of the ground, world axes."""
@@ -135,6 +144,14 @@ class PointContact(Contact):
     def cone(self) -> FrictionCone:
         """The friction cone of the contact force, in the contact frame."""
         return FrictionCone(self.mu)
+
+    def sides(self, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+        """(facets, 3) sides of the friction pyramid, in newtons of tangential force."""
+        return self.cone.polyhedral(facets, fit).halfspaces[:facets]
+
+    def side_count(self, facets: int) -> int:
+        """Return `facets`."""
+        return facets
 
 
 class PatchContact(Contact):
@@ -176,6 +193,16 @@ class PatchContact(Contact):
         from surefoot.cones.wrench import WrenchCone
 
         return WrenchCone(self.length, self.width, self.mu)
+
+    def sides(self, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+        """(16, 6) rows of the `WrenchCone`, whose friction pyramid has four sides whatever `facets` says."""
+        from surefoot.cones.wrench import WrenchCone
+
+        return WrenchCone(self.length, self.width, self.mu, fit).halfspaces
+
+    def side_count(self, facets: int) -> int:
+        """Return 16."""
+        return 16
 
     def corner_offsets(self) -> FloatArray:
         """(4, 2) places of the corners in the contact frame [m], clockwise from front left."""

@@ -16,6 +16,7 @@ from surefoot.cones import ProductCone
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import skew
 from surefoot.stance.contact import Contact, PatchContact, PointContact
+from surefoot.stance.halfspaces import Axes, Fit, HalfSpaces, halfspaces, row_counts
 
 
 class Stance:
@@ -111,6 +112,53 @@ class Stance:
             if contact.dim == 6:
                 block[3:, 3:] = R
         return out
+
+    def halfspaces(
+        self,
+        facets: int = 8,
+        fit: Fit = "inner",
+        axes: Axes = "contact",
+        swing: Sequence[bool] | Sequence[str] = (),
+    ) -> HalfSpaces:
+        """Return the rows that a QP over the stacked forces needs: friction, normal bounds, swing feet.
+
+        Parameters
+        ----------
+        facets
+            Sides of each point's friction pyramid, >= 3.
+        fit
+            "inner" never promises force that the ground cannot give, "outer" never forbids any.
+        axes
+            Of the forces: "contact" (each in its contact frame) or "world".
+        swing
+            Contacts whose force is zero: their names, or one flag per contact.
+
+        Returns
+        -------
+        HalfSpaces
+            A @ forces <= b with facets + 2 rows per stance foot (18 for a patch), E @ forces = e with
+            three rows per swing foot (six for a patch); `halfspace_counts` tells how many beforehand.
+
+        Raises
+        ------
+        ProblemError
+            For fewer than three facets, or an unknown fit, axes or contact.
+
+        Examples
+        --------
+        >>> feet = [[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]]
+        >>> stance = Stance([PointContact(p, mu=0.6, normal_min=10.0, normal_max=500.0) for p in feet])
+        >>> rows = stance.halfspaces(facets=4, swing=[False, True, True, False])  # a trot
+        >>> rows.A.shape, rows.E.shape, stance.halfspace_counts(4, [False, True, True, False])
+        ((12, 12), (6, 12), (12, 6))
+        """
+        return halfspaces(self.contacts, facets, fit, axes, swing)
+
+    def halfspace_counts(
+        self, facets: int = 8, swing: Sequence[bool] | Sequence[str] = ()
+    ) -> tuple[int, int]:
+        """Return how many rows A and E of `halfspaces` have."""
+        return row_counts(self.contacts, facets, swing)
 
     def cone(self) -> ProductCone:
         """Return the product of the contacts' cones, for the stacked forces."""

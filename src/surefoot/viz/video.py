@@ -18,8 +18,8 @@ from surefoot.errors import MissingExtra, SurefootError
 from surefoot.robot import Robot
 from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
-from surefoot.spatial import quaternion_wxyz
-from surefoot.stance import Terrain
+from surefoot.spatial import GRAVITY, quaternion_wxyz
+from surefoot.terrain import Terrain
 from surefoot.viz.meshes import add_meshes
 
 WIDTH, HEIGHT, RATE = 640, 480, 25
@@ -186,7 +186,7 @@ def frames_of(log: Log, robot: Robot, terrain: Terrain, rate: int = RATE) -> Ite
     renderer = Renderer(robot, terrain)
     try:
         every = 1.0 / (rate * float(log.facts["dt"]))
-        scale = ARROW_LENGTH * renderer._size / (robot.mass * 9.81)
+        scale = ARROW_LENGTH * renderer._size / (robot.mass * GRAVITY)
         for k in range(int(len(log) / every)):
             step = int(k * every)
             yield renderer.frame(log["q"][step], log_arrows(log, step, terrain, scale))

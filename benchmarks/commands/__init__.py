@@ -1,0 +1,21 @@
+"""`surefoot bench ...`: one sub-command per benchmark; each prints a ratio to rivals of the same run."""
+
+from __future__ import annotations
+
+import typer
+
+from benchmarks.commands import contact, faults, forces, momentum, rigid, statics, walk
+from surefoot.cli.literal_help import LiteralHelpCommand
+
+app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
+
+
+@app.callback()
+def bench() -> None:
+    """Measure Surefoot against its rivals in the same run."""
+
+
+for _command in (
+    momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
+):  # fmt: skip
+    app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

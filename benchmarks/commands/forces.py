@@ -1,0 +1,163 @@
+"""`surefoot bench forces`: accuracy against time of force distribution, exact cones and facets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.errors import MissingExtra
+
+WIDTH = 126
+"""Columns that the table needs; a narrower terminal wraps its lines."""
+QUICK_COUNT, QUICK_INSTANCES, QUICK_STAND = 10, 6, 1.5
+"""Of --quick: allocations of each class, instances checked, length of the stand [s]."""
+WEIGHTS = (1e-1, 1e-2, 1e-4)
+"""Force weights of the check against Clarabel."""
+
+
+def forces(
+    out: Annotated[Path | None, typer.Option(help="Write a picture to a new folder below this one.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few instances, one short stand: seconds.")] = False,
+    count: Annotated[int, typer.Option("--count", min=2, help="Allocations of each class.")] = 200,
+    instances: Annotated[int, typer.Option(min=0, help="Random instances checked against Clarabel.")] = 300,
+    log: Annotated[
+        Path | None, typer.Option(help="A log.npz; its busiest stretch is the trajectory.")
+    ] = None,
+    stands: Annotated[
+        bool, typer.Option("--stands/--no-stands", help="Simulate stands, to time warm starts along them.")
+    ] = True,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Compare exact force distribution with cone solvers, and with QP solvers on 4, 8 and 16 facets."""
+    from benchmarks.forces.accuracy import measure_accuracy
+    from benchmarks.forces.race import run_all
+    from benchmarks.forces.torques import time_torque_limits
+    from benchmarks.forces.warm import measure_all
+    from surefoot.problems.allocations import busiest, random_instances, read_log
+
+    check_out(out)
+    extras.require(["pin", "clarabel", "qpsolvers"], ["matplotlib"] if out is not None else [])
+    if quick:
+        count, instances = min(count, QUICK_COUNT), min(instances, QUICK_INSTANCES)
+    steps = 5 * count // 2
+    progress = plain_console(stderr=True)
+    logged = None if log is None else busiest(read_log(log), steps)
+    with progress.status("timing") as status:
+        rows = run_all(count, steps, logged, status.update)
+        warm = list(measure_all(_trajectories(steps, logged, stands, quick, progress), status.update))
+        torques = time_torque_limits(count)
+        status.update("checking against Clarabel")
+        checks = {
+            weight: measure_accuracy(random_instances(instances), weight) if instances else None
+            for weight in WEIGHTS
+        }
+    if json:
+        tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
+        found = {name: [asdict(row) for row in table] for name, table in tables.items()}
+        accuracy = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
+        print(to_json({**found, "accuracy": accuracy}))
+    else:
+        console = plain_console()
+        console = console if console.width >= WIDTH else plain_console(width=WIDTH)
+        _print(console, rows, checks)
+        _print_warm(console, warm)
+        _print_torques(console, torques)
+    if out is not None:
+        from benchmarks.forces.pictures import plot_accuracy, plot_warm_starts
+
+        folder = new_run_folder(out, "bench-forces")
+        for path in (plot_accuracy(rows, folder), plot_warm_starts(warm, folder)):
+            typer.echo(f"picture: {path}", err=True)
+
+
+def _trajectories(
+    steps: int, logged: list[Any] | None, stands: bool, quick: bool, progress: Console
+) -> Iterator[tuple[str, list[Any]]]:
+    """Yield the made trajectory, the log's and the busiest stretches of simulated stands."""
+    from surefoot.problems.allocations import busiest, pushed_stance
+    from surefoot.problems.trajectories import SCENES, simulate
+
+    yield "made", pushed_stance(steps, 1.0 / steps)
+    if logged is not None:
+        yield "log", logged
+    for scene in SCENES[: 1 if quick else None] if stands else ():
+        try:
+            yield scene.name, busiest(simulate(scene, QUICK_STAND) if quick else simulate(scene), steps)
+        except MissingExtra as error:
+            progress.print(f"no simulated stands: {error}")
+            return
+
+
+def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
+    """Print one table per class of instances, then the check against Clarabel."""
+    for kind in dict.fromkeys(row.instances for row in rows):
+        table = Table(
+            "cone", "solver", "tol", "median [µs]", "p99", "worst", "solved", "off the cone [N]",
+            "lost friction", "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
+        )  # fmt: skip
+        for row in rows:
+            if row.instances == kind:
+                t = row.timing
+                table.add_row(
+                    row.cone, row.solver + (" warm" if row.warm else ""),
+                    f"{row.tolerance:.0e}" if row.tolerance == row.tolerance else "",
+                    *(f"{1e6 * s:.1f}" for s in (t.median, t.p99, t.worst)),
+                    f"{row.solved:.0%}", f"{row.cone_violation:.1e}", f"{row.lost_friction:+.1%}",
+                    f"{row.distance:.1e}", f"{row.distance_worst:.1e}", f"{row.shortfall:+.1e}",
+                )  # fmt: skip
+        console.print(table)
+    for weight, found in checks.items():
+        if found is not None:
+            apart, mine, its = (
+                " / ".join(f"{v:.1e}" for v in values)
+                for values in (found.force_distance, found.error, found.error_clarabel)
+            )
+            console.print(
+                f"{found.instances} random instances, force weight {weight:g}: {found.not_solved} unsolved; "
+                f"objective above Clarabel's by at most {found.objective_excess:.1e} (relative); "
+                f"forces apart by {apart} N (median, p99, worst), more than 1e-5 N in {found.far}; "
+                f"from the optimum in fifty digits {mine} N, Clarabel's {its} N; "
+                f"off the cone by at most {found.cone_violation:.1e} N"
+            )
+
+
+def _print_warm(console: Console, rows: list[Any]) -> None:
+    """Print what a warm start is worth, a line per trajectory."""
+    table = Table(
+        "trajectory", "active", "iterations", "cold", "warm", "ratio", "loop cold", "loop warm", "ratio",
+        "DAQP cold", "DAQP warm", title="warm starts: median/99th percentile [µs]; DAQP with 8 inner facets",
+        title_justify="left", collapse_padding=True, pad_edge=False,
+    )  # fmt: skip
+    for row in rows:
+        table.add_row(
+            row.trajectory, f"{row.active:.0%}", f"{row.iterations_cold:.1f}→{row.iterations_warm:.1f}",
+            _times(row.cold), _times(row.warm), f"{row.warm.median / row.cold.median:.2f}",
+            _times(row.loop_cold), _times(row.loop_warm),
+            f"{row.loop_warm.median / row.loop_cold.median:.2f}",
+            *("-" if t is None else _times(t) for t in (row.daqp_cold, row.daqp_warm)),
+        )  # fmt: skip
+    console.print(table)
+
+
+def _times(timing: Any) -> str:
+    """Return median and 99th percentile in microseconds."""
+    return f"{1e6 * timing.median:.2f}/{1e6 * timing.p99:.2f}"
+
+
+def _print_torques(console: Console, rows: list[Any]) -> None:
+    """Print what torque limits cost, a line per limit."""
+    for row in rows:
+        console.print(
+            f"torque limit {row.limit:g} N·m: binds in {row.binding:.0%}, solved {row.solved:.0%}, "
+            f"worst excess {row.excess:.1e} N·m, {1e6 * row.timing.median:.1f} µs median, "
+            f"{1e6 * row.timing.p99:.1f} µs p99"
+        )

@@ -1,0 +1,94 @@
+"""Siconos on the same problems, in the system's Python, where its Debian package is installed."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.contact import ContactProblem
+from surefoot.problems.judge import DECADES, finer, judge
+
+SYSTEM_PYTHON = "/usr/bin/python3"
+METHODS = ("nsgs", "newton", "admm")
+
+
+class SiconosRun(NamedTuple):
+    """Forces of one method at one tolerance; `solve` and `fresh` are seconds without and with set-up."""
+
+    forces: FloatArray
+    solve: float
+    fresh: float
+
+
+def siconos_installed() -> bool:
+    """Tell whether the system's Python has Siconos, and SciPy for its sparse matrices."""
+    if not Path(SYSTEM_PYTHON).exists():
+        return False
+    command = [SYSTEM_PYTHON, "-c", "import siconos.numerics, scipy.sparse"]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+def siconos_best(
+    problems: Sequence[ContactProblem], tol: float, timeout: float = 3600.0
+) -> dict[str, list[tuple[SiconosRun | None, float]]]:
+    """Return, by method ("siconos nsgs", ...) and problem, the loosest run that satisfies our judge.
+
+    With it its residual; None, and the least residual of all runs, where no run is accurate enough. Runs in
+    a process of its own on one core: first by decades, then between the two decades that matter.
+    """
+    every = {(m, k): [tol * 10.0**d for d in DECADES] for m in METHODS for k in range(len(problems))}
+    rough = _run(problems, every, timeout)
+    wanted = {}
+    for key, runs in rough.items():
+        good = [j for j, r in enumerate(runs) if judge(problems[key[1]], r.forces) <= tol]
+        if good and good[0] > 0:
+            wanted[key] = [tol * 10.0**d for d in finer(DECADES[good[0]])]
+    fine = _run(problems, wanted, timeout) if wanted else {}
+    table: dict[str, list[tuple[SiconosRun | None, float]]] = {}
+    for method in METHODS:
+        rows: list[tuple[SiconosRun | None, float]] = []
+        for k, problem in enumerate(problems):
+            runs = fine.get((method, k), []) + rough.get((method, k), [])
+            gaps = [judge(problem, r.forces) for r in runs]
+            first = next((j for j, gap in enumerate(gaps) if gap <= tol), None)
+            rows.append(
+                (None, min(gaps, default=float("inf"))) if first is None else (runs[first], gaps[first])
+            )
+        table[f"siconos {method}"] = rows
+    return table
+
+
+def _run(
+    problems: Sequence[ContactProblem], wanted: Mapping[tuple[str, int], Sequence[float]], timeout: float
+) -> dict[tuple[str, int], list[SiconosRun]]:
+    """Run methods on problems at tolerances, loosest first; a method out of time skips its last ones."""
+    arrays: dict[str, Any] = {"count": np.array(len(problems))}
+    for k, p in enumerate(problems):
+        arrays |= {f"G_{k}": p.G, f"g_{k}": p.g, f"mu_{k}": p.mu}
+    for (method, k), tolerances in wanted.items():
+        arrays[f"tol_{method}_{k}"] = np.array(tolerances)
+    worker = Path(__file__).with_name("siconos_worker.py")
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "problems.npz", Path(folder) / "found.npz"
+        np.savez(source, **arrays)
+        command = [SYSTEM_PYTHON, str(worker), str(source), str(target)]
+        quiet = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        quiet.pop("PYTHONPATH", None)
+        subprocess.run(command, check=True, capture_output=True, timeout=timeout, env=quiet)
+        with np.load(target) as data:
+            found = {name: data[name] for name in data.files}
+    return {
+        (method, k): [
+            SiconosRun(found[key][:-2].reshape(-1, 3), float(found[key][-2]), float(found[key][-1]))
+            for j in range(len(tolerances))
+            if (key := f"{method}_{k}_{j}") in found
+        ]
+        for (method, k), tolerances in wanted.items()
+    }

@@ -1,0 +1,1 @@
+"""The force distribution benchmark: accuracy against time, exact cones and facets, warm starts."""

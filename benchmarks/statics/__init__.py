@@ -1,0 +1,1 @@
+"""The statics benchmark: verdicts and times against SciPy's HiGHS, Clarabel and cddlib."""

@@ -1,0 +1,204 @@
+"""Statics against SciPy's HiGHS, Clarabel and cddlib: whether they agree, and how fast each is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from benchmarks.statics import rivals
+from benchmarks.timing import Timing, one_core, time_calls
+from surefoot.cones.representation import halfspaces_from_rays
+from surefoot.equilibrium import can_stand, com_region
+from surefoot.equilibrium.wrench_cone import wrench_cone
+from surefoot.problems.stances import StanceCase, random_case, random_cases
+from surefoot.stance import PatchContact, PointContact, Stance
+
+BAND = 1e-7
+"""Verdicts may differ where the margin is below this share of the load."""
+
+
+@dataclass
+class Agreement:
+    """How often verdicts agree with an independent solver.
+
+    Attributes
+    ----------
+    rival
+        Who was asked, and with which cones.
+    cases, possible
+        How many questions, and how many of them have forces.
+    agreed, in_band, disagreed
+        Same verdict; different ones with the rival's margin within `BAND` of zero; different ones
+        outside the band.
+    verified
+        How many of our verdicts proved themselves (`Verdict.verify`).
+    worst_margin
+        Largest difference between the margins, as a share of the load, where both are finite.
+    """
+
+    rival: str
+    cases: int = 0
+    possible: int = 0
+    agreed: int = 0
+    in_band: int = 0
+    disagreed: int = 0
+    verified: int = 0
+    worst_margin: float = 0.0
+
+
+def agreement(cases: Sequence[StanceCase], facets: int | None = None) -> Agreement:
+    """Compare verdicts with Clarabel (exact cones) or HiGHS (pyramids of so many facets)."""
+    result = Agreement("Clarabel, exact cones" if facets is None else f"HiGHS, {facets} facets")
+    for case in cases:
+        verdict = can_stand(case.stance, case.com, case.mass, case.external_wrench, facets)
+        scale = float(np.linalg.norm(verdict.load))
+        solve = rivals.clarabel_margin(case) if facets is None else rivals.highs_margin(case, facets)
+        theirs = solve() / scale
+        result.cases += 1
+        result.possible += verdict.feasible
+        result.verified += verdict.verify()
+        if (not math.isnan(theirs) and theirs >= 0.0) == verdict.feasible:
+            result.agreed += 1
+        elif abs(theirs) <= BAND:
+            result.in_band += 1
+        else:
+            result.disagreed += 1
+        ours = verdict.margin / scale
+        if abs(ours) < rivals.CAP and not math.isnan(theirs):
+            result.worst_margin = max(result.worst_margin, abs(ours - theirs))
+    return result
+
+
+@dataclass(frozen=True)
+class Race:
+    """One question timed: who, how long, and how that compares with the first of the same question."""
+
+    question: str
+    who: str
+    timing: Timing
+    ratio: float
+
+
+def races(count: int = 200, seed: int = 1) -> list[Race]:
+    """Time every question on the same instances, one core, matrices of the rivals built beforehand."""
+    rng = np.random.default_rng(seed)
+    few = max(10, count // 10)
+    feet = [_four_feet(rng) for _ in range(count)]
+    wide = [case for case in feet if com_region(case.stance, case.mass).area > 1e-3][:few]
+    soles = [_two_soles(rng) for _ in range(few)]
+    flat = [random_case(rng, "flat", contacts=4) for _ in range(few)]
+    possible = sum(can_stand(c.stance, c.com, c.mass).feasible for c in feet)
+    out: list[Race] = []
+    with one_core():
+        out += _race(f"can it stand, 4 points ({possible} of {count} can)", _stand_racers(feet))
+        out += _race("can it stand, 4 points: what is new in each call", _novelty_racers(feet))
+        out += _race("CoM region to 1 mm, 4 points", _region_racers(wide))
+        out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
+        out += _race("wrench cone, 4 points on rough ground, 8 facets", _cone_racers(wide))
+        out += _race("wrench cone, 4 points on flat ground, 8 facets", _cone_racers(flat))
+    return out
+
+
+_Racers = list[tuple[str, Callable[[Any], Any], list[Any]]]
+
+
+def _race(question: str, racers: _Racers) -> list[Race]:
+    times = [(who, time_calls(call, items, warm_up=len(items))) for who, call, items in racers]
+    first = times[0][1].median
+    return [Race(question, who, timing, timing.median / first) for who, timing in times]
+
+
+def _stand_racers(cases: list[StanceCase]) -> _Racers:
+    def call(solve: Callable[[], Any]) -> Any:
+        return solve()
+
+    return [
+        ("surefoot, exact cones, a stance asked before", _ask, cases),
+        (
+            "surefoot, 8 facets",
+            lambda c: can_stand(c.stance, c.com, c.mass, c.external_wrench, facets=8),
+            cases,
+        ),
+        ("Clarabel, exact cones", call, [rivals.clarabel_margin(c) for c in cases]),
+        ("SciPy HiGHS, 8 facets", call, [rivals.highs_feasible(c) for c in cases]),
+    ]
+
+
+def _ask(case: StanceCase) -> Any:
+    return can_stand(case.stance, case.com, case.mass, case.external_wrench)
+
+
+def _novelty_racers(cases: list[StanceCase]) -> _Racers:
+    """Return the question to the same stance again, to a new one of old contacts, and with all built anew."""
+
+    def fresh(case: StanceCase) -> Any:
+        return can_stand(Stance(case.stance.contacts), case.com, case.mass, case.external_wrench)
+
+    def built(data: tuple[StanceCase, list[tuple[Any, Any, float]]]) -> Any:
+        case, feet = data
+        stance = Stance([PointContact(position, normal, mu) for position, normal, mu in feet])
+        return can_stand(stance, case.com, case.mass, case.external_wrench)
+
+    data = [(case, [(c.position, c.normal, c.mu) for c in case.stance]) for case in cases]
+    return [
+        ("surefoot, a stance asked before", _ask, cases),
+        ("surefoot, a fresh stance of the same contacts", fresh, cases),
+        ("surefoot, contacts and stance built too", built, data),
+    ]
+
+
+def _region_racers(cases: list[StanceCase]) -> _Racers:
+    def call(solve: Callable[[], Any]) -> Any:
+        return solve()
+
+    return [
+        ("surefoot, exact cones, certified gap", lambda c: com_region(c.stance, c.mass, tol=1e-3), cases),
+        ("SciPy HiGHS, 32 LPs of 8 facets", call, [rivals.highs_region(c.stance, c.mass) for c in cases]),
+    ]
+
+
+def _cone_racers(cases: list[StanceCase]) -> _Racers:
+    def call(solve: Callable[[], Any]) -> Any:
+        return solve()
+
+    rays = [wrench_cone(c.stance, c.com, facets=8).rays for c in cases]
+    cddlib: _Racers = []
+    if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
+        cddlib = [("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays])]
+    return [
+        ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
+        ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),
+        *cddlib,
+        ("surefoot, the whole cone from a stance", lambda c: wrench_cone(c.stance, c.com, facets=8), cases),
+    ]
+
+
+def _four_feet(rng: np.random.Generator) -> StanceCase:
+    """Return a quadruped's stance on rough ground, its weight somewhere about the middle."""
+    case = random_case(rng, "tilted", contacts=4)
+    feet = []
+    for contact, (x, y) in zip(
+        case.stance, ((0.2, 0.15), (0.2, -0.15), (-0.2, 0.15), (-0.2, -0.15)), strict=True
+    ):
+        place = np.array([x, y, 0.0]) + rng.normal(size=3) * [0.03, 0.03, 0.05]
+        feet.append(PointContact(place, contact.normal, max(0.3, contact.mu)))
+    com = np.array([*rng.normal(size=2) * [0.12, 0.09], 0.3])
+    return StanceCase(Stance(feet), com, case.mass, np.zeros(6), "tilted")
+
+
+def _two_soles(rng: np.random.Generator) -> StanceCase:
+    """Return a humanoid's stance: two soles on ground that tilts under each."""
+    feet = []
+    for side in (1.0, -1.0):
+        normal = np.array([*rng.normal(size=2) * 0.2, 1.0])
+        place = np.array([rng.uniform(-0.1, 0.1), 0.1 * side, rng.uniform(0.0, 0.1)])
+        feet.append(PatchContact(place, 0.2, 0.1, normal / np.linalg.norm(normal), rng.uniform(0.4, 0.9)))
+    return StanceCase(Stance(feet), np.array([0.0, 0.0, 0.8]), 35.0, np.zeros(6), "patches")
+
+
+__all__ = ["Agreement", "Race", "agreement", "races", "random_cases"]

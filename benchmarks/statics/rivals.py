@@ -1,0 +1,176 @@
+"""The same questions to a stance, put to SciPy's HiGHS, Clarabel and cddlib.
+
+Each is written from the mathematics and shares no code with `surefoot.equilibrium`: these are the
+oracles of the tests as well as the rivals of the benchmark.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linprog
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import MissingExtra
+from surefoot.problems.stances import StanceCase
+from surefoot.solvers.backends import ConeProgram, Options, backend
+from surefoot.spatial import GRAVITY, skew
+from surefoot.stance import Stance
+
+CAP = 1.0
+"""Largest margin that the rivals look for, as a share of the load: squeezing may be unlimited."""
+
+
+def load_of(case: StanceCase) -> FloatArray:
+    """Return the (6,) wrench about the centre of mass that the contacts must give."""
+    weight = np.array([0.0, 0.0, case.mass * GRAVITY, 0.0, 0.0, 0.0])
+    return np.asarray(weight - case.external_wrench)
+
+
+def corners(stance: Stance) -> list[tuple[FloatArray, FloatArray, float]]:
+    """Return (position, rotation_world_contact, mu) of every point contact and patch corner."""
+    out: list[tuple[FloatArray, FloatArray, float]] = []
+    for c in stance:
+        R = c.rotation_world_contact
+        half = 0.5 * np.array([getattr(c, "length", 0.0), getattr(c, "width", 0.0), 0.0])
+        signs = [(0, 0)] if c.dim == 3 else [(1, 1), (1, -1), (-1, -1), (-1, 1)]
+        out.extend((c.position + R @ (half * [x, y, 0.0]), R, c.mu) for x, y in signs)
+    return out
+
+
+def world_grasp(case: StanceCase) -> FloatArray:
+    """Return the (6, 3 k) grasp map of corner forces in contact frames, about the centre of mass."""
+    blocks = [np.vstack([R, skew(p - case.com) @ R]) for p, R, _ in corners(case.stance)]
+    return np.hstack(blocks)
+
+
+def clarabel_margin(case: StanceCase) -> Callable[[], float]:
+    """Return a call that finds the margin over exact cones [N], at most `CAP` loads, by Clarabel.
+
+    The matrices are built beforehand; the call makes the solver and solves. NaN where no forces at all
+    give the load.
+    """
+    load = load_of(case)
+    scale = float(np.linalg.norm(load))
+    points = corners(case.stance)
+    A, n = world_grasp(case), 3 * len(points)
+    cones = np.zeros((3 * len(points), n + 1))  # s = (mu f_z - t sqrt(1 + mu^2), f_x, f_y) in the cone
+    for k, (_, _, mu) in enumerate(points):
+        cones[3 * k, 3 * k + 2], cones[3 * k, n] = mu, -math.sqrt(1.0 + mu * mu)
+        cones[3 * k + 1, 3 * k] = cones[3 * k + 2, 3 * k + 1] = 1.0
+    cap = np.zeros((1, n + 1))
+    cap[0, n] = 1.0
+    grasp = np.hstack([A, np.zeros((6, 1))])
+    program = ConeProgram.of(
+        None, np.append(np.zeros(n), -1.0), zero=(grasp, load / scale), nonneg=(cap, [CAP]),
+        second_order=(-cones, np.zeros(3 * len(points))),
+    )  # fmt: skip
+    clarabel = backend("clarabel", Options(1e-10))
+    call = clarabel.call(clarabel.ready(program))
+
+    def solve() -> float:
+        found = clarabel.read(call())
+        return math.nan if found.x is None or not found.found else float(found.x[n]) * scale
+
+    return solve
+
+
+def highs_margin(case: StanceCase, facets: int = 8) -> Callable[[], float]:
+    """Return a call that finds the margin over inner pyramids [N], at most `CAP` loads, by HiGHS.
+
+    Unknowns are the weights of the pyramids' edges; NaN where no forces at all give the load.
+    """
+    load = load_of(case)
+    scale = float(np.linalg.norm(load))
+    points = corners(case.stance)
+    angles = 2.0 * np.pi * np.arange(facets) / facets
+    edges, shift = [], []
+    for k, (_, _, mu) in enumerate(points):
+        rays = np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)])
+        edges.append(world_grasp(case)[:, 3 * k : 3 * k + 3] @ rays)
+        side = mu * math.cos(math.pi / facets)
+        shift.append(np.full(facets, math.sqrt(1.0 + side * side) / side / facets))
+    A, e = np.hstack(edges), np.concatenate(shift)
+    # beta = beta' + t e with beta' >= 0
+    equal = np.hstack([A, (A @ e)[:, None]])
+    cost = np.concatenate([np.zeros(A.shape[1]), [-1.0]])
+    bounds = [(0.0, None)] * A.shape[1] + [(None, CAP)]
+    options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+
+    def solve() -> float:
+        result: Any = linprog(
+            cost, A_eq=equal, b_eq=load / scale, bounds=bounds, method="highs", options=options
+        )
+        return float(-result.fun) * scale if result.status == 0 else math.nan
+
+    return solve
+
+
+def highs_feasible(case: StanceCase, facets: int = 8) -> Callable[[], bool]:
+    """Return a call that only tells whether inner pyramids can give the load: the usual LP, by HiGHS."""
+    load = load_of(case)
+    angles = 2.0 * np.pi * np.arange(facets) / facets
+    grasp = world_grasp(case)
+    A = np.hstack(
+        [
+            grasp[:, 3 * k : 3 * k + 3]
+            @ np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)])
+            for k, (_, _, mu) in enumerate(corners(case.stance))
+        ]
+    )
+    cost = np.zeros(A.shape[1])
+
+    def solve() -> bool:
+        return bool(linprog(cost, A_eq=A, b_eq=load, bounds=(0.0, None), method="highs").status == 0)
+
+    return solve
+
+
+def highs_region(
+    stance: Stance, mass: float, directions: int = 32, facets: int = 8
+) -> Callable[[], FloatArray]:
+    """Return a call that finds the CoM region's corners by one LP per direction, by HiGHS."""
+    angles = 2.0 * np.pi * np.arange(facets) / facets
+    columns = []
+    for p, R, mu in corners(stance):
+        rays = R @ np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)])
+        columns.append(np.vstack([rays, np.cross(p, rays.T).T]))
+    A = np.hstack(columns)
+    weight = mass * GRAVITY
+    # [sum of forces; moments about the origin] = [0, 0, weight; weight (y, -x), 0]
+    com = np.zeros((6, 2))
+    com[3, 1], com[4, 0] = -weight, weight
+    equal = np.hstack([A, com])
+    load = np.array([0.0, 0.0, weight, 0.0, 0.0, 0.0])
+    bounds = [(0.0, None)] * A.shape[1] + [(None, None)] * 2
+    turn = 2.0 * np.pi * np.arange(directions) / directions
+
+    def solve() -> FloatArray:
+        out = []
+        for angle in turn:
+            cost = np.concatenate([np.zeros(A.shape[1]), [-np.cos(angle), -np.sin(angle)]])
+            result: Any = linprog(cost, A_eq=equal, b_eq=load, bounds=bounds, method="highs")
+            if result.status == 0:
+                out.append(result.x[-2:])
+        return np.array(out).reshape(-1, 2)
+
+    return solve
+
+
+def cddlib_rows(rays: FloatArray) -> Callable[[], FloatArray]:
+    """Return a call that turns rays into half-spaces by cddlib's double description."""
+    try:
+        import cdd
+    except ImportError as error:
+        raise MissingExtra("pycddlib", "cdd") from error
+    rows = np.hstack([np.zeros((len(rays), 1)), rays]).tolist()
+
+    def solve() -> FloatArray:
+        generators = cdd.matrix_from_array(rows, rep_type=cdd.RepType.GENERATOR)
+        found = cdd.copy_inequalities(cdd.polyhedron_from_matrix(generators))
+        return -np.array(found.array)[:, 1:]
+
+    return solve

@@ -1,0 +1,223 @@
+"""The MPC step through other solvers: QP solvers with pyramids, and Clarabel with exact cones.
+
+Each rival is given the same program as ours, either condensed (the forces are the only unknowns) or sparse
+(forces and states, with the model as equations), scaled to numbers near one, as matrices ready in its own
+format: only its own update and solve are timed. One workspace per pattern of the matrices is kept from call
+to call, with its warm start, wherever its interface allows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from benchmarks.walk import hpipm as mpc_hpipm
+from surefoot.arrays import FloatArray
+from surefoot.cones import FrictionPyramid
+from surefoot.control.mpc import ConvexMpc, HorizonProgram
+from surefoot.solvers.backends import ConeProgram, Options, backend, solve_program
+from surefoot.solvers.backends.program import stacked
+
+DECADES = tuple(range(-2, -12, -1))
+"""Powers of ten that a rival's tolerance is tried at; it runs at the loosest eighth of a decade that does."""
+
+
+class Matrices(NamedTuple):
+    """min 1/2 zᵀ P z + qᵀ z subject to A z = b, low <= C z <= high; the first 3c entries of z are forces.
+
+    Forces are divided by `scale`. For exact cones C has one row per contact (its normal force) and the
+    cones come on top. `structure` is equal for two programs whose matrices have the same pattern.
+    """
+
+    P: Any
+    q: FloatArray
+    A: Any
+    b: FloatArray
+    C: Any
+    low: FloatArray
+    high: FloatArray
+    mu: FloatArray
+    scale: float
+    structure: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way to run a rival."""
+
+    form: str
+    warm: bool
+    tol: float
+
+    def __str__(self) -> str:
+        return f"{self.form}, {'warm' if self.warm else 'cold'}, {self.tol:.1e}"
+
+
+@dataclass
+class Rival:
+    """A solver, its facets (None for exact cones) and how it can be run."""
+
+    solver: str
+    facets: int | None
+    forms: tuple[str, ...]
+    warm: tuple[bool, ...]
+    ready: Callable[[Matrices, str], Any] = field(repr=False)
+    make: Callable[[Variant], Callable[[Any], FloatArray]] = field(repr=False)
+
+    @property
+    def name(self) -> str:
+        """What a table says."""
+        return f"{self.solver}, {'exact cones' if self.facets is None else f'{self.facets} facets'}"
+
+    def pack(self, mpc: ConvexMpc, program: HorizonProgram, form: str) -> Any:
+        """Return the program in this rival's format (not timed)."""
+        sparse, dense = form.startswith("sparse"), form == "dense"
+        return self.ready(matrices(mpc, program, self.facets, sparse=sparse, dense=dense), form)
+
+
+def driven(
+    solver: str, facets: int | None, forms: tuple[str, ...], warm: tuple[bool, ...], own: dict[str, Any]
+) -> Rival:
+    """Return the rival that a backend of `surefoot.solvers` is, with settings by its own names."""
+
+    def ready(m: Matrices, form: str) -> tuple[Matrices, Any]:
+        return m, backend(solver.lower(), Options(sparse=form == "sparse")).ready(cone_program(m))
+
+    def make(variant: Variant) -> Callable[[tuple[Matrices, Any]], FloatArray]:
+        sparse = variant.form == "sparse"
+        options = Options(variant.tol, keep=True, warm=variant.warm, sparse=sparse, own=own)
+        run = backend(solver.lower(), options)
+
+        def solve(item: tuple[Matrices, Any]) -> FloatArray:
+            m, given = item
+            return _forces(run.read(run.call(given)()).x, m)
+
+        return solve
+
+    return Rival(solver, facets, forms, warm, ready, make)
+
+
+def rivals() -> list[Rival]:
+    """Return all rivals, fresh; HPIPM only where CasADi's wheel brings it.
+
+    Raises
+    ------
+    MissingExtra
+        If the packages of the extra `qp` are not installed.
+    """
+    out = []
+    for facets in (4, 8):
+        out += [
+            driven("OSQP", facets, ("condensed", "sparse"), (True, False), {"check_termination": 10}),
+            driven("ProxQP", facets, ("dense", "sparse"), (True, False), {}),
+            driven("PIQP", facets, ("dense", "sparse"), (False,), {"check_duality_gap": False}),
+            driven("DAQP", facets, ("dense",), (True, False), {}),
+        ]
+        if mpc_hpipm.hpipm_installed():
+            forms = ("sparse", "sparse, balanced")
+            out.append(Rival("HPIPM", facets, forms, (True, False), _stages, mpc_hpipm.solver))
+    out.append(driven("Clarabel", None, ("condensed", "sparse"), (False,), {}))
+    return out
+
+
+def _stages(m: Matrices, form: str) -> mpc_hpipm.Stages:
+    """Return the stages that HPIPM wants, from the sparse form."""
+    return mpc_hpipm.stages(m)
+
+
+def cone_program(m: Matrices) -> ConeProgram:
+    """Return the program for outside solvers; second-order cones where C holds no pyramids."""
+    c, n = m.mu.size, m.q.size
+    rows = stacked([m.C, -m.C])
+    cones = None
+    if m.low.size == c:
+        at = np.arange(c)
+        values = np.concatenate([-m.mu, -np.ones(2 * c)])
+        where = np.concatenate([3 * at, 3 * at + 1, 3 * at + 2])
+        which = np.concatenate([3 * at + 2, 3 * at, 3 * at + 1])
+        cones = sp.csc_matrix((values, (where, which)), (3 * c, n)), np.zeros(3 * c)
+    bounds = rows if isinstance(rows, np.ndarray) else rows.tocsr(), np.concatenate([m.high, -m.low])
+    return ConeProgram.of(m.P, m.q, zero=(m.A, m.b), nonneg=bounds, second_order=cones)
+
+
+def matrices(
+    mpc: ConvexMpc, program: HorizonProgram, facets: int | None, *, sparse: bool, dense: bool
+) -> Matrices:
+    """Return a horizon's program as matrices, condensed or with states; condensed ones dense if wanted."""
+    c = program.step.size
+    scale = max(float(np.abs(program.centre).max(initial=0.0)), 1.0)
+    H, g = program.condensed()
+    unit = 1.0 / (scale * scale * float(np.mean(np.diag(H)))) if c else 1.0
+    if sparse:
+        P, q, A, b = _with_states(mpc, program, scale)
+        structure: tuple[Any, ...] = (facets, tuple(program.step))
+    else:
+        P, q = scale * scale * H, scale * g
+        A, b = np.zeros((0, 3 * c)), np.zeros(0)
+        structure = (facets, c)
+    C, low, high = _cone_rows(program, facets, scale, P.shape[0])
+    if not dense:
+        P = sp.csc_matrix(P) if sparse else _full_csc(P)
+        A, C = sp.csc_matrix(A), sp.csc_matrix(C)
+    else:
+        P, A, C = np.asfortranarray(P), np.asfortranarray(A), np.asfortranarray(C.toarray())
+    return Matrices(P * unit, q * unit, A, b, C, low, high, program.bounds[:, 0], scale, structure)
+
+
+def _full_csc(H: FloatArray) -> Any:
+    """Return a matrix as CSC that keeps its zeros, so that its pattern never changes."""
+    n = H.shape[0]
+    return sp.csc_matrix((H.T.ravel(), np.tile(np.arange(n), n), np.arange(0, n * n + 1, n)), shape=(n, n))
+
+
+def _cone_rows(
+    program: HorizonProgram, facets: int | None, scale: float, columns: int
+) -> tuple[Any, FloatArray, FloatArray]:
+    """Return C, low, high: the inner pyramids' sides and then the normal bound of every contact."""
+    blocks, low, high = [], [], []
+    for mu, least, most in program.bounds:
+        rows = np.array([[0.0, 0.0, 1.0]])
+        if facets is not None:
+            rows = np.vstack([FrictionPyramid(float(mu), facets, "inner").halfspaces, rows])
+        blocks.append(rows)
+        low.append(np.append(np.full(rows.shape[0] - 1, -np.inf), least / scale))
+        high.append(np.append(np.zeros(rows.shape[0] - 1), most / scale))
+    C = sp.block_diag(blocks, format="csc") if blocks else sp.csc_matrix((0, 0))
+    C = sp.hstack([C, sp.csc_matrix((C.shape[0], columns - C.shape[1]))], format="csc")
+    return C, np.concatenate([*low, np.zeros(0)]), np.concatenate([*high, np.zeros(0)])
+
+
+def _with_states(
+    mpc: ConvexMpc, program: HorizonProgram, scale: float
+) -> tuple[Any, FloatArray, Any, FloatArray]:
+    """Return P, q, A, b in forces and errors x_1 ... x_N (six places, six rates each)."""
+    c, N, dt = program.step.size, mpc.horizon, mpc.dt
+    weights = mpc.weights.matrix().ravel()
+    share = np.ones(N)
+    share[-1] = mpc.weights.terminal
+    P = sp.diags(np.concatenate([np.full(3 * c, program.rho * scale**2), np.outer(share, weights).ravel()]))
+    q = np.concatenate([-program.rho * scale * program.centre.ravel(), np.zeros(12 * N)])
+    step = np.block([[np.eye(6), dt * np.eye(6)], [np.zeros((6, 6)), np.eye(6)]])
+    push = np.vstack([0.5 * dt * dt * np.eye(6), dt * np.eye(6)])
+    blocks = -scale * np.einsum("ra,cxa->crx", push, program.M)  # every entry is kept, zero or not
+    rows = 12 * program.step[:, None, None] + np.arange(12)[None, :, None] + np.zeros((1, 1, 3), np.int64)
+    columns = 3 * np.arange(c)[:, None, None] + np.arange(3)[None, None, :] + np.zeros((1, 12, 1), np.int64)
+    forces = sp.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), (12 * N, 3 * c))
+    states = sp.eye(12 * N) - sp.kron(sp.eye(N, k=-1), step)
+    b = program.drift[1:].reshape(N, 12).copy()
+    b[0] += step @ program.drift[0].ravel()
+    return P, q, sp.hstack([forces.tocsc(), states], format="csc"), b.ravel()
+
+
+def _forces(z: Any, m: Matrices) -> FloatArray:
+    """Return the (c, 3) forces of a solution."""
+    return m.scale * np.asarray(z, dtype=np.float64)[: 3 * m.mu.size].reshape(-1, 3)
+
+
+def solve_exact(m: Matrices, tol: float) -> FloatArray:
+    """Return the (c, 3) forces of a program by Clarabel."""
+    return _forces(solve_program(cone_program(m), tol=tol).x, m)

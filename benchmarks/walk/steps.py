@@ -1,0 +1,118 @@
+"""What the controllers of a walking robot cost per call, on the inputs of a real walk.
+
+The robot walks in MuJoCo under its own controller; every input of the whole-body controller and of the MPC is
+kept and then given to them again, so that nothing but the call is timed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from benchmarks.timing import Timing, one_core
+from surefoot.control.walking import WalkingController
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.control.whole_body import Tasks
+from surefoot.robot import load_robot
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.walking import WalkScenario, run_walking
+
+PASSES = 3
+
+
+@dataclass(frozen=True)
+class StepRow:
+    """Wall time per call of one controller on one robot [s]."""
+
+    robot: str
+    call: str
+    timing: Timing
+
+
+@dataclass
+class _Tape:
+    """Inputs of a walk: (q, v, tasks) of the whole-body controller; elapsed time and arguments of the MPC."""
+
+    whole_body: list[tuple[Any, ...]]
+    plans: list[tuple[float, tuple[Any, ...]]]
+
+
+def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") -> list[StepRow]:
+    """Return the times of whole-body step (with Pinocchio's terms) and of a plan, walking at 0.5 m/s.
+
+    Raises
+    ------
+    MissingExtra
+        Without Pinocchio or MuJoCo.
+    ModelError
+        For an unknown robot, or one that cannot walk.
+    """
+    model = load_robot(robot)
+    controller = WalkingController(model, VelocityCommand.constant(0.5), gait)
+    tape = _Tape([], [])
+    _record_calls(controller, tape)
+    run_walking(MujocoWorld(model, mu=0.6), controller, model.nominal, WalkScenario(seconds, 0.6))
+    fresh = WalkingController(model, VelocityCommand.constant(0.5), gait)
+
+    def plan(item: tuple[float, tuple[Any, ...]]) -> None:
+        fresh.mpc.shift(item[0])
+        fresh.mpc.solve(*item[1])
+
+    return [
+        StepRow(
+            robot, "whole-body step", _best_times(lambda item: fresh.whole_body.step(*item), tape.whole_body)
+        ),
+        StepRow(robot, f"MPC, {fresh.mpc.horizon} steps", _best_times(plan, tape.plans)),
+    ]
+
+
+def _record_calls(controller: WalkingController, tape: _Tape) -> None:
+    """Let a controller's own parts write what they are given onto the tape."""
+    body, mpc = controller.whole_body, controller.mpc
+    update, solve, plan, shift = body.update, body.solve, mpc.solve, mpc.shift
+    state: list[Any] = [None, None, 0.0]
+
+    def keep_state(q: Any, v: Any) -> Any:
+        state[:2] = q.copy(), v.copy()
+        return update(q, v)
+
+    def keep_tasks(tasks: Tasks) -> Any:
+        copies = {f.name: np.array(getattr(tasks, f.name)) for f in fields(tasks)}
+        tape.whole_body.append((state[0], state[1], replace(tasks, **copies)))
+        return solve(tasks)
+
+    def keep_shift(elapsed: float) -> None:
+        state[2] = elapsed
+        shift(elapsed)
+
+    def keep_plan(*arguments: Any) -> Any:
+        copies = tuple(np.array(a) if isinstance(a, np.ndarray) else a for a in arguments)
+        tape.plans.append((state[2], copies))
+        return plan(*arguments)
+
+    for owner, name, wrapped in (
+        (body, "update", keep_state),
+        (body, "solve", keep_tasks),
+        (mpc, "shift", keep_shift),
+        (mpc, "solve", keep_plan),
+    ):
+        setattr(owner, name, wrapped)
+
+
+def _best_times(call: Callable[[Any], Any], items: Sequence[Any]) -> Timing:
+    """Return the best time of some passes for every item."""
+    seconds = np.full(len(items), np.inf)
+    clock = time.perf_counter
+    with one_core():
+        for item in items[:20]:
+            call(item)
+        for _ in range(PASSES):
+            for k, item in enumerate(items):
+                start = clock()
+                call(item)
+                seconds[k] = min(seconds[k], clock() - start)
+    return Timing.of(seconds)

@@ -1,1 +1,0 @@
-"""Named problem sets and measurements against rivals in the same run."""

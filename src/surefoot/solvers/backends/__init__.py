@@ -1,0 +1,78 @@
+"""Outside solvers behind one conic program: one file each, and a table.
+
+HPIPM is not among them: it takes the stages of a horizon, not one program; see `benchmarks/walk/hpipm.py`.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+
+from surefoot.errors import SolverNotFound
+from surefoot.solvers.backends.backend import Backend, Options
+from surefoot.solvers.backends.clarabel import Clarabel
+from surefoot.solvers.backends.daqp import Daqp
+from surefoot.solvers.backends.ecos import Ecos
+from surefoot.solvers.backends.highs import Highs
+from surefoot.solvers.backends.osqp import Osqp
+from surefoot.solvers.backends.piqp import Piqp
+from surefoot.solvers.backends.program import ConeProgram, End, Outcome
+from surefoot.solvers.backends.proxqp import ProxQp
+from surefoot.solvers.backends.quadprog import Quadprog
+from surefoot.solvers.backends.scs import Scs
+
+__all__ = [
+    "BACKENDS",
+    "Backend",
+    "ConeProgram",
+    "End",
+    "Options",
+    "Outcome",
+    "backend",
+    "installed",
+    "solve_program",
+]
+
+BACKENDS: dict[str, type[Backend]] = {
+    kind.name: kind for kind in (Clarabel, Ecos, Scs, Osqp, ProxQp, Piqp, Daqp, Quadprog, Highs)
+}
+
+
+def backend(name: str, options: Options | None = None) -> Backend:
+    """Return an outside solver by its name, ready to be given programs.
+
+    Raises
+    ------
+    SolverNotFound
+        If there is none of that name.
+    MissingExtra
+        If its package is not installed.
+    """
+    if name not in BACKENDS:
+        raise SolverNotFound(f"unknown backend {name!r}; valid names: {', '.join(BACKENDS)}")
+    return BACKENDS[name](options)
+
+
+def installed(name: str) -> bool:
+    """Tell whether a backend's package can be imported."""
+    packages = {"highs": ("qpsolvers", "highspy")}.get(name, (BACKENDS[name].package,))
+    return all(importlib.util.find_spec(package) is not None for package in packages)
+
+
+def solve_program(program: ConeProgram, name: str = "clarabel", tol: float | None = 1e-9) -> Outcome:
+    """Solve one program by an outside solver, from nothing.
+
+    Parameters
+    ----------
+    program
+        Its cones must be among those that the solver takes.
+    name
+        One of `BACKENDS`.
+    tol
+        Of the solver's own stopping test; None for its default.
+
+    Raises
+    ------
+    SolverNotFound, MissingExtra, ProblemError
+        For an unknown name, a package that is not installed, cones that the solver does not take.
+    """
+    return backend(name, Options(tol=tol)).solve(program)

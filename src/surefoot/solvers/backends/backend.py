@@ -1,0 +1,128 @@
+"""What an outside solver is to the package: a class that takes a `ConeProgram` in its own words."""
+
+from __future__ import annotations
+
+import importlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import MissingExtra
+from surefoot.solvers.backends.program import ConeProgram, Outcome
+
+Call = Callable[[], Any]
+"""Hands a program over, solves it and returns what the library returns, for `Backend.read`."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a backend runs.
+
+    Attributes
+    ----------
+    tol
+        Tolerance of its own stopping test; None for its default.
+    max_iterations, max_time
+        Of its own kind, None for its default; [s].
+    keep
+        Where it can, go on with the workspace of the last program of the same pattern.
+    warm
+        With `keep`: start at the last answer, where it can.
+    sparse
+        Of backends with two forms, the sparse one.
+    own
+        Settings by the solver's own names, after all others.
+    """
+
+    tol: float | None = None
+    max_iterations: int | None = None
+    max_time: float = float("inf")
+    keep: bool = False
+    warm: bool = False
+    sparse: bool = False
+    own: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Backend(ABC):
+    """An outside solver with its settings and, if wanted, its workspaces from call to call.
+
+    A program is made `ready`, a `call` hands it over and solves it, its answer is `read`: three steps, so
+    that a benchmark can time the second alone.
+
+    Raises
+    ------
+    MissingExtra
+        If its package is not installed.
+    """
+
+    name: ClassVar[str]
+    package: ClassVar[str]
+    takes_cones: ClassVar[bool] = False
+    keeps_workspace: ClassVar[bool] = False
+    warm_starts: ClassVar[bool] = False
+    has_tol: ClassVar[bool] = True
+
+    def __init__(self, options: Options | None = None) -> None:
+        self.options = options or Options()
+        try:
+            self.module: Any = importlib.import_module(self.package)
+        except ImportError as error:
+            raise MissingExtra(self.package, "qp") from error
+        self._kept: dict[Any, Any] = {}
+
+    def solve(self, program: ConeProgram, start: FloatArray | None = None) -> Outcome:
+        """Solve a program, from a first guess of x where the solver can use one."""
+        return self.read(self.call(self.ready(program), start)())
+
+    @abstractmethod
+    def ready(self, program: ConeProgram) -> Any:
+        """Return a program in the solver's own words.
+
+        Raises
+        ------
+        ProblemError
+            If the solver does not take one of its cones.
+        """
+
+    def call(self, item: Any, start: FloatArray | None = None) -> Call:
+        """Return the call that hands a ready program over and solves it; item[0] is its pattern."""
+        keep = self.options.keep and self.keeps_workspace
+        solver = self._kept.get(item[0]) if keep else None
+        if solver is not None:
+            change = self._change(item)
+
+            def again() -> Any:
+                self._update(solver, change)
+                return self._run(solver, None)
+
+            return again
+
+        def fresh() -> Any:
+            made = self._set_up(item)
+            if keep:
+                self._kept[item[0]] = made
+            return self._run(made, start)
+
+        return fresh
+
+    @abstractmethod
+    def _set_up(self, item: Any) -> Any:
+        """Return a new workspace with a program in it."""
+
+    @abstractmethod
+    def _run(self, solver: Any, start: FloatArray | None) -> Any:
+        """Solve what is in a workspace and return the library's answer."""
+
+    @abstractmethod
+    def read(self, answer: Any) -> Outcome:
+        """Return the library's answer in our words; at once, for some overwrite it in their next call."""
+
+    def _change(self, item: Any) -> Any:
+        """Return what a workspace of the same pattern has to be told; not timed."""
+        return item
+
+    def _update(self, solver: Any, change: Any) -> None:
+        """Hand a change to a workspace."""
+        raise NotImplementedError(f"{self.name} cannot go on from its last program")

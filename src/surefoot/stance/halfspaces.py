@@ -1,0 +1,131 @@
+"""Stacked rows for a QP over contact forces: friction and normal bounds, zero force for swing feet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.stance.contact import Contact
+
+Fit = Literal["inner", "outer"]
+Axes = Literal["contact", "world"]
+BOUNDS = 2
+"""Rows of the bounds on a contact's normal force."""
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpaces:
+    """A @ forces <= b for stance feet and E @ forces = e for swing feet, over the stacked forces.
+
+    How many rows there are follows from the contacts, `facets` and `swing` alone (`row_counts`), never from
+    friction or bounds: a QP can be set up for them beforehand.
+
+    Attributes
+    ----------
+    A, b
+        (m, dim) and (m,): for each stance foot its pyramid's `facets` sides [N of tangential force], then
+        -f_z <= -normal_min and f_z <= normal_max [N]; b is infinite where there is no upper bound. A patch
+        has the 16 rows of its `WrenchCone` instead of the sides.
+    E, e
+        (p, dim) and (p,): zero force, three rows for each swing point and six for each patch.
+    rows
+        Where each contact's rows are, in the stance's order: in A for stance feet, in E for swing feet.
+    swing
+        Which contacts are swing feet.
+    """
+
+    A: FloatArray
+    b: FloatArray
+    E: FloatArray
+    e: FloatArray
+    rows: tuple[slice, ...]
+    swing: tuple[bool, ...]
+
+    def violation(self, forces: ArrayLike) -> float:
+        """Return by how much (dim,) forces break the worst row; 0 or less within all of them."""
+        f = finite_array("forces", forces, (self.A.shape[1],))
+        over, off = self.A @ f - self.b, np.abs(self.E @ f - self.e)
+        return max(float(over.max(initial=-np.inf)), float(off.max(initial=-np.inf)))
+
+
+def row_counts(
+    contacts: Sequence[Contact], facets: int = 8, swing: Sequence[bool] | Sequence[str] = ()
+) -> tuple[int, int]:
+    """Return the numbers of rows (m, p) of A and E that `halfspaces` will return."""
+    m = p = 0
+    for contact, off in zip(contacts, swing_mask(contacts, swing), strict=True):
+        if off:
+            p += contact.dim
+        else:
+            m += contact.side_count(facets) + BOUNDS
+    return m, p
+
+
+def halfspaces(
+    contacts: Sequence[Contact],
+    facets: int = 8,
+    fit: Fit = "inner",
+    axes: Axes = "contact",
+    swing: Sequence[bool] | Sequence[str] = (),
+) -> HalfSpaces:
+    """Return the rows of contacts; see `Stance.halfspaces`."""
+    if axes not in ("contact", "world"):
+        raise ProblemError(unknown_name("axes", axes, ["contact", "world"]))
+    mask = swing_mask(contacts, swing)
+    m, p = row_counts(contacts, facets, mask)
+    dim = sum(c.dim for c in contacts)
+    A, b, E = np.zeros((m, dim)), np.zeros(m), np.zeros((p, dim))
+    rows: list[slice] = []
+    at, low, low_off = 0, 0, 0
+    for contact, off in zip(contacts, mask, strict=True):
+        columns = slice(at, at + contact.dim)
+        at += contact.dim
+        if off:
+            rows.append(slice(low_off, low_off + contact.dim))
+            E[rows[-1], columns] = np.eye(contact.dim)  # zero force, in any axes
+            low_off += contact.dim
+            continue
+        block, right = _rows_of(contact, facets, fit)
+        if axes == "world":
+            for part in range(0, contact.dim, 3):  # a row's product with R^T f_world
+                columns3 = slice(part, part + 3)
+                block[:, columns3] = block[:, columns3] @ contact.rotation_world_contact.T
+        rows.append(slice(low, low + len(right)))
+        A[rows[-1], columns], b[rows[-1]] = block, right
+        low += len(right)
+    return HalfSpaces(A, b, E, np.zeros(p), tuple(rows), mask)
+
+
+def swing_mask(contacts: Sequence[Contact], swing: Sequence[bool] | Sequence[str]) -> tuple[bool, ...]:
+    """Return which contacts are swing feet, from their names or from one flag each.
+
+    Raises
+    ------
+    ProblemError
+        For a name that no contact has, or another number of flags than contacts.
+    """
+    given = list(swing)
+    if given and all(isinstance(s, (bool, np.bool_)) for s in given):
+        if len(given) != len(contacts):
+            raise ProblemError(f"swing must have {len(contacts)} flags, one per contact, got {len(given)}")
+        return tuple(bool(s) for s in given)
+    names = [c.name for c in contacts]
+    for name in given:
+        if name not in names:
+            raise ProblemError(unknown_name("contact", str(name), names))
+    return tuple(name in given for name in names)
+
+
+def _rows_of(contact: Contact, facets: int, fit: Fit) -> tuple[FloatArray, FloatArray]:
+    """Return one stance foot's rows in its own frame, and their right-hand side."""
+    sides = contact.sides(facets, fit)
+    bounds = np.zeros((BOUNDS, contact.dim))
+    bounds[0, 2], bounds[1, 2] = -1.0, 1.0
+    right = np.concatenate([np.zeros(len(sides)), [-contact.normal_min, contact.normal_max]])
+    return np.vstack([sides, bounds]), right

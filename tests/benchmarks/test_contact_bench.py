@@ -1,0 +1,183 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.contact.comparison import (
+    Comparison,
+    Run,
+    compare,
+    copies_of,
+    performance_profile,
+    problems_in,
+)
+from benchmarks.contact.ours import CONTACT_SOLVER, our_calls
+from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
+from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
+from benchmarks.timing import interleaved
+from surefoot.cli.main import main
+from surefoot.contact import write_problem
+from surefoot.errors import ProblemError
+from surefoot.problems.contacts import families, problem_set
+from surefoot.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
+
+
+def test_sets_have_the_promised_sizes() -> None:
+    robot = problem_set("robot", copies=0.01)
+    assert {p.family for p in robot} <= set(families("robot"))
+    assert max(p.problem.contacts for p in robot) == 25
+    assert all(p.problem.contacts <= 25 for p in robot)
+    large = problem_set("large", copies=0.01)
+    assert 500 <= max(p.problem.contacts for p in large) <= 620
+    assert min(p.problem.contacts for p in large) >= 40
+    with pytest.raises(ProblemError, match="unknown scale 'tiny'"):
+        problem_set("tiny")
+
+
+def test_no_problem_is_trivial() -> None:
+    for named in problem_set("robot", copies=0.25):
+        nothing = np.zeros((named.problem.contacts, 3))
+        assert judge(named.problem, nothing) > 1e-6, named.name
+
+
+def test_profile_counts_shares() -> None:
+    times = {"a": np.array([1.0, 4.0, np.inf]), "b": np.array([2.0, 1.0, np.inf])}
+    found = performance_profile(times, np.array([1.0, 2.0, 4.0]))
+    assert np.allclose(found["a"], [1 / 3, 1 / 3, 2 / 3])
+    assert np.allclose(found["b"], [1 / 3, 2 / 3, 2 / 3])
+
+
+def test_speed_up_is_a_geometric_mean_over_the_best_rival() -> None:
+    def run(problem: str, solver: str, seconds: float, solved: bool = True) -> Run:
+        return Run(problem, problem[0], 1, solver, seconds, 0.0 if solved else 1.0, solved)
+
+    runs = (
+        run("x1", "auto", 1.0), run("x1", "r", 9.0), run("x1", "s", 4.0),
+        run("y1", "auto", 1.0), run("y1", "r", 1.0), run("y1", "s", 0.1, solved=False),
+        run("y2", "auto", 1.0), run("y2", "r", 1.0, solved=False), run("y2", "s", 1.0, solved=False),
+    )  # fmt: skip
+    found = Comparison(1e-8, runs).speed_up(["r", "s"])
+    assert found == pytest.approx(
+        {"x": 4.0, "y": 1.0, "all": 2.0, "least": 1.0, "lost": 0.0, "no rival": 1.0}
+    )
+
+
+def test_both_kinds_of_time_are_kept_apart() -> None:
+    runs = (
+        Run("x1", "x", 1, "auto", 1.0, 0.0, True, p99=2.0, fresh=4.0, fresh_p99=8.0),
+        Run("x2", "x", 1, "auto", 4.0, 0.0, True, p99=5.0, fresh=9.0, fresh_p99=10.0),
+        Run("x1", "x", 1, "r", 3.0, 0.0, True, p99=3.0, fresh=3.0, fresh_p99=3.0),
+        Run("x2", "x", 1, "r", 5.0, 1.0, False),
+    )
+    found = Comparison(1e-8, runs)
+    assert found.speed_up(["r"])["all"] == pytest.approx(3.0)
+    assert found.speed_up(["r"], kind="fresh")["all"] == pytest.approx(0.75)
+    assert found.speed_up(["r"], kind="fresh")["lost"] == 1.0
+    row = found.families("auto", "fresh")[0]
+    assert (row.family, row.problems, row.solved) == ("x", 2, 2)
+    assert (row.mean, row.median, row.p99) == pytest.approx((6.0, 6.5, 10.0))
+    assert found.families("r")[-1].solved == 1
+
+
+def test_the_coarsest_sufficient_tolerance_is_found() -> None:
+    for limit in (-0.4, 0.0, 1.3, -2.55, 2.0):
+        tried: list[float] = []
+
+        def attempt(step: float, limit: float = limit, tried: list[float] = tried) -> float | None:
+            tried.append(step)
+            return step if step <= 10.0**limit * (1 + 1e-9) else None
+
+        found = coarsest(attempt, lambda: True)
+        assert found is not None
+        assert limit - 1.0 / STEPS_PER_DECADE < np.log10(found) <= limit + 1e-6
+        assert len(tried) <= len(DECADES) + np.log2(STEPS_PER_DECADE)
+    assert coarsest(lambda _: None, lambda: True) is None
+    assert coarsest(lambda step: step if step < 1.0 else None, lambda: False) is None
+
+
+def test_forces_that_are_no_numbers_are_never_accurate() -> None:
+    problem = problem_set("robot", copies=0.01)[0].problem
+    assert judge(problem, np.full((problem.contacts, 3), np.nan)) == float("inf")
+
+
+@pytest.mark.parametrize("name", [*DENSE, *SPARSE])
+def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
+    pytest.importorskip("pinocchio")
+    setting = {**DENSE, **SPARSE}[name]
+    problem = problem_set("robot", copies=0.01)[1].problem  # of a sliding cube: PGS 1.6 fails on others
+    other = copies_of(problem)[-1]
+    call, least = best_call(problem, setting, 1e-8)
+    assert call is not None
+    assert judge(problem, call.ready()) <= 1e-8
+    assert least <= 1e-8
+    tight = PinocchioCall(problem, setting, call.tol / 100.0, 20_000)
+    assert judge(other, tight.fresh((matrix(other, setting), other.g))) <= 1e-8
+    assert judge(problem, tight.ready()) <= 1e-8  # the operator has kept nothing of the other problem
+
+
+def test_sparse_problems_get_sparse_rivals() -> None:
+    large = {p.family: p.problem for p in problem_set("large", copies=0.01)}
+    few, full, sparse = (settings(large[name]) for name in ("stack-40", "platform-225", "wall-100"))
+    assert few == full == DENSE
+    assert {name for name, s in sparse.items() if s.method == "admm"} == set(SPARSE)
+    assert sum(s.method == "pgs" for s in sparse.values()) == 3
+
+
+def test_our_calls_solve_the_matrix_they_are_given() -> None:
+    for named in problem_set("robot", copies=0.01)[:4]:
+        copies = copies_of(named.problem)
+        calls = our_calls(named.problem, copies, ("auto", "newton"), 1e-8, 10.0)
+        assert set(calls) == {"auto", "newton", CONTACT_SOLVER}
+        for ready, fresh in calls.values():
+            assert judge(named.problem, ready(0)) <= 1e-8
+            assert all(judge(p, fresh(k)) <= 1e-8 for k, p in enumerate(copies))
+
+
+def test_calls_are_timed_in_turns() -> None:
+    order: list[str] = []
+    found = interleaved({"a": lambda _: order.append("a"), "b": lambda _: order.append("b")}, most=20)
+    assert order == ["a"] * 10 + ["b"] * 10 + ["a"] * 10 + ["b"] * 10
+    assert found["a"].calls == found["b"].calls == 20
+
+
+@pytest.mark.skipif(not siconos_installed(), reason="Siconos is not installed for the system's Python")
+def test_siconos_in_its_own_process() -> None:
+    problem = problem_set("robot", copies=0.01)[0].problem
+    found = siconos_best([problem], 1e-8)
+    assert {"siconos nsgs", "siconos newton", "siconos admm"} == set(found)
+    best, least = found["siconos nsgs"][0]
+    assert best is not None
+    assert least == judge(problem, best.forces) <= 1e-8
+    assert 0.0 < best.solve < best.fresh
+
+
+def test_compare_certifies_everybody() -> None:
+    problems = problem_set("robot", copies=0.01)[:3]
+    found = compare(problems, 1e-8, ("auto", "nsgs"), rivals=False)
+    assert found.solvers == ("auto", "nsgs", CONTACT_SOLVER)
+    assert found.ours_fresh == CONTACT_SOLVER
+    assert all(r.solved and r.residual <= 1e-8 and r.seconds > 0 for r in found.runs if r.solver == "auto")
+
+
+def test_command_writes_json_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / "files"
+    source.mkdir()
+    write_problem(problem_set("robot", copies=0.01)[0].problem, source / "cube.dat")
+    code = main(["bench", "contact", str(source), "--copies", "0.01", "--no-rivals", "--solver", "auto",
+                 "--out", str(tmp_path / "runs"), "--json"])  # fmt: skip
+    record = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert {r["problem"] for r in record["runs"]} >= {"cube.dat", "cube-sticking-0"}
+    folder = next((tmp_path / "runs").iterdir())
+    assert {f.name for f in folder.iterdir()} == {"contact.json", "profile.png", "profile-new-g.png"}
+    assert (folder / "profile.png").stat().st_size > 10_000
+
+
+def test_folders_without_problems_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ProblemError, match="no contact problems"):
+        problems_in(tmp_path)
+    with pytest.raises(ProblemError, match="no such folder"):
+        problems_in(tmp_path / "none")

@@ -1,0 +1,130 @@
+"""The forces benchmark: its instances, its judgement of rivals, its table, picture and log reader."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from benchmarks.forces.pictures import plot_accuracy
+from benchmarks.forces.race import best_known, judge, run_all, run_ours
+from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
+from benchmarks.forces.torques import time_torque_limits
+from surefoot.cli.main import main
+from surefoot.problems.allocation_program import objective, program
+from surefoot.problems.allocations import CLASSES, four_feet, pushed_stance, read_log
+from surefoot.problems.judge import judge as judge_problem
+
+ALL = available(EXACT_RIVALS) + available(FACET_RIVALS)
+
+
+@pytest.mark.parametrize("rival", ALL, ids=lambda r: r.name)
+@pytest.mark.parametrize("kind", CLASSES)
+def test_rivals_solve_their_program(rival, kind):
+    """Each rival's answer satisfies the laws of its own cones, by the residuals of the problem alone."""
+    for instance in four_feet(kind, 3, seed=1):
+        p = program(instance, None if rival.exact else 8)
+        problem = sf.ContactProblem(p.H, p.h, p.mu, p.low[2::3], p.high[2::3], law="convex")
+        if not rival.exact:
+            problem = problem.polyhedral(8)
+        for call in (rival().cold(p), rival().warm(p)):
+            x = call()
+            if rival.name == "HiGHS" and x is None:
+                continue
+            assert sf.residuals(problem, p.forces(x)).velocity_error < 1e-3
+
+
+@pytest.mark.parametrize("rival", [r for r in ALL if r.can_warm], ids=lambda r: r.name)
+def test_warm_rivals_follow_a_change_of_friction(rival):
+    """One solver for all, its data untouched, its cones those of the instance at hand."""
+    solver, checked = rival(), []
+    for k, instance in enumerate(four_feet("near-boundary", 4, seed=3)):
+        changed = replace(instance, mu=instance.mu * (1.0 - 0.2 * k))
+        p = program(changed, None if rival.exact else 8)
+        x = solver.warm(p)()
+        problem = sf.ContactProblem(p.H, p.h, p.mu, p.low[2::3], p.high[2::3], law="convex")
+        checked.append(judge_problem(problem if rival.exact else problem.polyhedral(8), p.forces(x)))
+    assert max(checked) < 1e-3
+
+
+def test_classes_are_what_they_are_called():
+    shares = {}
+    for kind in CLASSES:
+        instances = four_feet(kind, 40)
+        found = run_ours(instances)
+        use = [np.hypot(f[:, 0], f[:, 1]).max() / (0.6 * f[:, 2]).max() for f in found.forces]
+        assert np.isfinite(use).all()
+        missing = [
+            np.linalg.norm(i.grasp_map @ f.ravel() - i.wrench)
+            for i, f in zip(instances, found.forces, strict=True)
+        ]
+        shares[kind] = np.median(missing)
+        assert np.all(found.errors < 1e-7)
+    assert shares["easy"] < 1.0
+    assert shares["infeasible-wrench"] > 20.0
+
+
+def test_a_wrong_answer_is_not_counted_as_solved():
+    instances = four_feet("near-boundary", 4)
+    exact = run_ours(instances)
+    programs = [program(i) for i in instances]
+    good = [f.ravel() for f in exact.forces]
+    wrong = [good[0], good[1] * 1.01, np.full(12, np.nan), None]
+    best = best_known(programs, [good])
+    np.testing.assert_allclose(best, [objective(p, x) for p, x in zip(programs, good, strict=True)])
+    row = judge("x", "exact", "near-boundary", False, np.ones(4), programs, wrong, best, exact, 0.0)
+    assert row.solved == 0.25
+    assert row.distance_worst == 0.0
+
+
+def test_table_and_picture(tmp_path):
+    rows = run_all(2, 4)
+    assert {r.instances for r in rows} == {*CLASSES, "trajectory"}
+    ours = [r for r in rows if r.solver == "Surefoot"]
+    assert all(r.solved == 1.0 and r.cone_violation <= 1e-9 for r in ours)
+    assert sum(r.warm for r in ours) == 1
+    inner = [r for r in rows if r.cone == "4 inner"]
+    outer = [r for r in rows if r.cone == "4 outer" and r.instances == "infeasible-wrench"]
+    assert all(r.lost_friction == pytest.approx(0.2929, abs=1e-4) for r in inner)
+    assert all(r.cone_violation > 1.0 for r in outer)
+    path = plot_accuracy(rows, tmp_path)
+    assert path.stat().st_size > 20_000
+
+
+def test_torque_limits_bind_and_are_kept():
+    loose, *tight = time_torque_limits(12)
+    assert loose.binding == 0.0
+    assert all(row.binding > 0.5 and row.solved > 0.9 and row.excess <= 1e-9 for row in tight)
+
+
+def test_command_prints_json(capsys):
+    assert main(["bench", "forces", "--count", "2", "--instances", "2", "--no-stands", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [row["trajectory"] for row in found["warm"]] == ["made"]
+    assert found["accuracy"]["0.1"]["not_solved"] == 0
+    assert {"solver", "timing", "cone"} <= set(found["rows"][0])
+
+
+def test_log_round_trip(tmp_path):
+    trajectory = pushed_stance(5)
+    active = np.ones((5, 4), dtype=bool)
+    active[2:, 1] = False
+    path = tmp_path / "log.npz"
+    np.savez(
+        path, wrench_desired=[i.wrench for i in trajectory], grasp_map=[i.grasp_map for i in trajectory],
+        active=active, mu=0.6, normal_min=5.0, normal_max=np.full(4, 250.0),
+    )  # fmt: skip
+    read = read_log(path)
+    assert np.array_equal([i.active for i in read], active)
+    found = run_ours(read)
+    assert all(np.all(f[1] == 0.0) for f in found.forces[2:])
+    assert np.all(found.errors < 1e-7)
+
+
+def test_bad_logs_are_named(tmp_path, capsys):
+    assert main(["bench", "forces", "--log", str(tmp_path / "none.npz")]) == 2
+    assert "cannot read --log" in capsys.readouterr().err
+    np.savez(tmp_path / "log.npz", time=[0.0])
+    with pytest.raises(sf.ProblemError, match="lacks wrench_desired, grasp_map"):
+        read_log(tmp_path / "log.npz")

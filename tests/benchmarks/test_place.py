@@ -1,0 +1,36 @@
+"""Where `surefoot bench` finds the benchmarks, and what an installed package says without them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import typer
+
+import benchmarks
+from surefoot.cli import bench, main
+
+
+def test_a_checkout_has_them_beside_its_sources() -> None:
+    assert Path(benchmarks.__file__).parent == bench.FOLDER
+    names = {command.name for command in bench.app.registered_commands}
+    assert names == {"contact", "faults", "forces", "momentum", "rigid", "statics", "walk"}
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["walk"], ["walk", "--quick", "--out", "x"], ["--quick"], ["nonsense"]]
+)
+def test_an_installed_package_says_where_they_are(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    app = typer.Typer()
+    app.callback()(main.surefoot)
+    app.add_typer(bench.commands(tmp_path / "benchmarks"), name="bench")
+    monkeypatch.setattr(main, "app", app)
+    assert main.main(["bench", *words]) == 2
+    said = capfd.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert "benchmarks come with the repository" in said.err
+    assert main.main(["bench", "--help"]) == 0
+    assert "not installed here" in " ".join(capfd.readouterr().out.split())

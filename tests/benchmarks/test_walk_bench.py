@@ -1,0 +1,108 @@
+"""The MPC benchmark: its scenes ask for what they say, and every rival really solves."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from benchmarks.walk import race as walk
+from benchmarks.walk.race import ACCURACY, measure
+from benchmarks.walk.rivals import Variant, matrices, rivals, solve_exact
+from surefoot.errors import ProblemError
+from surefoot.problems.walking import SCENES, choose_scenes, controller, record, scene_names
+
+NAMES = [f"{r.solver}-{r.facets}" for r in rivals()]
+
+
+@pytest.fixture(scope="module")
+def programs():
+    scene = choose_scenes(["limit"])[0]
+    mpc = controller(scene)
+    return mpc, [mpc.program(*inputs) for inputs in record(scene, 40)[18:40:7]]
+
+
+@pytest.mark.parametrize("which", range(len(NAMES)), ids=NAMES)
+def test_every_rival_solves_in_every_form(programs, which):
+    mpc, todo = programs
+    rival = rivals()[which]
+    for form in rival.forms:
+        for warm in rival.warm:
+            solve = rival.make(Variant(form, warm, 1e-9))
+            for program in todo:
+                own = solve_exact(matrices(mpc, program, rival.facets, sparse=False, dense=False), 1e-11)
+                assert np.linalg.norm(solve(rival.pack(mpc, program, form)) - own) < ACCURACY
+
+
+@pytest.mark.parametrize("which", range(len(NAMES)), ids=NAMES)
+def test_no_rival_writes_into_its_data(programs, which):
+    """OSQP's updates write into the arrays of its set-up: the first program would become the last one."""
+    mpc, todo = programs
+    rival = rivals()[which]
+    for form in rival.forms:
+        solve = rival.make(Variant(form, rival.warm[0], 1e-6))
+        packed = [rival.pack(mpc, program, form) for program in todo]
+        before = pickle.dumps([arrays(item) for item in packed])
+        for item in packed:
+            solve(item)
+        assert pickle.dumps([arrays(item) for item in packed]) == before
+
+
+def arrays(item):
+    """Return all numbers in a rival's packed program."""
+    if hasattr(item, "pointers"):  # HPIPM's stages
+        return [array for group in item.data.values() for array in group]
+    if isinstance(item, tuple):
+        return [arrays(part) for part in item]
+    return item.toarray() if hasattr(item, "toarray") else item if isinstance(item, np.ndarray) else None
+
+
+def test_condensed_and_sparse_are_one_problem(programs):
+    mpc, todo = programs
+    for program in todo:
+        a, b = (
+            solve_exact(matrices(mpc, program, None, sparse=states, dense=False), 1e-11)
+            for states in (False, True)
+        )
+        assert np.abs(a - b).max() < 5e-3
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=scene_names())
+def test_scenes_are_what_they_say(scene):
+    inputs = record(scene, 60)
+    share = np.mean([item.contacts.mean() for item in inputs])
+    assert share == pytest.approx(scene.duty, abs=0.06)
+    assert np.allclose(inputs[0].frames[..., 2] @ scene.normal, 1.0, atol=6.0 * scene.tilt**2 + 1e-12)
+    again = record(scene, 60)
+    assert all(np.array_equal(a.state.position, b.state.position) for a, b in zip(inputs, again, strict=True))
+    off = [np.linalg.norm(item.state.position - item.reference.position[0]) for item in inputs]
+    assert max(off) < 0.3
+    moved = inputs[-1].state.position - inputs[0].state.position
+    assert np.linalg.norm(moved) == pytest.approx(0.59 * np.hypot(*scene.velocity), abs=0.15)
+
+
+def test_rows_add_up(monkeypatch):
+    monkeypatch.setattr(walk, "TUNING_INPUTS", 5)
+    bench = measure(["limit"], calls=24, robots=["a1"])
+    assert len(bench.rows) == 1 + len(NAMES)
+    ours = bench.rows[0]
+    assert ours.ratio == 1.0
+    assert ours.accurate
+    assert ours.violation < 1e-9
+    assert abs(ours.lost) < 1e-3
+    for row in bench.rows:
+        assert 0.0 < row.timing.median <= row.timing.p99 <= row.timing.worst
+        assert row.ratio == pytest.approx(row.timing.median / ours.timing.median)
+        if "facets" in row.method:  # inner pyramids leave friction unused and cost more
+            assert row.lost > 0.01
+            assert row.cost > 0.0
+    step, plan = bench.steps
+    assert step.call == "whole-body step"
+    assert step.timing.calls > 10 * plan.timing.calls
+    assert 0.0 < step.timing.median < 0.1
+    four, eight = (np.mean([r.lost for r in bench.rows if f"{k} facets" in r.method]) for k in (4, 8))
+    assert four > eight
+
+
+def test_an_unknown_scene_is_named():
+    with pytest.raises(ProblemError, match=r"unknown scene 'moon'.*trot"):
+        measure(["moon"])
