@@ -70,7 +70,8 @@ def check_shapes(G: Any, g: Any, mu: Any, mask: Any = None) -> int:
     shape = tuple(g.shape)
     if not shape or shape[-1] % 3 or shape[-1] == 0:
         raise ProblemError(f"g must have shape (..., 3n) with n >= 1 contacts, got {shape}")
-    size, n = shape[-1], shape[-1] // 3
+    size = int(shape[-1])
+    n = size // 3
     if tuple(G.shape) != (*shape[:-1], size, size):
         raise ProblemError(f"G must have shape {(*shape[:-1], size, size)} for this g, got {tuple(G.shape)}")
     for name, array, scalar in (("mu", mu, True), ("mask", mask, False)):

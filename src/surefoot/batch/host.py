@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
+import surefoot
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.batch.modes import active, certified, finite, gradients
 from surefoot.batch.answers import Forces
 from surefoot.batch.certificate import lawful, scales
+from surefoot.batch.modes import active, certified, finite, gradients
+from surefoot.contact.problem import COMPILED_CONTACTS, Law
+from surefoot.errors import ProblemError
 from surefoot.solvers.contact_solver import ContactSolver
 
 
@@ -19,16 +22,26 @@ def solve_on_host(
     """Return the (..., n, 3) forces of lawful problems G (..., 3n, 3n), g (..., 3n), mu and on (..., n)."""
     lead, size = g.shape[:-1], g.shape[-1]
     n = size // 3
-    law = "convex" if convex else "coulomb"
+    law: Law = "convex" if convex else "coulomb"
     count = int(np.prod(lead, dtype=int))
     matrices = np.ascontiguousarray(np.broadcast_to(G, (*lead, size, size)), dtype=np.float64)
     matrices, free = matrices.reshape(count, size, size), np.asarray(g, dtype=np.float64).reshape(count, size)
     frictions = np.broadcast_to(mu, (*lead, n)).astype(np.float64).reshape(count, n)
     most = np.where(np.broadcast_to(on, (*lead, n)).reshape(count, n), np.inf, 0.0)
+    many = getattr(surefoot, "solve_batch", None)
+    if many is not None and n <= COMPILED_CONTACTS:
+        mask = np.broadcast_to(on, (*lead, n)).reshape(count, n)
+        return np.asarray(many(matrices, free, frictions, law=law, mask=mask, tol=tol).forces).reshape(
+            *lead, n, 3
+        )
     out = np.zeros((count, n, 3))
     for i in range(count):
-        contacts = ContactSolver(n, frictions[i], law, 0.0, most[i], tol=tol)
-        out[i] = contacts.solve(matrices[i], free[i]).forces
+        try:
+            out[i] = (
+                ContactSolver(n, frictions[i], law, 0.0, most[i], tol=tol).solve(matrices[i], free[i]).forces
+            )
+        except ProblemError:  # visibly indefinite: the certificate says what zero forces are worth
+            continue
     return out.reshape(*lead, n, 3)
 
 

@@ -1,8 +1,8 @@
 """Contact problems and friction cones in JAX: jitted, batched, on any device, with exact gradients.
 
 `solve` is written in JAX throughout: Newton's method on the central path (`batch.path`), followed to its end
-or, with `smoothing`, to a point on it; where a fast descent fails, slower ones follow. Its gradient is that of
-the active system, or of the path's point (`batch.modes`). `solve_on_host` hands the same problems to
+or, with `smoothing`, to a point on it; where a fast descent fails, slower ones follow. Its gradient is
+that of the active system, or of the path's point (`batch.modes`). `solve_on_host` hands the same problems to
 `surefoot.solve_batch` on the CPU, and has the same gradients.
 
 Limits: normal bounds 0 and infinity (a mask switches contacts off). In double precision, which needs
@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from surefoot.batch import cones
-from surefoot.batch.modes import active, certified, finite, gradients, snapped
 from surefoot.batch.answers import INVALID, Forces, check_dtype, check_law, check_shapes
 from surefoot.batch.certificate import lawful, scales
 from surefoot.batch.host import solve_on_host as host_forces
+from surefoot.batch.modes import active, certified, finite, gradients, snapped
 from surefoot.batch.path import jacobian, misses, path_gradients, path_of
 from surefoot.errors import MissingExtra, ProblemError
 
@@ -31,9 +31,9 @@ try:
 except ImportError as error:
     raise MissingExtra("jax", "jax") from error
 
-STAGES = ((0.1, 20, 1e-3), (0.3, 40, 1e-3), (0.6, 100, 1e-2))
-"""Descents, tried one after another: the factor of sqrt(κ) in a step, at most so many steps, and the proximal
-term in units of sqrt(κ)."""
+STAGES = ((0.05, 1e-3, 12, 1e-3), (0.3, 0.0, 40, 1e-3), (0.6, 0.0, 100, 1e-2))
+"""Descents, tried one after another: the factor of sqrt(κ) in a step, the κ from which the next step goes to
+the end, at most so many steps, and the proximal term in units of sqrt(κ)."""
 HALVINGS = 6
 """Lengths tried in a step's line search."""
 ENOUGH = 1e-12, 2e-6
@@ -89,7 +89,8 @@ def solve(
     wanted = TOLERANCE[single] if tol is None else float(tol)
     if not 0.0 <= float(smoothing) < np.inf:
         raise ProblemError(f"smoothing must be >= 0 and finite, got {smoothing}")
-    return _solve((check_law(law), float(smoothing), wanted), *prepared)
+    found: Forces = _solve((check_law(law), float(smoothing), wanted), *prepared)
+    return found
 
 
 def solve_on_host(
@@ -99,7 +100,8 @@ def solve_on_host(
 
     Faster than `solve` on a CPU; from an accelerator every call waits for the copies.
     """
-    return _solve_host((check_law(law), 0.0, float(tol)), *_prepare(G, g, mu, mask))
+    found: Forces = _solve_host((check_law(law), 0.0, float(tol)), *_prepare(G, g, mu, mask))
+    return found
 
 
 def _prepare(G: Any, g: Any, mu: Any, mask: Any) -> tuple[Any, Any, Any, Any]:
@@ -119,7 +121,7 @@ def _descend(path: Any, target: Any) -> tuple[Any, Any]:
     """Follow the path down to κ = target (...,); return the best y (..., 3n) and its error (...,)."""
     single = path.g.dtype == jnp.float32
     enough, least = ENOUGH[single], PROXIMAL[single]
-    factor, limit, share = (jnp.asarray(v, path.g.dtype) for v in zip(*STAGES, strict=True))
+    factor, jump, limit, share = (jnp.asarray(v, path.g.dtype) for v in zip(*STAGES, strict=True))
     floor = jnp.maximum(target, enough**2)
     start = jnp.where(jnp.arange(path.g.shape[-1]) % 3 == 2, 1.0, 0.0) + jnp.zeros_like(path.g)
     start = start.astype(path.g.dtype)
@@ -153,7 +155,8 @@ def _descend(path: Any, target: Any) -> tuple[Any, Any]:
         y = jnp.where(busy[..., None], y + t[..., None] * move, y)
         reached = jnp.take_along_axis(after, pick[None], 0)[0]
         down = jnp.where(t == 1.0, factor[at] ** 2, factor[at])
-        kappa = jnp.where(busy & (reached <= root), jnp.maximum(kappa * down, floor), kappa)
+        lower = jnp.where(kappa * down < jump[at], floor, jnp.maximum(kappa * down, floor))
+        kappa = jnp.where(busy & (reached <= root), lower, kappa)
         now = size(y, target)
         better = busy & (now < error)
         best, error = jnp.where(better[..., None], y, best), jnp.where(better, now, error)
@@ -170,6 +173,7 @@ def _descend(path: Any, target: Any) -> tuple[Any, Any]:
     return best, error
 
 
+@partial(jax.jit, static_argnums=0)
 def _answer(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> tuple[Forces, Any]:
     """Return the answer and the path's y."""
     convex, smoothing, tol = settings
@@ -193,7 +197,8 @@ def _answer(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: An
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def _solve(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Forces:
-    return _answer(settings, G, g, mu, on)[0]
+    found: Forces = _answer(settings, G, g, mu, on)[0]
+    return found
 
 
 def _forward(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Any:
@@ -201,20 +206,24 @@ def _forward(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: A
     return out, (G, g, mu, on, out.forces, out.velocities, y)
 
 
-def _backward(settings: tuple[bool, float, float], kept: Any, cotangents: Forces) -> Any:
+@partial(jax.jit, static_argnums=0)
+def _pull_back(settings: tuple[bool, float, float], kept: Any, weights: tuple[Any, Any]) -> Any:
     convex, smoothing, _ = settings
     G, g, mu, on, forces, velocities, y = kept
     G, g, mu, good = lawful(jnp, G, g, mu)
     s = scales(jnp, G, g, on)
-    weights = cotangents.forces, cotangents.velocities
     if smoothing > 0.0:
         path = path_of(jnp, G, g, mu, on, s, convex)
         target = smoothing / path.unit
-        found = path_gradients(jnp, path, y, target, G, mu, (forces, velocities), weights)
+        found = path_gradients(jnp, path, y, target, G, g, mu, (forces, velocities), weights)
     else:
         modes = active(jnp, forces, velocities, mu, s.weight, s.speed, on, convex)
         found = gradients(jnp, G, forces, modes, weights)
-    return (*finite(jnp, found, good), None)
+    return finite(jnp, found, good)
+
+
+def _backward(settings: tuple[bool, float, float], kept: Any, cotangents: Forces) -> Any:
+    return (*_pull_back(settings, kept, (cotangents.forces, cotangents.velocities)), None)
 
 
 _solve.defvjp(_forward, _backward)
@@ -222,13 +231,19 @@ _solve.defvjp(_forward, _backward)
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def _solve_host(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Forces:
+    found: Forces = _ask_host(settings, G, g, mu, on)
+    return found
+
+
+@partial(jax.jit, static_argnums=0)
+def _ask_host(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Forces:
     convex, _, tol = settings
     G, g, mu, good = lawful(jnp, G, g, mu)
     shape = jax.ShapeDtypeStruct((*on.shape, 3), G.dtype)
 
     def ask(*arrays: Any) -> Any:
-        forces = host_forces(*(np.asarray(a) for a in arrays), convex, tol)
-        return forces.astype(shape.dtype)
+        matrices, free, frictions, there = (np.asarray(a) for a in arrays)
+        return host_forces(matrices, free, frictions, there, convex, tol).astype(shape.dtype)
 
     forces = jax.pure_callback(ask, shape, G, g, mu, on, vmap_method="expand_dims")
     return certified(jnp, G, g, mu, on, scales(jnp, G, g, on), forces, good, convex, tol)

@@ -20,6 +20,8 @@ from surefoot.batch.certificate import Scales, judge, velocities_of
 
 RANK = 1e-12
 """Singular values below this share of the largest are zero, in double precision; 1e-5 in single."""
+UNLOADED = 1e-9
+"""A sliding contact holds its velocity's direction by its load: below this ratio it does not."""
 
 
 class Active(NamedTuple):
@@ -137,10 +139,11 @@ def gradients(xp: Any, G: Any, forces: Any, a: Active, cotangents: tuple[Any, An
     keep = values > rank_tolerance(xp, G.dtype) * values[..., :1]
     inverse = xp.where(keep, 1.0 / xp.where(keep, values, xp.ones_like(values)), xp.zeros_like(values))
     size = (R * R).sum(-1)[..., None]
-    lift = xp.swapaxes(R / xp.where(size > 0.0, size, xp.ones_like(size)), -1, -2)
+    held = size > UNLOADED**2
+    lift = xp.where(held, R / xp.where(held, size, xp.ones_like(size)), 0.0)
     p = f + G @ u
     q = left @ (inverse[..., None] * (right @ (xp.swapaxes(C, -1, -2) @ p)))
-    over = xp.swapaxes(left, -1, -2) @ (xp.swapaxes(lift, -1, -2) @ u)
+    over = xp.swapaxes(left, -1, -2) @ (lift @ u)
     q = q + left @ xp.where(keep[..., None], xp.zeros_like(over), over)  # velocities of what A cannot reach
     back = xp.swapaxes(R, -1, -2) @ q
     b, jump = u - back, p - G @ back
@@ -170,7 +173,7 @@ def certified(
 
 
 def snapped(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, forces: Any, convex: bool) -> Any:
-    """Return forces without what an iteration leaves: zero where contacts are open, on the rim where they slide."""
+    """Return forces without what an iteration leaves: zero where open, on the rim where they slide."""
     modes = active(xp, forces, velocities_of(xp, G, g, forces), mu, s.weight, s.speed, on, convex)
     normal = xp.maximum(forces[..., 2], 0.0)
     size = xp.hypot(forces[..., 0], forces[..., 1])

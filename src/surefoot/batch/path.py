@@ -17,8 +17,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from surefoot.batch.modes import spread
 from surefoot.batch.certificate import Scales, blocks_of
+from surefoot.batch.modes import spread
 
 
 class Path(NamedTuple):
@@ -156,9 +156,17 @@ def _shift(xp: Any, tilt: Any) -> Any:
 
 
 def path_gradients(
-    xp: Any, path: Path, y: Any, kappa: Any, G: Any, mu: Any, point: tuple[Any, Any], weights: tuple[Any, Any]
+    xp: Any,
+    path: Path,
+    y: Any,
+    kappa: Any,
+    G: Any,
+    g: Any,
+    mu: Any,
+    point: tuple[Any, Any],
+    weights: tuple[Any, Any],
 ) -> tuple[Any, Any, Any]:
-    """Return the gradients in G, g, mu of weights (..., n, 3) on forces and velocities at the path's point."""
+    """Return the gradients in G, g, mu of weights (..., n, 3) on the path's forces and velocities."""
     flat, shape = path.g.shape, weights[0].shape
     forces, velocities = point
     f, u = (xp.reshape(v, flat) for v in weights)
@@ -171,15 +179,34 @@ def path_gradients(
         [h[..., 0] + h[..., 2] * tilt[..., 0], h[..., 1] + h[..., 2] * tilt[..., 1], h[..., 2]], -1
     )
     safe = xp.where(mu > 0.0, mu, xp.ones_like(mu))
-    per_mu = (
-        xp.reshape(path.turn, shape) / path.unit[..., None, None]
-    )  # turn carries T D top; s needs T D / top
+    per_mu = xp.reshape(path.turn, shape) / path.unit[..., None, None]  # s needs T D / top
     back = -xp.reshape(per_mu * lean, flat)  # on u, as g
     bare = per_mu[..., 2:] * lean[..., :2]  # without T
+    bent = -0.5 * h[..., 2] * bend
+    on_G, on_g = _of_rounding(xp, path, kappa, G, g, bent)
     b = u + back
     jump = xp.reshape(p + (G @ back[..., None])[..., 0], shape)
     plain = xp.reshape(path.turn, shape)[..., 2:] * xp.reshape(y, shape)[..., :2]  # λ_t / mu
     rate = (jump[..., :2] * plain - bare * velocities[..., :2]).sum(-1) - h[..., 2] * bend / safe
     x = xp.reshape(forces, flat)
     outer = b[..., :, None] * x[..., None, :]
-    return 0.5 * (outer + xp.swapaxes(outer, -1, -2)), b, xp.where(path.on, rate, 0.0)
+    return 0.5 * (outer + xp.swapaxes(outer, -1, -2)) + on_G, b + on_g, xp.where(path.on, rate, 0.0)
+
+
+def _of_rounding(xp: Any, path: Path, kappa: Any, G: Any, g: Any, weights: Any) -> tuple[Any, Any]:
+    """Return the gradients in G and g of weights (..., n) on log ε², which depends on w_k and s_k."""
+    w, s = path.scales.weight, path.scales.speed
+    fast = (s > 0.0) & ((kappa * path.unit)[..., None] * w < s * s)  # ε = κ w / s, else its root
+    safe = xp.where(w > 0.0, w, xp.ones_like(w))
+    per_w = xp.where(fast, 2.0, 1.0) * weights / safe
+    blocks = xp.moveaxis(xp.diagonal(blocks_of(xp, G), axis1=-4, axis2=-3), -1, -3)
+    axis = xp.linalg.eigh(blocks)[1][..., -1]
+    on_G = spread(xp, per_w[..., None, None] * axis[..., :, None] * axis[..., None, :])
+    free = xp.reshape(g, (*w.shape, 3))
+    size = xp.sqrt((free * free).sum(-1))
+    same = (abs(size[..., None, :] - s[..., :, None]) <= 1e-12 * s[..., :, None]) & path.on[..., None, :]
+    share = same / xp.maximum(same.sum(-1), 1)[..., None]  # whose velocity s_k is
+    per_s = (xp.where(fast, -2.0, 0.0) * weights)[..., :, None] * share
+    square = xp.where(size > 0.0, size * size, xp.ones_like(size))
+    on_g = (per_s.sum(-2) / square)[..., None] * free
+    return on_G, xp.reshape(on_g, g.shape)

@@ -69,12 +69,12 @@ def _double(tensor: Any) -> Any:
     return array if array.dtype == np.bool_ else array.astype(np.float64)
 
 
-class _Solve(torch.autograd.Function):
+class _Solve(torch.autograd.Function):  # type: ignore[misc]
     """Forces and velocities with their gradients; the certificate has none."""
 
     @staticmethod
     def forward(ctx: Any, G: Any, g: Any, mu: Any, on: Any, convex: bool, tol: float) -> Any:
-        given = tuple(_double(v) for v in (G, g, mu, on))
+        given = _double(G), _double(g), _double(mu), _double(on)
         found = answer(*given, convex, tol)
         ctx.given, ctx.convex, ctx.point = given, convex, (found.forces, found.velocities)
         ctx.likes = tuple((v.dtype, v.device) for v in (G, g, mu))
@@ -88,7 +88,8 @@ class _Solve(torch.autograd.Function):
     @once_differentiable  # type: ignore[untyped-decorator]
     def backward(ctx: Any, forces: Any, velocities: Any, *_: Any) -> Any:
         weights = _double(forces), _double(velocities)
-        found = answer_gradients(*ctx.given, ctx.convex, ctx.point, weights)
+        G, g, mu, on = ctx.given
+        found = answer_gradients(G, g, mu, on, ctx.convex, ctx.point, weights)
         tensors = (
             torch.as_tensor(v).to(dtype=like, device=device)
             for v, (like, device) in zip(found, ctx.likes, strict=True)

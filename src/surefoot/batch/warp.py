@@ -5,6 +5,7 @@ that solves the active system by its singular values (`batch.warp_verdict`). Ins
 precision; float32 arrays are read and rounded (about 1e-7), not computed with. Up to eight contacts.
 """
 
+# ruff: noqa: RUF046, UP018 (Warp reads int(0) as a variable, 0 as a constant)
 # mypy: disable-error-code="untyped-decorator, valid-type, no-untyped-def"
 # kernels that are made for a scalar type need their annotations evaluated: no __future__ import here
 
@@ -290,10 +291,11 @@ def _check(G: Any, g: Any, mu: Any, mask: Any) -> tuple[Any, Any]:
             raise ProblemError(
                 f"{name} must have {dims} dimensions on {G.device}, got {value.ndim} on {value.device}"
             )
-    n = check_shapes(G, g, mu, mask)
+    given = mask if mask is not None and mask.size else None
+    n = check_shapes(G, g, mu, given)
     if n > MOST_CONTACTS:
         raise ProblemError(f"a thread takes at most {MOST_CONTACTS} contacts, got {n}")
-    if mask is None:
+    if given is None:
         mask = wp.empty((0, 0), wp.bool, device=G.device)
     return G.dtype, mask
 

@@ -5,6 +5,7 @@ over a few local arrays, in double precision, so the same source runs on the CPU
 take five Newton steps: two or three down the path, then straight to its end.
 """
 
+# ruff: noqa: RUF046, UP018 (Warp reads int(0) as a variable, 0 as a constant)
 # mypy: disable-error-code="untyped-decorator"
 
 from __future__ import annotations

@@ -12,8 +12,12 @@ except ImportError as error:
     raise MissingExtra("warp-lang", "warp") from error
 
 if TYPE_CHECKING:
-    Real = Any
-    Vector = Matrix = Integers = Any
+    from typing import TypeAlias
+
+    Real: TypeAlias = Any
+    Vector: TypeAlias = Any
+    Matrix: TypeAlias = Any
+    Integers: TypeAlias = Any
 else:
     Real = wp.float64
     Vector, Matrix = wp.array(dtype=wp.float64), wp.array2d(dtype=wp.float64)

@@ -3,15 +3,17 @@
 The definitions are those of `batch.certificate` and `batch.modes`.
 """
 
+# ruff: noqa: RUF046, UP018 (Warp reads int(0) as a variable, 0 as a constant)
 # mypy: disable-error-code="untyped-decorator"
 
 from __future__ import annotations
 
-from surefoot.batch.warp_path import EPSILON, HUGE, Integers, Matrix, Real, Vector
-from surefoot.batch.warp_runtime import wp
+from surefoot.batch.warp_path import EPSILON, HUGE
+from surefoot.batch.warp_runtime import Integers, Matrix, Real, Vector, wp
 
 KINK = wp.constant(Real(1e-6))
 RANK = wp.constant(Real(1e-12))
+UNLOADED = wp.constant(Real(1e-9))
 SWEEPS = wp.constant(40)
 """At most so many sweeps of rotations; eight are the rule."""
 
@@ -151,10 +153,10 @@ def worst_rest(
         for a in range(3):
             power += forces[3 * k + a] * u[3 * k + a]
         if convex != 0 and wp.abs(power) > Real(0.0):
+            gap = HUGE
             if energy > Real(0.0):
-                worst = wp.max(worst, wp.abs(power) / energy)
-            else:
-                worst = HUGE
+                gap = wp.abs(power) / energy
+            worst = wp.max(worst, gap)
     return worst
 
 
@@ -283,7 +285,7 @@ def solve_transposed(A: Matrix, V: Matrix, C: Matrix, R: Matrix, p: Vector, u: V
             row += R[i, a] * R[i, a]
             over += R[i, a] * u[3 * (i // 3) + a]
         q[i] = Real(0.0)
-        if row > Real(0.0):
+        if row > UNLOADED * UNLOADED:
             q[i] = over / row
     # from the outside in: first take from q what A reaches, then add the inverse
     for c in range(m):
