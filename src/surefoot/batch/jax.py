@@ -147,7 +147,7 @@ def _descend(path: Any, target: Any) -> tuple[Any, Any]:
         move = -jnp.linalg.solve(M + proximal[..., None, None] * eye, F[..., None])[..., 0]
         move = jnp.where(jnp.isfinite(move).all(-1)[..., None], move, 0.0)
         before = jnp.sqrt((F * F).sum(-1))
-        after = jnp.stack([size(y + t * move, kappa) for t in lengths])
+        after = jax.vmap(lambda t: size(y + t * move, kappa))(jnp.asarray(lengths, y.dtype))
         column = (slice(None),) + (None,) * before.ndim
         fine = after <= (1.0 - 0.1 * lengths[column]) * before
         pick = jnp.where(fine.any(0), fine.argmax(0), after.argmin(0))
