@@ -259,14 +259,14 @@ _solve_host.defvjp(_forward_host, _backward)
 
 def cone_margin(forces: Any, mu: Any) -> Any:
     """Return the signed distance of (..., 3) forces to the friction cone [N]: (...), positive inside."""
-    return cones.margin(jnp, jnp.asarray(forces), mu)
+    return cones.margin(jnp, jax.lax.stop_gradient, jnp.asarray(forces), mu)
 
 
 def cone_project(forces: Any, mu: Any) -> Any:
     """Return the nearest points of the friction cone to (..., 3) forces [N]."""
-    return cones.project(jnp, jnp.asarray(forces), mu)
+    return cones.project(jnp, jax.lax.stop_gradient, jnp.asarray(forces), mu)
 
 
 def friction_needed(forces: Any, least_normal: float = cones.LEAST_NORMAL) -> Any:
     """Return the friction coefficient (...) that (..., 3) forces need; see `batch.cones.friction_needed`."""
-    return cones.friction_needed(jnp, jnp.asarray(forces), least_normal)
+    return cones.friction_needed(jnp, jax.lax.stop_gradient, jnp.asarray(forces), least_normal)

@@ -99,14 +99,14 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc]
 
 def cone_margin(forces: Any, mu: Any) -> Any:
     """Return the signed distance of (..., 3) forces to the friction cone [N]: (...), positive inside."""
-    return cones.margin(torch, forces, mu)
+    return cones.margin(torch, torch.detach, forces, mu)
 
 
 def cone_project(forces: Any, mu: Any) -> Any:
     """Return the nearest points of the friction cone to (..., 3) forces [N]."""
-    return cones.project(torch, forces, mu)
+    return cones.project(torch, torch.detach, forces, mu)
 
 
 def friction_needed(forces: Any, least_normal: float = cones.LEAST_NORMAL) -> Any:
     """Return the friction coefficient (...) that (..., 3) forces need; see `batch.cones.friction_needed`."""
-    return cones.friction_needed(torch, forces, least_normal)
+    return cones.friction_needed(torch, torch.detach, forces, least_normal)
