@@ -10,6 +10,7 @@ import numpy as np
 
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
+from surefoot.control.controller import RobotState
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.robot import Robot, load_robot, place
@@ -86,7 +87,7 @@ def _timed(
     begin = clock()
     for k in range(round(seconds / made.dt)):
         a = clock()
-        command = controller.step(made.state()[0], made.state()[1], k * made.dt)
+        command = controller.step(RobotState(made.state()[0], made.state()[1], k * made.dt))
         b = clock()
         made.step(command.torques)
         steps.append(clock() - b)
@@ -109,7 +110,7 @@ def _watched(
     begin = made.energy() if rigid else np.nan
     for k in range(round(seconds / made.dt)):
         state, v = made.state()
-        torques = controller.step(state, v, k * made.dt).torques
+        torques = controller.step(RobotState(state, v, k * made.dt)).torques
         made.step(torques)
         reading, moved = made.contacts(), made.state()[0]
         normals.append(reading.forces[:, 2].sum())

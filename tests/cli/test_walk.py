@@ -12,7 +12,7 @@ from surefoot.cli.main import main
 from surefoot.control.gait_files import write_gaits
 from surefoot.control.gait_library import named_gait
 from surefoot.errors import ProblemError
-from surefoot.simulation.log import read_log
+from surefoot.log import read_log
 from surefoot.terrain import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
 
 QUICK = ("--duration", "1.2", "--no-video")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from surefoot.contact import Status
-from surefoot.contact.problem import LAWS
+from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError, unknown_name
 
 STATUSES = tuple(Status)

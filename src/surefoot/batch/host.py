@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 import numpy as np
 
-import surefoot
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.batch.answers import Forces
 from surefoot.batch.certificate import lawful, scales
 from surefoot.batch.modes import active, certified, finite, gradients
-from surefoot.contact.problem import COMPILED_CONTACTS, Law
+from surefoot.batch.solving import solve_batch
 from surefoot.errors import ProblemError
-from surefoot.solvers.contact_solver import ContactSolver
 
 
 def solve_on_host(
@@ -22,27 +21,25 @@ def solve_on_host(
     """Return the (..., n, 3) forces of lawful problems G (..., 3n, 3n), g (..., 3n), mu and on (..., n)."""
     lead, size = g.shape[:-1], g.shape[-1]
     n = size // 3
-    law: Law = "convex" if convex else "coulomb"
+    law = "convex" if convex else "coulomb"
     count = int(np.prod(lead, dtype=int))
     matrices = np.ascontiguousarray(np.broadcast_to(G, (*lead, size, size)), dtype=np.float64)
     matrices, free = matrices.reshape(count, size, size), np.asarray(g, dtype=np.float64).reshape(count, size)
     frictions = np.broadcast_to(mu, (*lead, n)).astype(np.float64).reshape(count, n)
-    most = np.where(np.broadcast_to(on, (*lead, n)).reshape(count, n), np.inf, 0.0)
-    many = getattr(surefoot, "solve_batch", None)
-    if many is not None and n <= COMPILED_CONTACTS:
-        mask = np.broadcast_to(on, (*lead, n)).reshape(count, n)
-        return np.asarray(many(matrices, free, frictions, law=law, mask=mask, tol=tol).forces).reshape(
-            *lead, n, 3
-        )
-    out = np.zeros((count, n, 3))
-    for i in range(count):
-        try:
-            out[i] = (
-                ContactSolver(n, frictions[i], law, 0.0, most[i], tol=tol).solve(matrices[i], free[i]).forces
-            )
-        except ProblemError:  # visibly indefinite: the certificate says what zero forces are worth
-            continue
-    return out.reshape(*lead, n, 3)
+    there = np.ascontiguousarray(np.broadcast_to(on, (*lead, n))).reshape(count, n)
+
+    def ask(part: slice) -> FloatArray:
+        given = matrices[part], free[part], frictions[part]
+        return solve_batch(*given, law=law, mask=there[part], tol=tol).forces
+
+    try:
+        return ask(slice(None)).reshape(*lead, n, 3)
+    except ProblemError:  # some G is visibly indefinite: its forces are zero, and the certificate says so
+        out = np.zeros((count, n, 3))
+        for i in range(count):
+            with contextlib.suppress(ProblemError):
+                out[i] = ask(slice(i, i + 1))[0]
+        return out.reshape(*lead, n, 3)
 
 
 def answer(G: FloatArray, g: FloatArray, mu: FloatArray, on: BoolArray, convex: bool, tol: float) -> Forces:

@@ -11,7 +11,7 @@ from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:  # loading a simulation takes longer than most commands
     from surefoot.control.standing_plan import Lift
-    from surefoot.simulation.run import Ice, Push
+    from surefoot.simulation.scenario import Ice, Push
     from surefoot.terrain import Terrain
 
 T = TypeVar("T")
@@ -49,7 +49,7 @@ def push(text: str) -> Push:
     >>> push("1:60,0,0:0.2")
     Push(start=1.0, force=(60.0, 0.0, 0.0), duration=0.2)
     """
-    from surefoot.simulation.run import Push
+    from surefoot.simulation.scenario import Push
 
     parts = text.split(":")
     force = parts[1].split(",") if len(parts) == 3 else []
@@ -66,7 +66,7 @@ def push(text: str) -> Push:
 
 def ice(text: str) -> Ice:
     """Return the change of friction of "T:MU"."""
-    from surefoot.simulation.run import Ice
+    from surefoot.simulation.scenario import Ice
 
     parts = text.split(":")
     if len(parts) != 2:

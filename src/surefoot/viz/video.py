@@ -15,9 +15,10 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SurefootError
+from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
+from surefoot.simulation.observers import Observer
 from surefoot.spatial import GRAVITY, quaternion_wxyz
 from surefoot.terrain import Terrain
 from surefoot.viz.meshes import add_meshes
@@ -231,3 +232,27 @@ def write_video(
         if writer is not None:
             writer.close()
     return path
+
+
+class Film(Observer):
+    """Films a run when it has ended.
+
+    Parameters
+    ----------
+    path
+        Of the new .mp4.
+    robot, terrain
+        Who is filmed on what.
+
+    Raises
+    ------
+    RenderError, MissingExtra
+        At the end of the run; see `write_video`.
+    """
+
+    def __init__(self, path: Path, robot: Robot, terrain: Terrain) -> None:
+        self._path, self._robot, self._terrain = path, robot, terrain
+
+    def end(self, log: Log) -> None:
+        """Write the film."""
+        write_video(log, self._robot, self._terrain, self._path)
