@@ -14,6 +14,8 @@ from surefoot.contact.laws.soft import (
     SpringDamper,
     behaviour,
     rebound,
+    stable_step,
+    stable_step_together,
     validate_law,
 )
 
@@ -31,5 +33,7 @@ __all__ = [
     "SpringDamper",
     "behaviour",
     "rebound",
+    "stable_step",
+    "stable_step_together",
     "validate_law",
 ]
