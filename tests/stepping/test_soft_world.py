@@ -1,4 +1,4 @@
-"""Soft laws in the rigid-body world: closed forms, agreement with the law, convergence, passivity, bad input."""
+"""Soft laws in the rigid-body world: closed forms, the law itself, convergence, passivity, bad input."""
 
 from __future__ import annotations
 
@@ -43,6 +43,11 @@ class ImplicitStep(SoftLaw):
 
     def stored(self, depth):
         return self.law.stored(depth)
+
+
+def _run(world: RigidWorld, steps: int) -> None:
+    for _ in range(steps):
+        world.step(NONE)
 
 
 def dropped(law, height: float, seconds: float, dt: float = 1e-3, speed: float = 0.0, **options) -> tuple:
@@ -165,7 +170,7 @@ def test_a_bouncing_spring_converges_to_newtons_restitution():
 @pytest.mark.parametrize("law", [v for k, v in LAWS.items() if "mujoco" not in k])
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_thrown_box_never_gains_energy(law, seed):
-    """Kinetic, potential and stored energy together fall, step by step, but for the bound of `Stepper.stored`."""
+    """Kinetic, potential and stored energy together fall at every step but for `Stepper.stored`'s bound."""
     rng = np.random.default_rng(seed)
     body = box(MASS, (0.3, 0.2, 0.1), 0.01)
     world = RigidWorld(body, mu=0.4, law=law)
@@ -260,8 +265,7 @@ def test_explicit_limit_of_a_stiffening_contact_is_told_when_it_happens():
     q[2] += 0.2
     world.reset(q)
     with pytest.warns(StiffContactWarning, match="chatter"):
-        for _ in range(300):
-            world.step(NONE)
+        _run(world, 300)
 
 
 def test_explicit_undamped_step_keeps_energy_and_implicit_loses_it():

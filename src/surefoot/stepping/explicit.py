@@ -1,8 +1,8 @@
 """The exchange of forces with soft ground, explicitly: the forces that gap and velocity give before it.
 
 Only as stable as the step is short, which is what this integration is there to show: see
-`surefoot.laws.stable_step`. Normal forces come from the law; exact friction is a contact problem in which they
-are given, regularised friction follows from the velocity.
+`surefoot.laws.stable_step`. Normal forces come from the law; exact friction is a contact problem in which
+they are given, regularised friction follows from the velocity.
 """
 
 from __future__ import annotations
@@ -45,9 +45,7 @@ class ExplicitMeeting(Meeting):
             self.tally.add_step(stable_step_together(G[2::3, 2::3], by_depth, by_rate))
             given = dt * normal[taken]
             if law.friction.exact:
-                g[2::3] += (
-                    GRAVITY * dt
-                )  # of given normal forces it says nothing but what speed is worth solving
+                g[2::3] += GRAVITY * dt  # free where forces are given; it sets the speed worth solving
                 problem = ContactProblem(G, g, self.mu, given, given)
                 solution = solve(problem, self.options.solver, self.options.tol, warm_start=last[taken])
                 self.tally.add(solution)

@@ -1,10 +1,11 @@
 """The exchange of forces with soft ground: a law's rows in the contact problem, until both agree.
 
 Over a step the law gives λ = dt f(gap + dt u, u), the force at its end (backward Euler: stored energy is
-convex in the overlap, so that no step makes energy). Linearised, that is a row with a compliance and a bias on
-the normal; friction stays exact. Where the law's force starts with a jump (a damper, MuJoCo's), a contact that
-the full force would throw back across the gap within the step ends it at the surface with a part of the jump:
-the graph of the law is filled in there, and with it stays monotone. Each Newton step is one contact problem.
+convex in the overlap, so that no step makes energy). Linearised, that is a row with a compliance and a bias
+on the normal; friction stays exact. Where the law's force starts with a jump (a damper, MuJoCo's), a contact
+that the full force would throw back across the gap within the step ends it at the surface with a part of the
+jump: the graph of the law is filled in there, and with it stays monotone. Each Newton step is one contact
+problem.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.contact import ContactProblem, ContactSolution
+from surefoot.contact import ContactProblem
 from surefoot.contact.laws.soft import SoftLaw
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
@@ -27,7 +28,7 @@ NEWTON = 40
 CALM = 15
 """Linearisations after which Newton's steps are halved, in case they go in circles."""
 FINER = 1e-3
-"""By how much later linearisations are solved finer than the first, where the solver's error is all that is left."""
+"""Share of the tolerance to which later linearisations are solved: the solver's error is all that is left."""
 AGREED = 1e-8
 """Distance of the normal impulses from the law that ends the iteration, as a share of the largest one."""
 
@@ -60,7 +61,7 @@ class Graph(NamedTuple):
         return cls(law, dt, gaps, arriving, wall, jump)
 
     def impulses(self, speeds: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the impulses (p,) [N s] below the wall, and minus their slopes (p,) [kg]; zeros elsewhere."""
+        """Return the impulses (p,) [N s] below the wall and minus their slopes (p,) [kg]; else zeros."""
         force, slope = self.law.over_step(self.gaps, speeds, self.arriving, self.dt)
         if not (arithmetic.largest(force) < np.inf and arithmetic.largest(slope) < np.inf):
             raise LostMotion("contact force")
