@@ -1,5 +1,6 @@
 """Soft contact laws by name: `surefoot.laws.HuntCrossley(stiffness=2e5, dissipation=0.5)`."""
 
+from surefoot.contact.laws.pressure import CompliantSolid, PressureField, PressurePatch
 from surefoot.contact.laws.soft import (
     Behaviour,
     ExactFriction,
@@ -21,6 +22,7 @@ from surefoot.contact.laws.soft import (
 
 __all__ = [
     "Behaviour",
+    "CompliantSolid",
     "ExactFriction",
     "ForceJacobian",
     "Friction",
@@ -28,6 +30,8 @@ __all__ = [
     "HuntCrossley",
     "Linearisation",
     "MujocoLaw",
+    "PressureField",
+    "PressurePatch",
     "RegularisedFriction",
     "SoftLaw",
     "SpringDamper",

@@ -106,6 +106,14 @@ class PressureField:
             pieces += self._wetted(solid, R, p, moving, facet)
         return self._integrated(pieces, p, moving)
 
+    def rest(
+        self, solid: CompliantSolid, load: float, centre: ArrayLike | None = None
+    ) -> tuple[FloatArray, FloatArray, PressurePatch]:
+        """Return how a body lies on flat ground at z = 0 under a load; see `resting.resting_pose`."""
+        from surefoot.contact.laws.pressure.resting import resting_pose
+
+        return resting_pose(self, solid, load, centre)
+
     def _wetted(
         self, solid: CompliantSolid, R: FloatArray, p: FloatArray, twist: FloatArray, facet: Facet
     ) -> list[Wetted]:
@@ -116,9 +124,7 @@ class PressureField:
             inside = clipped(inside, offset - inside @ axis)
             if not len(inside):
                 return []
-        turn = np.cross(facet.normal, twist[3:])  # -n·(ω x r) = (n x ω)... as a gradient, negated below
-        rate = 1.0 - self.dissipation * (facet.normal @ twist[:3] + (inside - p) @ -turn)
-        inside = clipped(inside, rate)
+        inside = clipped(inside, self._damping(facet.normal, inside, p, twist))
         out, scale = [], self.modulus / self.thickness
         pressed = np.flatnonzero(solid.pressed)
         for i in pressed:
@@ -135,8 +141,12 @@ class PressureField:
         rest = points @ piece.gradient + piece.constant
         if self.dissipation == 0.0:
             return np.asarray(rest)
-        normal_speed = (twist[:3] + np.cross(twist[3:], points - p)) @ piece.normal
-        return np.asarray(rest * (1.0 - self.dissipation * normal_speed))
+        return np.asarray(rest * self._damping(piece.normal, points, p, twist))
+
+    def _damping(self, normal: FloatArray, points: FloatArray, p: FloatArray, twist: FloatArray) -> FloatArray:
+        """Return what the rate of overlap makes of the pressure at (..., 3) points, a factor, linear in them."""
+        leaving = normal @ twist[:3] + (points - p) @ np.cross(normal, twist[3:])
+        return np.asarray(1.0 - self.dissipation * leaving)
 
     def _integrated(self, pieces: list[Wetted], p: FloatArray, twist: FloatArray) -> PressurePatch:
         """Integrate pressure and friction over the wetted pieces."""
@@ -159,8 +169,7 @@ class PressureField:
             )
         centre, up = first / total, normal / np.linalg.norm(normal)
         drag, turning = self._friction(pieces, p, twist, self.friction)
-        turn = np.concatenate([np.cross(centre - p, -up), up])  # about the centre, seen at p
-        turn[:3] = -np.cross(up, centre - p)
+        turn = np.concatenate([np.cross(up, p - centre), up])  # about the centre, the velocity that of p
         spun, resisted = self._friction(pieces, p, turn, ExactFriction(self.friction.mu), pressing=twist)
         lever = centre - p
         about = moment + turning - np.cross(lever, normal + drag)
