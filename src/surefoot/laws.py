@@ -1,5 +1,6 @@
-"""Soft contact laws by name: `surefoot.laws.HuntCrossley(stiffness=2e5, dissipation=0.5)`."""
+"""Contact laws by name: `surefoot.laws.COULOMB`, `surefoot.laws.HuntCrossley(stiffness=2e5, ...)`."""
 
+from surefoot.contact.laws import CONVEX, COULOMB, Law
 from surefoot.contact.laws.pressure import CompliantSolid, PressureField, PressurePatch
 from surefoot.contact.laws.soft import (
     Behaviour,
@@ -21,6 +22,8 @@ from surefoot.contact.laws.soft import (
 )
 
 __all__ = [
+    "CONVEX",
+    "COULOMB",
     "Behaviour",
     "CompliantSolid",
     "ExactFriction",
@@ -28,6 +31,7 @@ __all__ = [
     "Friction",
     "Hertz",
     "HuntCrossley",
+    "Law",
     "Linearisation",
     "MujocoLaw",
     "PressureField",

@@ -12,7 +12,6 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.contact import ContactSolution
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.contact.problem import Law
 from surefoot.errors import StiffContactWarning
 from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading
@@ -88,7 +87,7 @@ class RigidWorld:
         *,
         restitution: float = 0.0,
         stabilisation: Stabilisation = "projection",
-        law: Law | SoftLaw | None = None,
+        law: str | SoftLaw | None = None,
         solver: str = "auto",
         tol: float = 1e-8,
         integration: Integration = "implicit",

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from surefoot.arrays import real_number
+from surefoot.contact.laws import LAWS
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.contact.problem import LAWS, Law
 from surefoot.errors import ProblemError, unknown_name
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
@@ -49,7 +49,7 @@ class StepOptions:
     dt: float = 1e-3
     restitution: float = 0.0
     stabilisation: Stabilisation = "projection"
-    law: Law | SoftLaw = "coulomb"
+    law: str | SoftLaw = "coulomb"
     solver: str = "auto"
     tol: float = 1e-8
     integration: Integration = "implicit"
@@ -76,7 +76,7 @@ class StepOptions:
         return self.law if isinstance(self.law, SoftLaw) else None
 
     @property
-    def problem_law(self) -> Law:
+    def problem_law(self) -> str:
         """The law of the contact problems: soft laws keep exact Coulomb friction."""
         return "coulomb" if isinstance(self.law, SoftLaw) else self.law
 
