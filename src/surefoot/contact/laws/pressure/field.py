@@ -25,6 +25,9 @@ from surefoot.terrain import FlatTerrain, Terrain
 FAR = 30.0
 """A centre of rotation that lies farther away than this many sizes of a patch needs no rays from it."""
 
+FAINT = 1e-140
+"""Force below which there is no contact [N]: a centre of pressure would be a quotient of nothings."""
+
 
 class Wetted(NamedTuple):
     """A wetted polygon (k, 3), its normal (3,), and the gradient and constant of its pressure at rest."""
@@ -143,8 +146,10 @@ class PressureField:
             return np.asarray(rest)
         return np.asarray(rest * self._damping(piece.normal, points, p, twist))
 
-    def _damping(self, normal: FloatArray, points: FloatArray, p: FloatArray, twist: FloatArray) -> FloatArray:
-        """Return what the rate of overlap makes of the pressure at (..., 3) points, a factor, linear in them."""
+    def _damping(
+        self, normal: FloatArray, points: FloatArray, p: FloatArray, twist: FloatArray
+    ) -> FloatArray:
+        """Return the factor of the pressure that the rate of overlap makes, linear in (..., 3) points."""
         leaving = normal @ twist[:3] + (points - p) @ np.cross(normal, twist[3:])
         return np.asarray(1.0 - self.dissipation * leaving)
 
@@ -162,7 +167,7 @@ class PressureField:
             moment += np.cross(mean - push * p, piece.normal)
             corners.append(self._pressure(piece, piece.corners, p, twist))
         polygons = [piece.corners for piece in pieces]
-        if not total > 0.0:
+        if not total > FAINT:
             nothing = np.zeros(3)
             return PressurePatch(
                 nothing, nothing, 0.0, np.full(3, np.nan), area, 0.0, nothing, 0.0, 0.0, polygons, corners

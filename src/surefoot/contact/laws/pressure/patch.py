@@ -49,7 +49,7 @@ class PressurePatch(NamedTuple):
 
     def wrench(self, about: FloatArray) -> FloatArray:
         """Return (6,) [force; moment about a point (3,)], zeros without contact."""
-        if not self.area > 0.0:
+        if not self.normal_force > 0.0:
             return np.zeros(6)
         lever = self.centre - np.asarray(about, dtype=np.float64)
         return np.concatenate([self.force, self.moment + np.cross(lever, self.force)])

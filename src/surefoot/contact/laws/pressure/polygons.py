@@ -8,9 +8,7 @@ from surefoot.arrays import FloatArray
 
 _A, _B = 0.445948490915965, 0.091576213509771
 _WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
-_PLACES = np.array(
-    [[1.0 - 2.0 * s if i == j else s for j in range(3)] for s in (_A, _B) for i in range(3)]
-)
+_PLACES = np.array([[1.0 - 2.0 * s if i == j else s for j in range(3)] for s in (_A, _B) for i in range(3)])
 """Dunavant's rule of degree 4 on a triangle: exact for a pressure of degree two and its first moments."""
 
 
@@ -31,9 +29,7 @@ def clipped(polygon: FloatArray, values: FloatArray) -> FloatArray:
 
 def fans(polygons: list[FloatArray]) -> FloatArray:
     """Return the triangles (t, 3, 3) of convex polygons."""
-    parts = [
-        np.stack([np.broadcast_to(p[0], (len(p) - 2, 3)), p[1:-1], p[2:]], axis=1) for p in polygons
-    ]
+    parts = [np.stack([np.broadcast_to(p[0], (len(p) - 2, 3)), p[1:-1], p[2:]], axis=1) for p in polygons]
     return np.concatenate(parts) if parts else np.zeros((0, 3, 3))
 
 

@@ -74,12 +74,17 @@ def _newton(off: object, x: FloatArray) -> FloatArray | None:
     """Return the root of three functions by Newton's method with differences, halving; None without."""
     assert callable(off)
     now = np.asarray(off(x))
+    if not np.isfinite(now).all():
+        return None
     for _ in range(NEWTON):
         if np.abs(now).max() < 1e-12:
             return x
         h = 1e-6 * max(float(np.abs(x).max()), 1.0)
-        slope = np.column_stack([(off(x + h * e) - off(x - h * e)) / (2.0 * h) for e in np.eye(3)])
-        if not np.isfinite(slope).all() or np.linalg.matrix_rank(slope) < 3:
+        ends = np.array([[off(x + h * e), off(x - h * e)] for e in np.eye(3)])
+        if not np.isfinite(ends).all():
+            return None
+        slope = (ends[:, 0] - ends[:, 1]).T / (2.0 * h)
+        if np.linalg.matrix_rank(slope) < 3:
             return None
         step, share = np.linalg.solve(slope, now), 1.0
         for _ in range(HALVINGS):
