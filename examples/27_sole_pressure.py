@@ -1,4 +1,4 @@
-"""The pressure under a G1 sole while the robot leans forward: it moves to the toes, and the heel comes off."""
+"""The pressure under a G1 sole while the robot leans forward: it moves to the toes, the heel comes off."""
 
 from __future__ import annotations
 

@@ -286,7 +286,7 @@ def add_ground(
     """
     mujoco = import_mujoco()
     softness = MujocoLaw(
-        (CONTACT_TIME, 1.0) if solref is None else tuple(solref),  # type: ignore[arg-type] - checked there
+        (CONTACT_TIME, 1.0) if solref is None else tuple(solref),  # type: ignore[arg-type]
         IMPEDANCE if solimp is None else tuple(solimp),
     )
     common = {

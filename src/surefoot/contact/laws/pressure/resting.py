@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -70,10 +71,9 @@ def resting_pose(
     return laid(x)
 
 
-def _newton(off: object, x: FloatArray) -> FloatArray | None:
+def _newton(off: Callable[[FloatArray], FloatArray], x: FloatArray) -> FloatArray | None:
     """Return the root of three functions by Newton's method with differences, halving; None without."""
-    assert callable(off)
-    now = np.asarray(off(x))
+    now = off(x)
     if not np.isfinite(now).all():
         return None
     for _ in range(NEWTON):
@@ -88,7 +88,7 @@ def _newton(off: object, x: FloatArray) -> FloatArray | None:
             return None
         step, share = np.linalg.solve(slope, now), 1.0
         for _ in range(HALVINGS):
-            ahead = np.asarray(off(x - share * step))
+            ahead = off(x - share * step)
             if np.abs(ahead).max() < np.abs(now).max():
                 break
             share *= 0.5
@@ -102,4 +102,5 @@ def _levelling(normal: FloatArray) -> FloatArray:
     """Return the least rotation that takes a direction (3,) with z > 0 to z."""
     n = normal / np.linalg.norm(normal)
     K = np.array([[0.0, 0.0, -n[0]], [0.0, 0.0, -n[1]], [n[0], n[1], 0.0]])  # of n x z
-    return np.eye(3) + K + K @ K / (1.0 + n[2])
+    turned: FloatArray = np.eye(3) + K + K @ K / (1.0 + n[2])
+    return turned
