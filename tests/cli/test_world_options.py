@@ -39,7 +39,7 @@ def test_stands_on_soft_ground(capsys, tmp_path):
 def test_chatter_is_told_before_it_happens_and_breaks_laws(capsys, tmp_path):
     law = ("--law", "spring-damper:k=2e6,d=100")
     common = ["stand", "go2", "--world", "rigid", *law, "--duration", "0.5", "--no-video", "--no-report"]
-    assert main([*common, "--integration", "explicit", "--out", str(tmp_path)]) == 1
+    assert main([*common, "--explicit", "--out", str(tmp_path)]) == 1
     assert "above the stability limit" in " ".join(capsys.readouterr().out.split())
     assert main([*common, "--out", str(tmp_path)]) == 0
 
@@ -64,8 +64,7 @@ def test_walks_in_the_rigid_world_and_on_soft_mujoco_ground(capsys, tmp_path):
         (["--world", "rigid", "--law", "spring-damper:k=nan"], "not a finite number"),
         (["--world", "rigid", "--law", "spring-damper"], "takes k, d"),
         (["--world", "rigid", "--law", "hertz:radius=0.02"], "takes k, a, radius"),
-        (["--world", "rigid", "--law", "hunt-crossley:k=1e5", "--integration", "none"], "integration"),
-        (["--world", "rigid", "--integration", "explicit"], "--integration goes with --law"),
+        (["--world", "rigid", "--explicit"], "--explicit goes with --law"),
         (["--solref", "0.02,-1"], "solref"),
         (["--solref", "a,b"], "not a finite number"),
         (["--world", "moon"], "unknown world 'moon'"),

@@ -38,7 +38,7 @@ def stand(
     seed: options.Seed = None,
     world: worlds.WorldName = "mujoco",
     law: worlds.ContactLaw = None,
-    integration: worlds.IntegrationName = "implicit",
+    explicit: worlds.Explicit = False,
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
@@ -57,7 +57,7 @@ def stand(
 
     console = plain_console(quiet=as_json)
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
-    told = worlds.world_settings(world, mu, law, integration, solref, solimp)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)

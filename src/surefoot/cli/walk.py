@@ -55,7 +55,7 @@ def walk(
     seed: options.Seed = None,
     world: worlds.WorldName = "mujoco",
     law: worlds.ContactLaw = None,
-    integration: worlds.IntegrationName = "implicit",
+    explicit: worlds.Explicit = False,
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
     out: options.Out = Path("runs"),
@@ -77,7 +77,7 @@ def walk(
         parsing.friction("--believed-mu", believed_mu)
     real_number("--noise", noise, low=0.0, high=100.0)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, integration, solref, solimp)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))

@@ -25,8 +25,8 @@ ContactLaw: TypeAlias = Annotated[
         "hertz:radius=0.02,modulus=1e7 or mujoco:tc=0.02,zeta=1,mass=4 (effective mass of a contact)."
     ),
 ]
-IntegrationName: TypeAlias = Annotated[
-    str, typer.Option(help="Of --law: implicit, or explicit to see it chatter.")
+Explicit: TypeAlias = Annotated[
+    bool, typer.Option("--explicit", help="Integrate --law explicitly, to see it chatter.")
 ]
 Solref: TypeAlias = Annotated[
     str | None, typer.Option(help="MuJoCo's TC,ZETA [s, 1] or -K,-B [1/s^2, 1/s] of the ground.")
@@ -84,7 +84,7 @@ def contact_law(text: str, mu: float) -> SoftLaw:
 
 
 def world_settings(
-    world: str, mu: float, law: str | None, integration: str, solref: str | None, solimp: str | None
+    world: str, mu: float, law: str | None, explicit: bool, solref: str | None, solimp: str | None
 ) -> dict[str, Any]:
     """Return what the options say to the world, or raise for an option that it does not have."""
     from surefoot.cli import parsing
@@ -103,10 +103,10 @@ def world_settings(
             told["law"] = contact_law(text, mu)
         else:
             told[option[2:]] = tuple(parsing.number(option, part) for part in text.split(","))
-    if integration != "implicit":
+    if explicit:
         if law is None:
-            raise ProblemError("--integration goes with --law")
-        told["integration"] = integration
+            raise ProblemError("--explicit goes with --law")
+        told["integration"] = "explicit"
     return told
 
 

@@ -70,7 +70,7 @@ class RigidWorld:
     --------
     >>> from surefoot.laws import SpringDamper
     >>> from surefoot.simulation.bodies import ball
-    >>> world = RigidWorld(ball(4.0, 0.1), law=SpringDamper(2e4, 100.0))
+    >>> world = RigidWorld(ball(4.0, 0.1), law=SpringDamper(2e4, 400.0))
     >>> for _ in range(1000):
     ...     world.step(np.zeros(0))
     >>> round(-1e3 * float(world.contacts().gaps[0]), 6)  # rest depth [mm], m g / k
