@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -71,10 +72,10 @@ def draw_sole_pressures(
     return [patch for _, _, patch in found]
 
 
-def _shade(axis: object, corners: FloatArray, pressure: FloatArray, figure: object) -> None:
+def _shade(axis: Any, corners: FloatArray, pressure: FloatArray, figure: Any) -> None:
     """Shade a wetted polygon by its pressure; the scale is its own."""
     fan = np.array([[0, k, k + 1] for k in range(1, len(corners) - 1)])
     x, y = 1e3 * corners[:, 0], 1e3 * corners[:, 1]
     levels = np.linspace(0.0, 1e-3 * float(pressure.max()), FINENESS)
-    drawn = axis.tricontourf(x, y, fan, 1e-3 * pressure, levels=levels, cmap="viridis")  # type: ignore[attr-defined]
-    figure.colorbar(drawn, ax=axis, label="kPa", format="%.0f", ticks=levels[:: FINENESS // 3])  # type: ignore[attr-defined]
+    drawn = axis.tricontourf(x, y, fan, 1e-3 * pressure, levels=levels, cmap="viridis")
+    figure.colorbar(drawn, ax=axis, label="kPa", format="%.0f", ticks=levels[:: FINENESS // 3])
