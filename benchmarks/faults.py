@@ -21,13 +21,12 @@ import numpy as np
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.log import Ending
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.faults import Faults, believed_robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Ice, Push
-from surefoot.simulation.walk_terrain import PitTerrain
-from surefoot.simulation.walking import WalkScenario, run_walking
-from surefoot.stance import FlatTerrain, Terrain
+from surefoot.simulation.run import Ice, Push, Scenario, run
+from surefoot.terrain import FlatTerrain, PitTerrain, Terrain
 
 DISTURBED = 1.5
 """Time of the disturbance, plus up to one cycle of the gait [s]."""
@@ -210,8 +209,8 @@ def survives(robot_name: str, fault: str, level: float, duration: float, seed: i
         seen, VelocityCommand.constant(SPEED), "trot", FlatTerrain(), WalkSettings(mu=believed)
     )
     world = MujocoWorld(robot, trial.ground or FlatTerrain(), trial.mu, payload=trial.payload)
-    scenario = WalkScenario(duration, trial.mu, trial.pushes, trial.ice, seed, trial.faults)
-    return bool(run_walking(world, controller, q, scenario).facts["outcome"] == "done")
+    scenario = Scenario(duration, trial.mu, trial.pushes, trial.ice, seed, trial.faults, start=q)
+    return bool(run(world, controller, scenario).facts["outcome"] == Ending.DONE)
 
 
 def largest_level(

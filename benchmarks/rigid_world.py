@@ -10,12 +10,13 @@ import numpy as np
 
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
+from surefoot.control.controller import RobotState
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.rigid import RigidWorld
+from surefoot.simulation.worlds import make_world
 from surefoot.spatial import GRAVITY
-from surefoot.stance import FlatTerrain
+from surefoot.terrain import FlatTerrain
 
 SETTLED = 500
 """Last steps of a run, over which the resting force is judged."""
@@ -68,12 +69,7 @@ def drop(world: str, robot: str = "go2", height: float = 0.3, seconds: float = 4
 
 def _made(world: str, robot: Robot, q: FloatArray, height: float) -> tuple[Any, StandingController]:
     ground = FlatTerrain()
-    if world == "rigid":
-        made: Any = RigidWorld(robot, ground)
-    else:
-        from surefoot.simulation.mujoco import MujocoWorld
-
-        made = MujocoWorld(robot, ground)
+    made = make_world(world, robot, ground)
     start = q.copy()
     start[2] += height
     made.reset(start)
@@ -91,7 +87,7 @@ def _timed(
     begin = clock()
     for k in range(round(seconds / made.dt)):
         a = clock()
-        command = controller.step(made.state()[0], made.state()[1], k * made.dt)
+        command = controller.step(RobotState(made.state()[0], made.state()[1], k * made.dt))
         b = clock()
         made.step(command.torques)
         steps.append(clock() - b)
@@ -110,11 +106,11 @@ def _watched(
     """Run again with everything recorded."""
     made, controller = _made(world, robot, q, height)
     normals, deepest, contacts, given, excess = [], 0.0, 0, 0.0, -np.inf
-    rigid = isinstance(made, RigidWorld)
+    rigid = world == "rigid"
     begin = made.energy() if rigid else np.nan
     for k in range(round(seconds / made.dt)):
         state, v = made.state()
-        torques = controller.step(state, v, k * made.dt).torques
+        torques = controller.step(RobotState(state, v, k * made.dt)).torques
         made.step(torques)
         reading, moved = made.contacts(), made.state()[0]
         normals.append(reading.forces[:, 2].sum())

@@ -11,12 +11,6 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.control.standing import StandingController
-from surefoot.control.standing_plan import StandingPlan
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Scenario
-from surefoot.simulation.standing import run_standing
-from surefoot.viz.video import Renderer, RenderError, cone_lines, log_arrows
 
 
 def main(picture: Path) -> np.ndarray:
@@ -27,8 +21,8 @@ def main(picture: Path) -> np.ndarray:
     verdict = sf.can_stand(robot.stance(q, mu=mu, terrain=terrain), robot.com(q), robot.mass)
     print("can it stand?", verdict)
 
-    controller = StandingController(robot, StandingPlan(robot, terrain, q), terrain, q, mu)
-    log = run_standing(MujocoWorld(robot, terrain, mu), controller, q, Scenario(1.0, mu))
+    controller = sf.StandingController(robot, sf.StandingPlan(robot, terrain, q), terrain, q, mu)
+    log = sf.run(sf.MujocoWorld(robot, terrain, mu), controller, sf.Scenario(1.0, mu))
     normal = log["forces"][-500:, :, 2].mean(axis=0)
     for name, force in zip(robot.foot_names, normal, strict=True):
         print(f"{name}: {force:.1f} N")
@@ -37,12 +31,12 @@ def main(picture: Path) -> np.ndarray:
         print(f"{picture} exists already, not drawn again")
         return normal
     try:
-        renderer = Renderer(robot, terrain, 1200, 640, fine=True)
-    except RenderError as error:
+        renderer = sf.Renderer(robot, terrain, 1200, 640, fine=True)
+    except sf.RenderError as error:
         print(error)
         return normal
-    lines = cone_lines(log, len(log) - 1, terrain, 0.15, rays=16)
-    pixels = renderer.frame(log["q"][-1], log_arrows(log, len(log) - 1, terrain, 0.0045), lines)
+    lines = sf.cone_lines(log, len(log) - 1, terrain, 0.15, rays=16)
+    pixels = renderer.frame(log["q"][-1], sf.log_arrows(log, len(log) - 1, terrain, 0.0045), lines)
     renderer.close()
 
     from imageio.v2 import imwrite

@@ -11,7 +11,7 @@ import pinocchio
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import momentum
-from surefoot.simulation.rigid_flight import Flight, fly
+from surefoot.stepping.flight import Flight, fly
 from surefoot.viz.momentum_plots import plot_components
 
 TAKE_OFF = np.array([0.4, 0.1, 2.6, 0.6, -1.5, 0.8])  # base velocity at take-off [m/s, rad/s]

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import centroidal_inertia
-from surefoot.simulation.rigid_flight import Flight, Shape, fly, follow_shape
+from surefoot.stepping.flight import Flight, Shape, fly, follow_shape
 from surefoot.viz.momentum_plots import plot_components
 
 LIFT_SPEED = 3.0  # of the centre of mass at take-off [m/s]

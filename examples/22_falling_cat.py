@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 
 from surefoot.cli.output import new_run_folder
 from surefoot.simulation.bodies import falling_cat
-from surefoot.simulation.rigid_flight import fly, follow_shape
+from surefoot.stepping.flight import fly, follow_shape
 from surefoot.viz.momentum_plots import plot_components
 
 PERIOD, HALF_MASS, HALF_INERTIA, LEG_MASS = 0.4, 1.0, 0.003, 0.4  # [s], [kg], [kg m²] about the spine, [kg]

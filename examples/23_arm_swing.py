@@ -10,7 +10,7 @@ import numpy as np
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
 from surefoot.robot.centroidal import momentum, momentum_matrix
-from surefoot.simulation.rigid_flight import follow_shape
+from surefoot.stepping.flight import follow_shape
 from surefoot.viz.momentum_plots import plot_components
 
 PERIOD = 1.0  # one stride [s]

@@ -10,6 +10,7 @@ import numpy as np
 
 import surefoot as sf
 from surefoot.cli.output import new_run_folder
+from surefoot.control.controller import RobotState
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.bodies import box
@@ -30,7 +31,7 @@ def standing_forces(world_type: Any, degrees: float) -> np.ndarray:
     world, forces = world_type(robot, ground), []
     world.reset(q)
     for k in range(2000):
-        world.step(controller.step(*world.state(), k * world.dt).torques)
+        world.step(controller.step(RobotState(*world.state(), k * world.dt)).torques)
         forces.append(world.contacts().forces)
     return np.mean(forces[-300:], axis=0)
 

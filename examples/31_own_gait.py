@@ -11,19 +11,13 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.control.gait import Gait
 from surefoot.control.gait_files import mode_name, read_gaits, write_gaits
-from surefoot.control.walking import WalkingController
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.walk_summary import summarise_walk
-from surefoot.simulation.walking import WalkScenario, run_walking
 
 
 def main(folder: Path, duration: float = 4.0) -> dict[str, float]:
     """Return the mean velocities of an amble made from phases and of the same one read from a file."""
     # an amble: the feet touch down one after the other, a quarter of a cycle apart, with little overlap
-    amble = Gait.from_phases("amble", period=0.5, duty=0.6, offset=[0.25, 0.75, 0.0, 0.5])
+    amble = sf.Gait.from_phases("amble", period=0.5, duty=0.6, offset=[0.25, 0.75, 0.0, 0.5])
     for begin, end, mode in zip(amble.switching, amble.switching[1:], amble.modes, strict=False):
         print(f"{begin:.3f} s to {end:.3f} s: mode {mode:2d} {mode_name(int(mode))}")
 
@@ -36,13 +30,13 @@ def main(folder: Path, duration: float = 4.0) -> dict[str, float]:
 
     robot, speeds = sf.load_robot("go2"), {}
     for name, gait in (("phases", amble), ("file", read_gaits(path)["amble"])):
-        controller = WalkingController(robot, VelocityCommand.constant(0.4), gait)
-        log = run_walking(MujocoWorld(robot), controller, sf.place(robot), WalkScenario(duration, mu=0.6))
-        speeds[name] = summarise_walk(log)["velocity"]["forward"]["measured"]
+        controller = sf.WalkingController(robot, sf.VelocityCommand.constant(0.4), gait)
+        log = sf.run(sf.MujocoWorld(robot), controller, sf.Scenario(duration, mu=0.6))
+        speeds[name] = sf.summarise_walk(log).velocity.forward.measured
         print(f"from {name}: {speeds[name]:.3f} m/s, duty {np.round(log['planned'][400:].mean(axis=0), 2)}")
 
     try:
-        Gait("pronk", switching=[0.0, 0.1, 0.6], modes=[15, 0], feet=4)
+        sf.Gait("pronk", switching=[0.0, 0.1, 0.6], modes=[15, 0], feet=4)
     except sf.ProblemError as error:
         print("refused:", error)
         speeds["refused"] = 1.0

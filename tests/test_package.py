@@ -61,7 +61,10 @@ def test_the_stub_is_the_one_list_of_names() -> None:
     """Every name has one home in `__init__.pyi`, and is what its home calls by that name."""
     source = (Path(sf.__file__).parent / "__init__.pyi").read_text(encoding="utf-8")
     homes = re.findall(r"^from \.([\w.]+) import (\w+) as (\w+)$", source, re.MULTILINE)
-    assert sorted([name for _, name, _ in homes] + ["__version__"]) == sorted(sf.__all__)
+    modules = re.findall(r"^from \. import (\w+) as (\w+)$", source, re.MULTILINE)
+    listed = [name for _, name, _ in homes] + [name for name, _ in modules] + ["__version__"]
+    assert sorted(listed) == sorted(sf.__all__)
+    assert all(getattr(sf, name) is importlib.import_module(f"surefoot.{name}") for name, _ in modules)
     for home, name, shown in homes:
         assert name == shown
         assert getattr(sf, name) is getattr(importlib.import_module(f"surefoot.{home}"), name)
@@ -70,5 +73,6 @@ def test_the_stub_is_the_one_list_of_names() -> None:
 def test_the_contract_is_importable() -> None:
     names = "FrictionCone Stance PointContact can_stand friction_needed com_region wrench_cone ContactProblem"
     names += " solve read_problem write_problem load_robot distribute ForceDistributor ContactSolver"
-    names += " register Answer Settings grasp_map StanceBatch can_stand_many com_region_many HalfSpaces"
+    names += " register Answer Settings grasp_map StanceBatch can_stand_many com_region_many HalfSpaces laws"
+    names += " translate"
     assert set(names.split()) <= set(sf.__all__)

@@ -13,10 +13,13 @@ import numpy as np
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.cones.representation import halfspaces_from_rays
-from surefoot.equilibrium import can_stand, com_region
+from surefoot.equilibrium import can_stand, can_stand_many, com_region, com_region_many
 from surefoot.equilibrium.wrench_cone import wrench_cone
 from surefoot.problems.stances import StanceCase, random_case, random_cases
-from surefoot.stance import PatchContact, PointContact, Stance
+from surefoot.stance import PatchContact, PointContact, Stance, StanceBatch
+
+CANDIDATES, TURNS = 1000, 5
+"""Stances that are asked at once, and how often."""
 
 BAND = 1e-7
 """Verdicts may differ where the margin is below this share of the load."""
@@ -98,6 +101,7 @@ def races(count: int = 200, seed: int = 1) -> list[Race]:
         out += _race(f"can it stand, 4 points ({possible} of {count} can)", _stand_racers(feet))
         out += _race("can it stand, 4 points: what is new in each call", _novelty_racers(feet))
         out += _race("CoM region to 1 mm, 4 points", _region_racers(wide))
+        out += _many_races(wide)
         out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
         out += _race("wrench cone, 4 points on rough ground, 8 facets", _cone_racers(wide))
         out += _race("wrench cone, 4 points on flat ground, 8 facets", _cone_racers(flat))
@@ -150,6 +154,28 @@ def _novelty_racers(cases: list[StanceCase]) -> _Racers:
         ("surefoot, a fresh stance of the same contacts", fresh, cases),
         ("surefoot, contacts and stance built too", built, data),
     ]
+
+
+def _many_races(cases: list[StanceCase]) -> list[Race]:
+    """Return both questions to `CANDIDATES` stances at once: times of one of them."""
+    chosen = [cases[k % len(cases)] for k in range(CANDIDATES)]
+    places = np.array([c.stance.positions for c in chosen])
+    normals = np.array([c.stance.rotations[:, :, 2] for c in chosen])
+    mu = np.array([c.stance.mu for c in chosen])
+    com, mass = np.array([c.com for c in chosen]), np.array([c.mass for c in chosen])
+
+    def stand(_: int) -> Any:
+        return can_stand_many(StanceBatch(places, normals, mu), com, mass)
+
+    def regions(_: int) -> Any:
+        return com_region_many(StanceBatch(places, normals, mu), mass, tol=1e-3)
+
+    out = []
+    for question, call in (("can they stand", stand), ("CoM regions to 1 mm", regions)):
+        t = time_calls(call, range(TURNS), warm_up=1)
+        each = Timing(t.median / CANDIDATES, t.p99 / CANDIDATES, t.worst / CANDIDATES, t.calls)
+        out.append(Race(f"{question}, 4 points, {CANDIDATES} stances at once", "surefoot, each", each, 1.0))
+    return out
 
 
 def _region_racers(cases: list[StanceCase]) -> _Racers:

@@ -19,7 +19,7 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.whole_body import Tasks
 from surefoot.robot import load_robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.walking import WalkScenario, run_walking
+from surefoot.simulation.run import Scenario, run
 
 PASSES = 3
 
@@ -55,7 +55,7 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
     controller = WalkingController(model, VelocityCommand.constant(0.5), gait)
     tape = _Tape([], [])
     _record_calls(controller, tape)
-    run_walking(MujocoWorld(model, mu=0.6), controller, model.nominal, WalkScenario(seconds, 0.6))
+    run(MujocoWorld(model, mu=0.6), controller, Scenario(seconds, 0.6, start=model.nominal))
     fresh = WalkingController(model, VelocityCommand.constant(0.5), gait)
 
     def plan(item: tuple[float, tuple[Any, ...]]) -> None:

@@ -1,5 +1,11 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
+from . import laws as laws
+from .audit import summarise_stand as summarise_stand
+from .audit import summarise_walk as summarise_walk
+from .batch import BatchSolution as BatchSolution
+from .batch import DifferentiableSolver as DifferentiableSolver
+from .batch import solve_batch as solve_batch
 from .cones import Cone as Cone
 from .cones import FrictionCone as FrictionCone
 from .cones import FrictionPyramid as FrictionPyramid
@@ -8,6 +14,7 @@ from .cones import ProductCone as ProductCone
 from .cones import WrenchCone as WrenchCone
 from .contact import LCP as LCP
 from .contact import ContactProblem as ContactProblem
+from .contact import ContactSet as ContactSet
 from .contact import ContactSolution as ContactSolution
 from .contact import InfeasibilityProof as InfeasibilityProof
 from .contact import Redundancy as Redundancy
@@ -15,6 +22,7 @@ from .contact import Residuals as Residuals
 from .contact import Status as Status
 from .contact import carry_over as carry_over
 from .contact import check_proof as check_proof
+from .contact import contacts as contacts
 from .contact import persisting as persisting
 from .contact import read_lcp as read_lcp
 from .contact import read_problem as read_problem
@@ -22,6 +30,13 @@ from .contact import redundancy as redundancy
 from .contact import residuals as residuals
 from .contact import stewart_trinkle as stewart_trinkle
 from .contact import write_problem as write_problem
+from .contact.engines import Translation as Translation
+from .contact.engines import combination_rules as combination_rules
+from .contact.engines import combine_friction as combine_friction
+from .contact.engines import translate as translate
+from .control.controller import Command as Command
+from .control.controller import Controller as Controller
+from .control.controller import RobotState as RobotState
 from .control.force_distribution import ForceDistributor as ForceDistributor
 from .control.gait import Gait as Gait
 from .control.gait import ModeSchedule as ModeSchedule
@@ -32,6 +47,7 @@ from .control.stance_forces import distribute as distribute
 from .control.standing import StandingController as StandingController
 from .control.standing_plan import StandingPlan as StandingPlan
 from .control.walking import WalkingController as WalkingController
+from .control.walking_body import VelocityCommand as VelocityCommand
 from .control.whole_body import WholeBodyController as WholeBodyController
 from .equilibrium import ComVolume as ComVolume
 from .equilibrium import ForceLimits as ForceLimits
@@ -53,12 +69,18 @@ from .errors import NoSolution as NoSolution
 from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
+from .log import Log as Log
+from .log import read_log as read_log
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.rigid import RigidWorld as RigidWorld
+from .simulation.run import run as run
+from .simulation.scenario import Ice as Ice
+from .simulation.scenario import Push as Push
+from .simulation.scenario import Scenario as Scenario
 from .solvers import Answer as Answer
 from .solvers import ContactForces as ContactForces
 from .solvers import ContactSolver as ContactSolver
@@ -71,19 +93,20 @@ from .solvers import solve as solve
 from .solvers import solve_lcp as solve_lcp
 from .solvers import solver_names as solver_names
 from .stance import Contact as Contact
-from .stance import FlatTerrain as FlatTerrain
 from .stance import HalfSpaces as HalfSpaces
-from .stance import HeightfieldTerrain as HeightfieldTerrain
 from .stance import PatchContact as PatchContact
 from .stance import PointContact as PointContact
-from .stance import SlopeTerrain as SlopeTerrain
-from .stance import StairsTerrain as StairsTerrain
 from .stance import Stance as Stance
 from .stance import StanceBatch as StanceBatch
-from .stance import Terrain as Terrain
 from .stance import grasp_map as grasp_map
 from .stance import read_stance as read_stance
 from .stance import write_stance as write_stance
+from .terrain import FlatTerrain as FlatTerrain
+from .terrain import HeightfieldTerrain as HeightfieldTerrain
+from .terrain import PitTerrain as PitTerrain
+from .terrain import SlopeTerrain as SlopeTerrain
+from .terrain import StairsTerrain as StairsTerrain
+from .terrain import Terrain as Terrain
 from .viz.video import Renderer as Renderer
 from .viz.video import RenderError as RenderError
 from .viz.video import cone_lines as cone_lines

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
+from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from surefoot.audit import Laws, check_laws, contact_use
+from surefoot.audit import Laws, check_laws, contact_use, log_laws
 from surefoot.audit.laws import LAWS, LEAST_FRICTION, LOADED_SHARE
-from surefoot.audit.slides import LAG, free_slides
+from surefoot.audit.slides import LAG, WORST, free_slides, slide_on, start_slides
 from surefoot.errors import ProblemError
+from surefoot.log import Log, read_log
+from surefoot.spatial import GRAVITY
 
 WEIGHT = 100.0
 
@@ -212,7 +217,9 @@ def test_free_slides_kernel_against_plain_numpy() -> None:
     f[100:140, 0, 2] = 0.0
     mu, dt = rng.uniform(0.1, 1.0, (T, p)), rng.uniform(5e-4, 2e-3, T)
     fast = free_slides(f, v, mu, dt, 0.1, WEIGHT)
-    np.testing.assert_allclose(fast, free_slides.py_func(f, v, mu, dt, 0.1, WEIGHT), rtol=1e-12)
+    state = start_slides(p)
+    slide_on.py_func(state, f, v, mu, dt, 0.1, WEIGHT)
+    np.testing.assert_allclose(fast, state[:, WORST], rtol=1e-12)
     for c in range(p):
         stances = [[0, 100], [140, T]] if c == 0 else [[0, T]]
         want = 0.0
@@ -230,3 +237,55 @@ def test_free_slides_kernel_against_plain_numpy() -> None:
                 if net >= 1e-4:
                     total, piece = total + lost * net / way, []
         assert fast[c] == pytest.approx(want, rel=1e-10)
+
+
+@pytest.mark.parametrize("spoilt", [None, "forces", "gaps", "contact_velocities", "large"])
+@pytest.mark.parametrize("rows", [1, 7, 100, 999, 5000])
+def test_a_log_in_pieces_is_judged_as_a_whole(
+    rows: int, spoilt: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every figure to the last bit, wherever the log is cut, and where something in it is not finite."""
+    rng = np.random.default_rng(11)
+    T, p, dt = 1000, 4, 1e-3
+    arrays = {
+        "time": dt * np.arange(T),
+        "forces": rng.normal(size=(T, p, 3)) * 20.0,
+        "gaps": 1e-4 * rng.normal(size=(T, p)),
+        "contact_velocities": 0.2 * rng.normal(size=(T, p, 3)),
+        "mu": rng.uniform(0.1, 1.0, T),
+    }
+    arrays["forces"][..., 2] = np.where(rng.uniform(size=(T, p)) < 0.9, 40.0, -0.01)
+    if spoilt == "large":
+        arrays["contact_velocities"][400:700, 1] = 1e306
+        arrays["forces"][400:700, 1] = 1e5
+    elif spoilt is not None:
+        arrays[spoilt][[3, 500, 900], 2] = np.nan
+    log = Log(arrays, {"mass": WEIGHT / GRAVITY, "dt": dt})
+    names = ("forces", "gaps", "contact_velocities", "mu")
+    whole = check_laws(*(log[name] for name in names), log.fact("mass") * GRAVITY, dt)
+    chunks = Log.chunks
+    monkeypatch.setattr(Log, "chunks", lambda self: chunks(self, rows))
+    np.testing.assert_equal(asdict(log_laws(log)), asdict(whole))
+    assert bool(whole.not_finite) == (spoilt is not None)
+    if spoilt == "forces":
+        assert whole.not_finite[0] == "forces not finite in 9 places, first in row 3 at contact 2"
+
+
+def test_a_log_longer_than_memory_is_judged_in_bounded_memory(tmp_path: Path) -> None:
+    T, p = 400_000, 4
+    rng = np.random.default_rng(0)
+    shapes = {"forces": (T, p, 3), "gaps": (T, p), "contact_velocities": (T, p, 3), "mu": (T,), "time": (T,)}
+    for name, shape in shapes.items():
+        mapped = np.lib.format.open_memmap(tmp_path / f"{name}.npy", "w+", np.float64, shape)
+        mapped[:] = 0.5
+        mapped[:1000] = rng.uniform(0.0, 1e-4, (1000, *shape[1:]))
+    (tmp_path / "facts.json").write_text('{"mass": 16.0, "dt": 0.001}')
+    log = read_log(tmp_path)
+    size = sum(array.nbytes for array in log.arrays.values())
+    tracemalloc.start()
+    try:
+        laws = log_laws(log)
+        assert tracemalloc.get_traced_memory()[1] < 0.5 * size
+    finally:
+        tracemalloc.stop()
+    assert laws.separation_max == 0.5

@@ -14,8 +14,7 @@ import pytest
 
 from surefoot.cli.main import main
 from surefoot.errors import SimulationError
-from surefoot.simulation import log_stream
-from surefoot.simulation.log import read_log
+from surefoot.log import parts, read_log, recorder
 from surefoot.simulation.mujoco import MujocoWorld
 
 STAND = ["stand", "--duration", "1", "--no-video", "--out"]
@@ -64,10 +63,10 @@ def test_a_signal_before_the_first_step_leaves_no_log(
 def test_a_disk_that_fills_up_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    original = log_stream._write_at
+    original = parts._write_at
 
     def write(file: Any, offset: int, data: Any) -> None:
-        if offset > log_stream.HEADER_BYTES:
+        if offset > parts.HEADER_BYTES:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         original(file, offset, data)
 
@@ -75,8 +74,8 @@ def test_a_disk_that_fills_up_is_told(
         file.write(b"PK")
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(log_stream, "_write_at", write)
-    monkeypatch.setattr(log_stream, "CHUNK_BYTES", 300_000)
+    monkeypatch.setattr(parts, "_write_at", write)
+    monkeypatch.setattr(recorder, "CHUNK_BYTES", 300_000)
     monkeypatch.setattr(np, "savez_compressed", savez)
     assert main([*STAND, str(tmp_path), "--json"]) == 1
     out = capfd.readouterr()
@@ -85,12 +84,12 @@ def test_a_disk_that_fills_up_is_told(
     (folder,) = tmp_path.iterdir()
     assert summary["outcome"] == "stopped"
     assert summary["error"] == f"cannot write {folder / 'log.parts'}: No space left on device"
-    parts = folder / "log.parts"
+    rows = folder / "log.parts"
     assert summary["unwritten"] == [
-        f"cannot write {folder / 'log.npz'}: No space left on device; its rows are in {parts}"
+        f"cannot write {folder / 'log.npz'}: No space left on device; its rows are in {rows}"
     ]
     assert not (folder / "log.npz").exists()
-    kept = read_log(parts)
+    kept = read_log(rows)
     assert 100 < len(kept) < summary["duration"] / kept.facts["dt"] < 900
     np.testing.assert_allclose(kept["forces"][100:].sum(axis=1)[:, 2], summary["mass"] * 9.81, rtol=0.05)
 

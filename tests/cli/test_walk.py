@@ -12,8 +12,8 @@ from surefoot.cli.main import main
 from surefoot.control.gait_files import write_gaits
 from surefoot.control.gait_library import named_gait
 from surefoot.errors import ProblemError
-from surefoot.simulation.log import read_log
-from surefoot.stance import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
+from surefoot.log import read_log
+from surefoot.terrain import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
 
 QUICK = ("--duration", "1.2", "--no-video")
 
@@ -84,7 +84,7 @@ def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[st
         (["--velocity", "fast"], "--velocity: 'fast' is not a finite number"),
         (["--velocity", "1,2,3,4"], "is not of the form VX,VY,WZ"),
         (["--terrain", "moon"], "--terrain 'moon' is not one of: flat, slope:DEG"),
-        (["--terrain", "rough:0.5,0.04"], "is not one of"),
+        (["--terrain", "rough:0.5,0.04"], "seed must be a whole number"),
         (["--terrain", "stairs:0.08,0"], "tread must be positive"),
         (
             ["--terrain", "slope:35"],

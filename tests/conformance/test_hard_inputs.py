@@ -20,6 +20,7 @@ import pytest
 from surefoot.contact import Status
 from surefoot.control.allocation import ExactAllocation, SolverAllocation
 from surefoot.control.body_motion import BodyReference, BodyState
+from surefoot.control.controller import RobotState
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.standing import StandingController
@@ -32,7 +33,8 @@ from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.world import World
-from surefoot.stance import FlatTerrain, PointContact, Stance
+from surefoot.stance import PointContact, Stance
+from surefoot.terrain import FlatTerrain
 
 NOT_FINITE = [math.nan, math.inf, -math.inf]
 EXTREME = [1e6, -1e12, 1e100, -1e200, 1e308, 1e-310]
@@ -212,7 +214,7 @@ class Standing:
         self.time = 1.5 if lifted else 0.0
 
     def step(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool, Status]:
-        c = self.controller.step(q, v, self.time)
+        c = self.controller.step(RobotState(q, v, self.time))
         for array in (c.wrench_desired, c.wrench_error, c.grasp_map):
             assert np.isfinite(array).all()
         return c.torques, c.forces, c.attained, c.status
@@ -230,8 +232,8 @@ class Walking:
 
     def step(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool, Status]:
         self.time += 1e-3
-        c = self.controller.step(q, v, np.ones(4, dtype=bool), self.time).whole_body
-        return c.torques, c.forces, c.feasible, c.status
+        c = self.controller.step(RobotState(q, v, self.time, np.ones(4, dtype=bool)))
+        return c.torques, c.forces, c.attained, c.status
 
 
 class WholeBody:
@@ -323,7 +325,7 @@ def test_standing_on_no_friction_tells_that_a_slope_cannot_be_held() -> None:
     controller = Standing(robot, mu=0.0).controller
     q, v = place(robot), np.zeros(robot.model.nv)
     q[0] += 0.05
-    command = controller.step(q, v, 0.0)
+    command = controller.step(RobotState(q, v, 0.0))
     assert not command.attained
     assert (command.forces[:, :2] == 0.0).all()
 

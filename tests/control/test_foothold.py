@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.control.foothold import FootholdSearch, fit_plane, raibert, slope_rotation
-from surefoot.simulation.walk_terrain import rough_ground
-from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain
+from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
 
 
 def test_a_body_at_its_wanted_speed_steps_half_a_stance_ahead() -> None:

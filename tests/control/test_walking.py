@@ -5,13 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from surefoot.control.controller import RobotState
 from surefoot.control.gait import ModeSchedule
 from surefoot.control.gait_library import named_gait
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot, load_robot, place
-from surefoot.stance import SlopeTerrain
+from surefoot.terrain import SlopeTerrain
 
 FORWARD = VelocityCommand.constant(0.5)
 ALL = np.ones(4, dtype=bool)
@@ -24,17 +25,18 @@ def robot_of(name: str) -> Robot:
 
 def test_a_standing_robot_gets_forces_that_carry_it() -> None:
     robot = robot_of("go2")
-    command = WalkingController(robot, FORWARD).step(place(robot), np.zeros(robot.model.nv), ALL, 0.0)
-    assert command.whole_body.feasible
-    assert command.carrying.all()
-    assert command.whole_body.forces[:, 2].sum() == pytest.approx(robot.mass * 9.81, rel=0.1)
+    state = RobotState(place(robot), np.zeros(robot.model.nv), 0.0, ALL)
+    command = WalkingController(robot, FORWARD).step(state)
+    assert command.attained
+    assert command.active.all()
+    assert command.forces[:, 2].sum() == pytest.approx(robot.mass * 9.81, rel=0.1)
 
 
 def test_forces_follow_the_terrain_not_the_world() -> None:
     robot, slope = robot_of("go2"), SlopeTerrain(20.0)
     controller = WalkingController(robot, VelocityCommand.constant(0.0), terrain=slope)
-    command = controller.step(place(robot, slope), np.zeros(robot.model.nv), ALL, 0.0)
-    world = np.einsum("nij,nj->i", command.frames, command.whole_body.forces)
+    command = controller.step(RobotState(place(robot, slope), np.zeros(robot.model.nv), 0.0, ALL))
+    world = np.einsum("nij,nj->i", command.frames, command.forces)
     assert world == pytest.approx([0.0, 0.0, robot.mass * 9.81], abs=0.1 * robot.mass * 9.81)
     assert command.frames[0][:, 2] == pytest.approx(slope.normal([0.0, 0.0]))
 
@@ -43,7 +45,7 @@ def test_the_gait_lifts_feet_after_the_start() -> None:
     robot = robot_of("go2")
     controller = WalkingController(robot, FORWARD, settings=WalkSettings(start=0.1))
     q, v = place(robot), np.zeros(robot.model.nv)
-    lifted = [controller.step(q, v, ALL, t).carrying.tolist() for t in (0.0, 0.05, 0.15, 0.16)]
+    lifted = [controller.step(RobotState(q, v, t, ALL)).active.tolist() for t in (0.0, 0.05, 0.15, 0.16)]
     assert lifted[0] == lifted[1] == [True] * 4
     assert False in lifted[2] or False in lifted[3]
 
@@ -53,8 +55,8 @@ def test_swing_feet_get_exactly_no_force() -> None:
     controller = WalkingController(robot, FORWARD, settings=WalkSettings(start=0.0))
     q, v = place(robot), np.zeros(robot.model.nv)
     for t in np.arange(0.0, 0.2, 0.005):
-        command = controller.step(q, v, ALL, float(t))
-        assert (command.whole_body.forces[~command.carrying] == 0.0).all()
+        command = controller.step(RobotState(q, v, float(t), ALL))
+        assert (command.forces[~command.active] == 0.0).all()
 
 
 def test_a_robot_twice_as_fast_as_possible_is_slowed_and_said_so() -> None:
@@ -69,13 +71,13 @@ def test_a_state_that_is_not_finite_gives_a_safe_command(bad: float) -> None:
     robot = robot_of("go2")
     controller = WalkingController(robot, FORWARD)
     q, v = place(robot), np.zeros(robot.model.nv)
-    controller.step(q, v, ALL, 0.0)
+    controller.step(RobotState(q, v, 0.0, ALL))
     v[4], v[10] = bad, 2.0
-    command = controller.step(q, v, ALL, 0.021)
-    assert command.whole_body.torques[4] < 0.0  # slows the joint that moves
-    assert not command.whole_body.feasible
-    assert np.isfinite(command.whole_body.torques).all()
-    assert (np.abs(command.whole_body.torques) <= robot.effort_limits).all()
+    command = controller.step(RobotState(q, v, 0.021, ALL))
+    assert command.torques[4] < 0.0  # slows the joint that moves
+    assert not command.attained
+    assert np.isfinite(command.torques).all()
+    assert (np.abs(command.torques) <= robot.effort_limits).all()
 
 
 def test_a_mode_schedule_serves_as_a_gait() -> None:
@@ -83,8 +85,8 @@ def test_a_mode_schedule_serves_as_a_gait() -> None:
     schedule = named_gait("trot").schedule(2.0, start=0.2)
     controller = WalkingController(robot, FORWARD, schedule, settings=WalkSettings(start=0.0))
     q, v = place(robot), np.zeros(robot.model.nv)
-    assert controller.step(q, v, ALL, 0.0).carrying.all()
-    assert not controller.step(q, v, ALL, 0.3).carrying.all()
+    assert controller.step(RobotState(q, v, 0.0, ALL)).active.all()
+    assert not controller.step(RobotState(q, v, 0.3, ALL)).active.all()
 
 
 def test_what_cannot_walk_is_refused() -> None:

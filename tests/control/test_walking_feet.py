@@ -5,7 +5,7 @@ import pytest
 
 from surefoot.control.gait import Gait
 from surefoot.control.walking_feet import EARLY, LOST_TIME, Feet
-from surefoot.stance import FlatTerrain
+from surefoot.terrain import FlatTerrain
 
 TROT = Gait.from_phases("trot", 0.4, 0.5, [0.0, 0.5, 0.5, 0.0])
 CENTRES = np.array([[0.2, 0.15, 0.02], [0.2, -0.15, 0.02], [-0.2, 0.15, 0.02], [-0.2, -0.15, 0.02]])

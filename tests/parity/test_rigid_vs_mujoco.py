@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.control.controller import RobotState
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.bodies import box
@@ -25,7 +26,7 @@ def standing_forces(world_type, degrees: float) -> np.ndarray:
     world.reset(q)
     forces = []
     for k in range(1500):
-        torques = controller.step(*world.state(), k * world.dt).torques
+        torques = controller.step(RobotState(*world.state(), k * world.dt)).torques
         world.step(torques)
         forces.append(world.contacts().forces)
     return np.mean(forces[-200:], axis=0)
@@ -48,7 +49,7 @@ def test_soles_carry_the_same_wrench():
         world = world_type(robot, ground)
         world.reset(q)
         for k in range(1000):
-            world.step(controller.step(*world.state(), k * world.dt).torques)
+            world.step(controller.step(RobotState(*world.state(), k * world.dt)).torques)
         reading = world.contacts()
         normal = reading.forces[:, 2].reshape(2, 4)
         places = reading.positions.reshape(2, 4, 3)
@@ -67,7 +68,7 @@ def test_a_push_moves_the_base_alike(name, push):
         world, path = world_type(robot, ground), []
         world.reset(q)
         for k in range(1000):
-            torques = controller.step(*world.state(), k * world.dt).torques
+            torques = controller.step(RobotState(*world.state(), k * world.dt)).torques
             world.step(torques, np.array(push) if 300 <= k < 500 else None)
             path.append(world.state()[0][:3] - q[:3])
         paths.append(np.array(path))

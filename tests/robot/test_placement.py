@@ -36,3 +36,14 @@ def test_what_cannot_stand_is_refused() -> None:
         sf.place(sf.load_robot("panda"))
     with pytest.raises(ModelError, match="legs do not reach the ground"):
         sf.place(sf.load_robot("g1"), sf.SlopeTerrain(70.0))
+
+
+def test_stands_about_another_place() -> None:
+    robot, ground = sf.load_robot("go2"), sf.HeightfieldTerrain.rough(0.02, 1.0, seed=3)
+    at = np.array([0.7, -0.4])
+    q = sf.place(robot, ground, at=at)
+    gaps = ground.gap(robot.foot_positions(q)) - [foot.radius for foot in robot.feet]
+    assert np.abs(gaps).max() < 1e-6
+    assert np.abs(q[:2] - at).max() < 0.05
+    with pytest.raises(sf.ProblemError, match="at"):
+        sf.place(robot, ground, at=[np.nan, 0.0])

@@ -8,11 +8,21 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.robot import load_robot
-from surefoot.simulation.mujoco import add_ground
-from surefoot.simulation.mujoco_contacts import frames_along
-from surefoot.simulation.walk_terrain import PitTerrain, check_ground, rough_ground, start_pose
-from surefoot.spatial import rotation_from_normal
-from surefoot.stance import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain, Terrain
+from surefoot.simulation.mujoco import MujocoWorld, add_ground
+from surefoot.simulation.walk_terrain import check_ground, start_pose
+from surefoot.terrain import (
+    Box,
+    FlatTerrain,
+    HeightfieldTerrain,
+    LevelsTerrain,
+    PitTerrain,
+    Plane,
+    Shape,
+    SlopeTerrain,
+    StairsTerrain,
+    Terrain,
+    rough_ground,
+)
 
 TERRAINS = [
     FlatTerrain(),
@@ -45,6 +55,32 @@ def test_rays_meet_the_ground_at_its_height(terrain: Terrain) -> None:
     assert found == pytest.approx(terrain.height(places), abs=tolerance)
 
 
+class Kerb(LevelsTerrain):
+    """A plane with a box on it."""
+
+    def height(self, xy: object) -> np.ndarray:
+        return np.where(np.asarray(xy, dtype=float)[..., 0] > 0.5, 0.1, 0.0)
+
+    def levels(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([-50.0, 0.5, 10.5]), np.array([0.0, 0.1])
+
+    def shapes(self) -> tuple[Shape, ...]:
+        return Plane(np.zeros(3), np.eye(3)), Box(np.array([5.5, 0.0, 0.05]), np.array([10.0, 10.0, 0.1]))
+
+
+def test_shapes_of_several_kinds_are_one_ground() -> None:
+    world = MujocoWorld(load_robot("go2"), Kerb(), 0.5)
+    world.set_friction(0.2)
+    names = [world.model.geom(k).name for k in range(world.model.ngeom)]
+    ground = [k for k, name in enumerate(names) if name.startswith("ground")]
+    assert [names[k] for k in ground] == ["ground:0", "ground:1"]
+    assert (world.model.geom_friction[ground, 0] == 0.2).all()
+    places = np.random.default_rng(5).uniform(-1.0, 2.0, (50, 2))
+    beside = places + np.array([0.0, 2.5])  # of the robot
+    found = [ground_height(world.model, world.data, p) for p in beside]
+    assert found == pytest.approx(Kerb().height(places), abs=1e-9)
+
+
 def test_a_ground_without_a_shape_is_told() -> None:
     class Odd(Terrain):
         def height(self, xy: object) -> np.ndarray:
@@ -60,17 +96,6 @@ def test_a_ground_without_a_shape_is_told() -> None:
         add_ground(mujoco.MjSpec(), Odd(), 0.5)
     with pytest.raises(ProblemError, match="height fields of up to"):
         add_ground(mujoco.MjSpec(), HeightfieldTerrain(np.zeros((2, 2)), 100.0), 0.5)
-
-
-def test_frames_match_the_library() -> None:
-    rng = np.random.default_rng(1)
-    normals = rng.normal(size=(50, 3)) + np.array([0.0, 0.0, 2.0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    wanted = np.array([rotation_from_normal(n) for n in normals])
-    assert frames_along(normals) == pytest.approx(wanted, abs=1e-12)
-    odd = frames_along(np.array([[1.0, 0.0, 0.0]]))[0]
-    assert odd.T @ odd == pytest.approx(np.eye(3))
-    assert np.linalg.det(odd) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("terrain", TERRAINS[:4] + TERRAINS[5:], ids=repr)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.control.controller import RobotState
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.simulation.rigid import RigidWorld
@@ -26,7 +27,7 @@ def dropped(name, height, seconds, terrain=None, **settings):
     given, begin = 0.0, world.energy()
     for k in range(round(seconds / world.dt)):
         q, v = world.state()
-        torques = controller.step(q, v, k * world.dt).torques
+        torques = controller.step(RobotState(q, v, k * world.dt)).torques
         world.step(torques)
         reading, (moved, after) = world.contacts(), world.state()
         given += torques @ (moved - q)[7:]

@@ -8,14 +8,23 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.audit import summarise_stand
+from surefoot.audit.motion import tilt_angles
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.errors import ProblemError
-from surefoot.simulation.log import FIELDS, Log, read_log
+from surefoot.log import CHANNELS, Log, read_log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Ice, Push, Scenario, push_at, start_velocity
-from surefoot.simulation.standing import fallen, run_standing
-from surefoot.simulation.summary import summarise, tilt_angles
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import (
+    STANDING_FALL,
+    START_DEPTH,
+    Ice,
+    Push,
+    Scenario,
+    push_at,
+    start_velocity,
+)
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 
 
@@ -32,22 +41,23 @@ def stand(
     q = sf.place(robot, terrain)
     controller = StandingController(robot, StandingPlan(robot, terrain, q, lifts), terrain, q, mu)
     world = MujocoWorld(robot, terrain, mu, payload=payload)
-    return run_standing(world, controller, q, Scenario(duration, mu, **events))  # type: ignore[arg-type]
+    scenario = Scenario(duration, mu, start=q, depth=START_DEPTH, fall=STANDING_FALL, **events)  # type: ignore[arg-type]
+    return run(world, controller, scenario)
 
 
 def test_go2_stands_on_flat_ground() -> None:
     log = stand(duration=5.0)
-    summary = summarise(log)
-    weight = summary["mass"] * GRAVITY
+    summary = summarise_stand(log)
+    weight = summary.mass * GRAVITY
     assert weight == pytest.approx(157.8, abs=0.05)
-    assert summary["stood"]
-    assert summary["laws_broken"] == []
-    assert summary["normal_force_total_mean"] == pytest.approx(weight, rel=5e-3)
-    means = {foot["name"]: foot["normal_force_mean"] for foot in summary["feet"]}
+    assert summary.success
+    assert summary.laws_broken == []
+    assert summary.normal_force_total_mean == pytest.approx(weight, rel=5e-3)
+    means = {foot.name: foot.normal_force_mean for foot in summary.feet}
     assert abs(means["FL_foot"] - means["FR_foot"]) < 1.0
     assert abs(means["RL_foot"] - means["RR_foot"]) < 1.0
-    assert summary["base"]["position_max"] < 5e-3
-    assert summary["base"]["tilt_max_deg"] < 0.5
+    assert summary.base.position_max < 5e-3
+    assert summary.base.tilt_max_deg < 0.5
     steady = slice(len(log) // 2, None)
     measured, commanded = log["forces"][steady], log["forces_commanded"][steady]
     assert np.abs(measured[..., :2]).max() < 1.0  # tangential forces are small
@@ -57,10 +67,10 @@ def test_go2_stands_on_flat_ground() -> None:
 
 @pytest.mark.parametrize("name", ["go1", "a1", "anymal_b", "anymal_c", "hyq", "b1", "solo12", "g1"])
 def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
-    summary = summarise(stand(name, duration=1.0))
-    assert summary["stood"]
-    assert summary["laws_broken"] == []
-    assert summary["normal_force_total_mean"] == pytest.approx(summary["mass"] * GRAVITY, rel=5e-3)
+    summary = summarise_stand(stand(name, duration=1.0))
+    assert summary.success
+    assert summary.laws_broken == []
+    assert summary.normal_force_total_mean == pytest.approx(summary.mass * GRAVITY, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -76,9 +86,9 @@ def test_other_robots_stand_without_code_of_their_own(name: str) -> None:
     ids=["slope", "payload", "push", "lift", "ice", "seed"],
 )
 def test_go2_stands_through(case: dict[str, object]) -> None:
-    summary = summarise(stand(**case))  # type: ignore[arg-type]
-    assert summary["stood"], summary["outcome"]
-    assert summary["laws_broken"] == []
+    summary = summarise_stand(stand(**case))  # type: ignore[arg-type]
+    assert summary.success, summary.outcome
+    assert summary.laws_broken == []
 
 
 @pytest.mark.parametrize(
@@ -91,22 +101,24 @@ def test_robots_stand_through_a_push_and_a_lift_on_a_slope(
     """README's first command (two seconds sooner), and others like it: no foot slides, no law is broken."""
     force = 60.0 / 16.085 * sf.load_robot(name).mass
     pushes = [Push(0.3, (force, 0.0, 0.0), 0.2)]
-    summary = summarise(stand(name, degrees, 3.2, lifts=(Lift(foot, 1.6, 2.3),), pushes=pushes, seed=seed))
-    assert summary["stood"], summary["outcome"]
-    assert summary["laws_judged"] == ["unilateral", "Coulomb", "dissipation"]
-    assert summary["laws_broken"] == []
-    assert max(f["slip"] for f in summary["feet"]) < 5e-4
+    summary = summarise_stand(
+        stand(name, degrees, 3.2, lifts=(Lift(foot, 1.6, 2.3),), pushes=pushes, seed=seed)
+    )
+    assert summary.success, summary.outcome
+    assert summary.laws_judged == ["unilateral", "Coulomb", "dissipation"]
+    assert summary.laws_broken == []
+    assert max(f.slip for f in summary.feet) < 5e-4
 
 
 @pytest.mark.parametrize("field", ["q", "v", "torques", "forces", "gaps", "contact_velocities"])
 def test_a_log_with_a_number_that_is_none_did_not_stand(field: str) -> None:
     log = stand(duration=0.1)
-    assert summarise(log)["stood"]
+    assert summarise_stand(log).success
     log.arrays[field].flat[50] = np.nan
-    summary = summarise(log)
-    assert summary["outcome"] == "invalid"
-    assert not summary["stood"]
-    assert bool(summary["laws_broken"]) == (field in ("forces", "gaps", "contact_velocities"))
+    summary = summarise_stand(log)
+    assert summary.outcome == "invalid"
+    assert not summary.success
+    assert bool(summary.laws_broken) == (field in ("forces", "gaps", "contact_velocities"))
 
 
 def test_slope_shares_the_weight_between_normal_and_friction() -> None:
@@ -132,11 +144,11 @@ def test_lifted_foot_is_in_the_air_and_back() -> None:
 
 def test_ice_on_a_slope_ends_in_an_honest_slip() -> None:
     log = stand(degrees=15.0, duration=4.0, ice=[Ice(1.0, 0.15)])
-    summary = summarise(log)
-    assert summary["outcome"] == "slipped"
-    assert not summary["stood"]
+    summary = summarise_stand(log)
+    assert summary.outcome == "slipped"
+    assert not summary.success
     assert all(np.isfinite(rows).all() for rows in log.arrays.values())
-    assert max(foot["slip"] for foot in summary["feet"]) > 0.01
+    assert max(foot.slip for foot in summary.feet) > 0.01
 
 
 def test_push_beyond_the_ground_is_flagged_not_hidden() -> None:
@@ -170,20 +182,20 @@ def test_interrupted_run_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) -> N
     assert log.facts["outcome"] == "interrupted"
     assert 100 < len(log) < 150
     assert all(len(rows) == len(log) for rows in log.arrays.values())
-    assert summarise(log)["outcome"] == "interrupted"
-    assert not summarise(log)["stood"]
+    assert summarise_stand(log).outcome == "interrupted"
+    assert not summarise_stand(log).success
 
 
 def test_log_round_trip_without_pickle(tmp_path: Path) -> None:
     log = stand(duration=0.1)
     path = log.save(tmp_path / "log.npz")
     again = read_log(path)
-    assert set(again.arrays) == set(log.arrays) <= set(FIELDS)
+    assert set(again.arrays) == set(log.arrays) <= set(CHANNELS)
     for name in log.arrays:
         np.testing.assert_array_equal(again[name], log[name])
     assert again.facts["robot"] == "go2"
     assert again.facts["feet"] == list(log.facts["feet"])
-    assert summarise(again) == summarise(log)
+    assert summarise_stand(again) == summarise_stand(log)
     with pytest.raises(ProblemError, match="exists already"):
         log.save(path)
     with pytest.raises(ProblemError, match="not a Surefoot log"):
@@ -207,12 +219,16 @@ def test_helpers() -> None:
     robot = sf.load_robot("go2")
     assert start_velocity(robot, None) is None
     q = robot.nominal
-    assert fallen(q, q, np.eye(3)) is None
+
+    def fallen(state: np.ndarray) -> str | None:
+        return STANDING_FALL.happened(state, q[2], sf.FlatTerrain())
+
+    assert fallen(q) is None
     lying = q.copy()
     lying[3:7] = quaternion_from_rotation(rotation_about([1.0, 0.0, 0.0], np.radians(60.0)))
-    assert fallen(lying, q, np.eye(3)) == "fell"
+    assert fallen(lying) == "fell"
     low = q.copy()
     low[2] *= 0.4
-    assert fallen(low, q, np.eye(3)) == "fell"
-    assert fallen(np.full_like(q, np.nan), q, np.eye(3)) == "invalid"
+    assert fallen(low) == "fell"
+    assert fallen(np.full_like(q, np.nan)) == "invalid"
     np.testing.assert_allclose(tilt_angles(np.stack([q, lying])), [0.0, np.radians(60.0)], atol=1e-9)

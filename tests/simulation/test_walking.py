@@ -7,17 +7,17 @@ from functools import cache
 import numpy as np
 import pytest
 
+from surefoot.audit import summarise_walk
+from surefoot.audit.motion import commanded_excess
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
 from surefoot.simulation.faults import Faults
-from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Ice, Push
-from surefoot.simulation.walk_summary import commanded_excess, summarise_walk
-from surefoot.simulation.walk_terrain import rough_ground, start_pose
-from surefoot.simulation.walking import WalkScenario, run_walking
-from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+from surefoot.simulation.run import Ice, Push, Scenario, run
+from surefoot.simulation.walk_terrain import start_pose
+from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain, rough_ground
 
 
 @cache
@@ -44,20 +44,19 @@ def walk(
         model, VelocityCommand.constant(*velocity), gait, ground, WalkSettings(mu=mu)
     )
     world = MujocoWorld(model, ground, mu, payload=payload)
-    return run_walking(
-        world, controller, start_pose(model, ground), WalkScenario(duration, mu, pushes, ice, seed, faults)
-    )
+    start = start_pose(model, ground)
+    return run(world, controller, Scenario(duration, mu, pushes, ice, seed, faults, start))
 
 
 @pytest.mark.parametrize("velocity", [(0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])
 def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, float, float]) -> None:
     log = walk(velocity, duration=5.0)
     summary = summarise_walk(log)
-    assert summary["walked"]
-    assert summary["laws_broken"] == []
+    assert summary.success
+    assert summary.laws_broken == []
     for axis, wanted in zip(("forward", "left", "turn"), velocity, strict=True):
-        assert summary["velocity"][axis]["commanded"] == pytest.approx(wanted, abs=1e-6)
-        assert summary["velocity"][axis]["measured"] == pytest.approx(wanted, rel=0.1, abs=0.03)
+        assert getattr(summary.velocity, axis).commanded == pytest.approx(wanted, abs=1e-6)
+        assert getattr(summary.velocity, axis).measured == pytest.approx(wanted, rel=0.1, abs=0.03)
     assert commanded_excess(log).max() == 0.0
     assert log["attained"].all()
 
@@ -76,19 +75,19 @@ def test_a_trot_follows_its_command_inside_the_cones(velocity: tuple[float, floa
 def test_a_trot_masters_terrain(terrain: Terrain, speed: float, duration: float) -> None:
     log = walk((speed, 0.0, 0.0), duration, terrain=terrain)
     summary = summarise_walk(log)
-    assert summary["walked"]
-    assert summary["laws_broken"] == []
-    assert summary["velocity"]["forward"]["measured"] == pytest.approx(speed, rel=0.1)
+    assert summary.success
+    assert summary.laws_broken == []
+    assert summary.velocity.forward.measured == pytest.approx(speed, rel=0.1)
     assert commanded_excess(log).max() == 0.0
     climbed = terrain.height(log["q"][-1, :2]) - terrain.height(log["q"][0, :2])
-    assert summary["climb"] == pytest.approx(float(climbed), abs=0.12)
+    assert summary.climb == pytest.approx(float(climbed), abs=0.12)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_trot_survives_pushes(side: float) -> None:
     push = Push(1.5, (0.0, 100.0 * side, 0.0), 0.1)
     log = walk(pushes=(push,), duration=3.5)
-    left = summarise_walk(log)["velocity"]["left"]["measured"]
+    left = summarise_walk(log).velocity.left.measured
     assert log.facts["outcome"] == "done"
     peak = log["v"][1600:1700, 1]
     assert side * peak[np.abs(peak).argmax()] > 0.3  # it was a push indeed: 10 N s on 16 kg
@@ -98,16 +97,16 @@ def test_a_trot_survives_pushes(side: float) -> None:
 
 def test_a_trot_crosses_ice() -> None:
     log = walk(ice=(Ice(1.5, 0.2), Ice(3.0, 0.6)), duration=4.0)
-    assert summarise_walk(log)["walked"]
+    assert summarise_walk(log).success
     assert log["mu"].min() == 0.2
 
 
 @pytest.mark.parametrize("robot", ["anymal", "a1"])
 def test_other_robots_walk_with_the_same_code(robot: str) -> None:
     summary = summarise_walk(walk(robot=robot, duration=4.0))
-    assert summary["walked"]
-    assert summary["velocity"]["within"]
-    assert summary["commanded_cone_excess"] == 0.0
+    assert summary.success
+    assert summary.velocity.within
+    assert summary.commanded_cone_excess == 0.0
 
 
 @pytest.mark.parametrize(
@@ -116,9 +115,9 @@ def test_other_robots_walk_with_the_same_code(robot: str) -> None:
 def test_every_gait_walks(gait: str, speed: float) -> None:
     log = walk((speed, 0.0, 0.0), 3.5, gait=gait)
     summary = summarise_walk(log)
-    assert summary["walked"]
-    assert summary["velocity"]["forward"]["measured"] == pytest.approx(speed, rel=0.1)
-    assert summary["commanded_cone_excess"] == 0.0
+    assert summary.success
+    assert summary.velocity.forward.measured == pytest.approx(speed, rel=0.1)
+    assert summary.commanded_cone_excess == 0.0
 
 
 def test_standing_is_a_gait() -> None:
@@ -146,8 +145,8 @@ def test_a_walk_with_faults_and_payload_goes_on() -> None:
 def test_too_hard_a_push_is_reported_as_a_fall() -> None:
     log = walk(pushes=(Push(1.0, (0.0, 900.0, 0.0), 0.2),), duration=4.0)
     summary = summarise_walk(log)
-    assert summary["outcome"] == "fell"
-    assert not summary["walked"]
+    assert summary.outcome == "fell"
+    assert not summary.success
     assert len(log) < 4000
     assert np.isfinite(log["torques"]).all()
     assert commanded_excess(log).max() == 0.0

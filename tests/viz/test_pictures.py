@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.audit.motion import foot_forces
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import StandingPlan
 from surefoot.errors import ProblemError, SurefootError
-from surefoot.simulation.log import Log
+from surefoot.log import Log
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Ice, Push, Scenario
-from surefoot.simulation.standing import run_standing
+from surefoot.simulation.run import Ice, Push, Scenario, run
 from surefoot.viz import meshes, report
 from surefoot.viz.cone_plots import draw_pyramids
-from surefoot.viz.plots import draw_run, foot_forces
-from surefoot.viz.video import Renderer, log_arrows
+from surefoot.viz.plots import draw_run
+from surefoot.viz.video import Film, Renderer, log_arrows
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def log() -> Log:
     q = sf.place(robot, terrain)
     controller = StandingController(robot, StandingPlan(robot, terrain, q), terrain, q)
     scenario = Scenario(0.3, 0.6, [Push(0.1, (20.0, 0.0, 0.0), 0.1)], [Ice(0.2, 0.4)])
-    return run_standing(MujocoWorld(robot), controller, q, scenario)
+    return run(MujocoWorld(robot), controller, scenario)
 
 
 def test_every_plot_is_a_picture(log: Log, tmp_path: Path) -> None:
@@ -48,6 +48,18 @@ def test_foot_forces_add_up_the_corners(log: Log) -> None:
 def test_pyramids_picture(tmp_path: Path) -> None:
     path = draw_pyramids(0.6, [3, 8], 0.1, tmp_path / "pyramids.png")
     assert path.stat().st_size > 10_000
+
+
+def test_an_observer_films_the_run(tmp_path: Path) -> None:
+    robot, ground = sf.load_robot("go2"), sf.FlatTerrain()
+    q = sf.place(robot)
+    controller = StandingController(robot, StandingPlan(robot, ground, q), ground, q)
+    film = Film(tmp_path / "film.mp4", robot, ground)
+    try:
+        run(MujocoWorld(robot), controller, Scenario(0.1, 0.6), [film])
+    except SurefootError as error:
+        pytest.skip(str(error))
+    assert (tmp_path / "film.mp4").stat().st_size > 2000
 
 
 def test_film_frame_shows_robot_and_arrows(log: Log) -> None:

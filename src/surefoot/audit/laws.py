@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.audit.slides import free_slides
+from surefoot.audit.slides import WORST, slide_on, start_slides
 from surefoot.errors import ProblemError
+from surefoot.log import Log
+from surefoot.spatial import GRAVITY
 
 PENETRATION_LIMIT = 1e-3
 """Deepest penetration that still counts as touching, and widest gap across which a force may act [m]."""
@@ -26,6 +28,7 @@ LEAST_FRICTION = 1e-4
 """Friction below this counts as this much: simulators know no exact zero."""
 SLIDING_SPEED = 1e-2
 """Speed from which a contact counts as sliding at an instant [m/s]."""
+_MEASURED = ("forces", "gaps", "velocities", "friction")
 LAWS = ("unilateral", "Coulomb", "dissipation")
 """The names of the three laws."""
 
@@ -143,32 +146,95 @@ def check_laws(
         For shapes that do not fit, negative friction, a weight or step that is not positive. Measurements
         that are not finite are broken laws and no error, see `Laws.broken`.
     """
-    weight = _weight(weight)
-    f = _motion("forces", forces, 3)
-    shape = f.shape[:2]
-    gap, v = _numbers("gaps", gaps, shape), _numbers("velocities", velocities, f.shape)
-    friction = _friction(mu, shape)
-    step = None if dt is None else _steps(dt, shape[0])
-    if f.size == 0:
-        return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
-    given = {"forces": f, "gaps": gap, "velocities": v, "friction": friction}
-    lost = tuple(text for text in (_not_finite(name, a) for name, a in given.items()) if text)
-    threshold = LOADED_SHARE * weight
-    slide = math.nan
-    with np.errstate(invalid="ignore", over="ignore"):
-        depth = max(0.0, -float(gap.min())) if np.isfinite(gap).all() else math.nan
-        least = float(f[..., 2].min())
-        use = float(contact_use(f, friction, threshold).max())
-        across = float(np.abs(f[..., 2] * gap).max())
-        apart = _apart(f[..., 2], gap, threshold)
-        power = _power_missing(f, v, friction, threshold) / weight
-    if step is not None and all(np.isfinite(a).all() for a in (f, v, friction)):
-        slide = float(free_slides(f, v, friction, step, threshold, weight).max())
-    figures = (depth, least, use, across, apart, power) + (() if step is None else (slide,))
-    if not lost and not all(map(math.isfinite, figures)):
-        lost = ("forces, gaps or velocities too large to multiply",)
-    judged = LAWS[:2] if step is None else LAWS
-    return Laws(depth, least, use, across, apart, power, slide, judged, lost)
+    check = _Check(_weight(weight), dt is not None)
+    check.add(forces, gaps, velocities, mu, dt)
+    return check.laws()
+
+
+def log_laws(log: Log) -> Laws:
+    """Return the laws as numbers for a log, in bounded memory: those of `check_laws` for all of it.
+
+    Needs the channels forces, gaps, contact_velocities and mu, and the facts mass and dt.
+
+    Raises
+    ------
+    ProblemError
+        If the log lacks one of them, or they do not fit.
+    """
+    dt = log.fact("dt")
+    check = _Check(log.fact("mass") * GRAVITY, True)
+    for piece in log.chunks():
+        check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], piece["mu"], dt)
+    return check.laws()
+
+
+class _Check:
+    """The laws of a motion that comes piece by piece; a figure does not depend on where it is cut."""
+
+    def __init__(self, weight: float, dissipation: bool) -> None:
+        self.weight, self.threshold = weight, LOADED_SHARE * weight
+        self.judged = LAWS if dissipation else LAWS[:2]
+        self._rows, self._worst = 0, np.full(6, -np.inf)
+        self._slides: FloatArray | None = None
+        self._lost: dict[str, tuple[int, tuple[int, int]]] = {}
+        self._slides_lost = False
+
+    def add(
+        self, forces: ArrayLike, gaps: ArrayLike, velocities: ArrayLike, mu: ArrayLike, dt: ArrayLike | None
+    ) -> None:
+        """Judge the next rows; see `check_laws`."""
+        f = _motion("forces", forces, 3)
+        shape, threshold = f.shape[:2], self.threshold
+        gap, v = _numbers("gaps", gaps, shape), _numbers("velocities", velocities, f.shape)
+        friction = _friction(mu, shape)
+        step = None if dt is None else _steps(dt, shape[0])
+        if f.size == 0:
+            return
+        given = {"forces": f, "gaps": gap, "velocities": v, "friction": friction}
+        finite = {name: self._finite(name, array) for name, array in given.items()}
+        with np.errstate(invalid="ignore", over="ignore"):
+            figures = (
+                max(0.0, -float(gap.min())) if finite["gaps"] else math.nan,
+                -float(f[..., 2].min()),
+                float(contact_use(f, friction, threshold).max()),
+                float(np.abs(f[..., 2] * gap).max()),
+                _apart(f[..., 2], gap, threshold),
+                _power_missing(f, v, friction, threshold) / self.weight,
+            )
+        self._worst = np.maximum(self._worst, figures)  # NaN stays
+        self._rows += len(f)
+        self._slides_lost |= not (finite["forces"] and finite["velocities"] and finite["friction"])
+        if step is not None and not self._slides_lost:
+            self._slides = start_slides(shape[1]) if self._slides is None else self._slides
+            slide_on(self._slides, f, v, friction, step, threshold, self.weight)
+
+    def _finite(self, name: str, values: FloatArray) -> bool:
+        """Tell whether a measurement is finite, and remember where it is not."""
+        bad = ~np.isfinite(values)
+        if not bad.any():
+            return True
+        row, contact = (int(k) for k in np.argwhere(bad)[0][:2])
+        count, first = self._lost.get(name, (0, (self._rows + row, contact)))
+        self._lost[name] = count + int(bad.sum()), first
+        return False
+
+    def laws(self) -> Laws:
+        """Return the laws of the rows so far."""
+        if self._rows == 0:
+            return Laws(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, judged=())
+        slide = math.nan
+        if self._slides is not None and not self._slides_lost:
+            slide = float(self._slides[:, WORST].max())
+        lost = tuple(
+            f"{name} not finite in {count} places, first in row {row} at contact {contact}"
+            for name, (count, (row, contact)) in ((n, self._lost[n]) for n in _MEASURED if n in self._lost)
+        )
+        worst = [-x if k == 1 else x for k, x in enumerate(self._worst.tolist())]  # the least normal force
+        figures = worst if self.judged is not LAWS else [*worst, slide]
+        if not lost and not all(map(math.isfinite, figures)):
+            lost = ("forces, gaps or velocities too large to multiply",)
+        depth, least, use, across, apart, power = worst
+        return Laws(depth, least, use, across, apart, power, slide, self.judged, lost)
 
 
 def _apart(normal: FloatArray, gap: FloatArray, threshold: float) -> float:
@@ -238,12 +304,3 @@ def _steps(dt: ArrayLike, count: int) -> FloatArray:
     if not ((array > 0.0) & np.isfinite(array)).all():
         raise ProblemError("dt must be positive and finite")
     return np.ascontiguousarray(np.broadcast_to(array, (count,)))
-
-
-def _not_finite(name: str, values: FloatArray) -> str:
-    """Return a line that says where a measurement is not finite, or an empty one."""
-    bad = ~np.isfinite(values)
-    if not bad.any():
-        return ""
-    first = np.argwhere(bad)[0]
-    return f"{name} not finite in {int(bad.sum())} places, first in row {first[0]} at contact {first[1]}"

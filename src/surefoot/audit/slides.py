@@ -24,7 +24,17 @@ LAG = 0.05
 """Share of the friction's work that may be missing throughout: its direction is 18 degrees off at most."""
 
 
-@kernel
+TOTAL, PEAK, LOST, WAY, X, Y, IDLE, WORST, BEYOND = range(9)
+"""Columns of the state of each contact between two pieces of a log."""
+
+
+def start_slides(contacts: int) -> FloatArray:
+    """Return the state of (p,) contacts before the first row of a log: (p, 9)."""
+    state = np.zeros((contacts, 9))
+    state[:, IDLE] = RELEASE
+    return state
+
+
 def free_slides(
     forces: FloatArray,
     velocities: FloatArray,
@@ -51,12 +61,29 @@ def free_slides(
     weight
         m g [N].
     """
-    steps, contacts = forces.shape[0], forces.shape[1]
-    worst = np.zeros(contacts)
-    for c in range(contacts):
-        total = peak = lost = way = x = y = 0.0
-        idle = RELEASE
-        for k in range(steps):
+    state = start_slides(forces.shape[1])
+    slide_on(state, forces, velocities, mu, dt, threshold, weight)
+    return state[:, WORST]
+
+
+@kernel
+def slide_on(
+    state: FloatArray,
+    forces: FloatArray,
+    velocities: FloatArray,
+    mu: FloatArray,
+    dt: FloatArray,
+    threshold: float,
+    weight: float,
+) -> None:
+    """Move the state (p, 9) of `start_slides` on by some rows; its column `WORST` is `free_slides` so far."""
+    for c in range(forces.shape[1]):
+        if state[c, BEYOND] != 0.0:
+            continue
+        total, peak, lost = state[c, TOTAL], state[c, PEAK], state[c, LOST]
+        way, x, y, idle = state[c, WAY], state[c, X], state[c, Y], state[c, IDLE]
+        worst = state[c, WORST]
+        for k in range(forces.shape[0]):
             normal = forces[k, c, 2]
             if normal <= threshold:
                 idle += dt[k]
@@ -76,11 +103,13 @@ def free_slides(
             net = np.hypot(x, y)
             if lost > 0.0 and peak > 0.0:  # friction beyond the cone is the second law's matter
                 free = (total + lost * (net / way)) / min(peak, weight)
-                worst[c] = free if free > worst[c] or np.isnan(free) else worst[c]
+                worst = free if free > worst or np.isnan(free) else worst
             if net >= PIECE:
                 total += max(lost, 0.0) * (net / way)
                 lost = way = x = y = 0.0
             if not np.isfinite(total + lost + way):
-                worst[c] = np.inf
+                worst, state[c, BEYOND] = np.inf, 1.0
                 break
-    return worst
+        state[c, TOTAL], state[c, PEAK], state[c, LOST] = total, peak, lost
+        state[c, WAY], state[c, X], state[c, Y], state[c, IDLE] = way, x, y, idle
+        state[c, WORST] = worst

@@ -11,8 +11,8 @@ from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:  # loading a simulation takes longer than most commands
     from surefoot.control.standing_plan import Lift
-    from surefoot.simulation.run import Ice, Push
-    from surefoot.stance import Terrain
+    from surefoot.simulation.scenario import Ice, Push
+    from surefoot.terrain import Terrain
 
 T = TypeVar("T")
 MU_MAX = 1e3
@@ -49,7 +49,7 @@ def push(text: str) -> Push:
     >>> push("1:60,0,0:0.2")
     Push(start=1.0, force=(60.0, 0.0, 0.0), duration=0.2)
     """
-    from surefoot.simulation.run import Push
+    from surefoot.simulation.scenario import Push
 
     parts = text.split(":")
     force = parts[1].split(",") if len(parts) == 3 else []
@@ -66,7 +66,7 @@ def push(text: str) -> Push:
 
 def ice(text: str) -> Ice:
     """Return the change of friction of "T:MU"."""
-    from surefoot.simulation.run import Ice
+    from surefoot.simulation.scenario import Ice
 
     parts = text.split(":")
     if len(parts) != 2:
@@ -173,28 +173,12 @@ def velocity(text: str) -> tuple[float, float, float]:
     return x, y, turn
 
 
-STAIRS = 10
-"""Steps of the stairs of --terrain."""
-TERRAINS = "flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT"
-
-
 def terrain(text: str) -> Terrain:
-    """Return the terrain of "flat", "slope:DEG", "stairs:HEIGHT,DEPTH" or "rough:SEED,HEIGHT" [m].
+    """Return the terrain of "flat", "slope:DEG", "stairs:HEIGHT,DEPTH", ...: see `surefoot.terrain.TERRAINS`.
 
     >>> terrain("slope:15")
     SlopeTerrain(15)
     """
-    from surefoot.simulation.walk_terrain import rough_ground
-    from surefoot.stance import FlatTerrain, SlopeTerrain, StairsTerrain
+    from surefoot.terrain import read_terrain
 
-    kind, _, rest = text.partition(":")
-    values = [number("--terrain", part) for part in rest.split(",")] if rest else []
-    if kind == "flat" and not values:
-        return FlatTerrain()
-    if kind == "slope" and len(values) == 1:
-        return SlopeTerrain(values[0])
-    if kind == "stairs" and len(values) == 2:
-        return StairsTerrain(values[0], values[1], steps=STAIRS)
-    if kind == "rough" and len(values) == 2 and values[0] >= 0.0 and values[0] == int(values[0]):
-        return rough_ground(int(values[0]), values[1])
-    raise ProblemError(f"--terrain {text!r} is not one of: {TERRAINS}")
+    return read_terrain(text, "--terrain")

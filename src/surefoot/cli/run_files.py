@@ -8,9 +8,9 @@ from typing import Any
 
 from surefoot.cli.output import to_json
 from surefoot.errors import MissingExtra, SurefootError, WriteError
+from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.simulation.log import Log
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 PARTS = "log.parts"
 """Folder that the log's rows go to during a run; log.npz takes its place at the end."""
@@ -84,12 +84,10 @@ class Pictures:
         except KeyboardInterrupt:
             self._notes.append("no video: interrupted")
 
-    def plot(self, draw: Callable[[Log, Path], list[Path]] | None = None) -> None:
-        """Draw the plots (those of a stand for None), or note why not."""
-        from surefoot.viz.plots import draw_run
-
+    def plot(self, draw: Callable[[Log, Path], list[Path]]) -> None:
+        """Draw the plots, or note why not."""
         try:
-            self._plots = (draw or draw_run)(self._log, self._folder)
+            self._plots = draw(self._log, self._folder)
         except MissingExtra as error:
             self._missing.append(error)
         except SurefootError as error:

@@ -4,54 +4,60 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from rich.console import Console
 
+from surefoot.audit import RunSummary
 from surefoot.cli import run_files
 from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import to_json
 from surefoot.cli.progress import progress_bar
+from surefoot.cli.run_output import Table, law_table, print_tables, report_sections
 from surefoot.cli.signals import ends_softly
+from surefoot.control.controller import Controller
+from surefoot.log import Ending, Log
 from surefoot.robot import Robot
-from surefoot.simulation.log import Log
-from surefoot.stance import Terrain
+from surefoot.simulation.observers import Progress
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Scenario
+from surefoot.simulation.world import World
+from surefoot.terrain import Terrain
 
-Tell = Callable[[float], None] | None
+S = TypeVar("S", bound=RunSummary)
 
 
 @dataclass(frozen=True)
-class Account:
+class Account(Generic[S]):
     """How a run is summed up.
 
     Attributes
     ----------
     doing
         "standing" or "walking".
-    success
-        The key of the summary that says whether the robot did it.
     summarise
         The summary of a log.
-    show
-        Prints a summary.
-    headline
-        One line for a summary.
-    sections
-        The report's sections for a summary.
+    headline, tables, lines
+        What a summary says: in one line, in tables (the laws come after them), in further figures.
     draw
-        Draws the plots; None for those of a stand.
+        Draws the plots.
+    opening
+        Sections of the report before those of the summary.
+    more
+        Further entries of summary.json.
     """
 
     doing: str
-    success: str
-    summarise: Callable[[Log], dict[str, Any]]
-    show: Callable[[Console, dict[str, Any]], None]
-    headline: Callable[[dict[str, Any]], str]
-    sections: Callable[[dict[str, Any]], list[tuple[str, str]]]
-    draw: Callable[[Log, Path], list[Path]] | None = None
+    summarise: Callable[[Log], S]
+    headline: Callable[[S], str]
+    tables: Callable[[S], list[Table]]
+    lines: Callable[[S], list[str]]
+    draw: Callable[[Log, Path], list[Path]]
+    opening: Sequence[tuple[str, str]] = ()
+    more: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -62,8 +68,6 @@ class SimulatedRun:
     ----------
     robot, terrain
         Of the film.
-    duration
-        Simulated time [s].
     folder
         New and empty.
     video, report
@@ -76,61 +80,62 @@ class SimulatedRun:
 
     robot: Robot
     terrain: Terrain
-    duration: float
     folder: Path
     video: bool
     report: bool
     as_json: bool
     console: Console
 
-    def carry_out(self, simulate: Callable[[Tell, Path], Log], account: Account) -> int:
+    def carry_out(
+        self, world: World, controller: Controller, scenario: Scenario, account: Account[Any]
+    ) -> int:
         """Simulate, write everything that the run leaves and return the exit code.
 
-        `simulate` takes what moves the progress bar and the folder of the log's rows. The code is 0 if the
-        robot did it, no law was broken and every file was written.
+        The code is 0 if the robot did it, no law was broken and every file was written.
         """
         with ends_softly() as stop:
             shown = not self.as_json
-            with progress_bar(shown, account.doing, self.duration) as tell, engine_warnings() as warned:
-                log = simulate(tell, self.folder / run_files.PARTS)
+            with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
+                watching = [] if tell is None else [Progress(tell)]
+                log = run(world, controller, scenario, watching, self.folder / run_files.PARTS)
             for line in warned:
                 self._say(line)
-            summary = self._write(log, account)
+            summary, entries = self._write(log, account)
             if self.as_json:
-                print(to_json(summary))
-        if summary["outcome"] == "interrupted":
+                print(to_json(entries))
+        if summary.outcome == Ending.INTERRUPTED:
             return stop.code
-        good = summary[account.success] and not summary["laws_broken"] and not summary["unwritten"]
-        return 0 if good else 1
+        return 0 if summary.good and not entries["unwritten"] else 1
 
-    def _write(self, log: Log, account: Account) -> dict[str, Any]:
-        """Write everything that the run leaves, print the tables, and return the summary."""
+    def _write(self, log: Log, account: Account[Any]) -> tuple[RunSummary, dict[str, Any]]:
+        """Write everything that the run leaves, print the tables, and return the summary, also for JSON."""
         from surefoot.viz.report import write_report
 
         folder = self.folder
         written, page = run_files.Written(), folder / "report.html"
         written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
-        summary = account.summarise(log)
-        summary["unwritten"] = written.notes
-        written.attempt(folder / "summary.json", lambda: run_files.write_summary(summary, folder))
+        summary: RunSummary = account.summarise(log)
+        entries = {**summary.as_dict(), **account.more, "unwritten": written.notes}
+        written.attempt(folder / "summary.json", lambda: run_files.write_summary(entries, folder))
         pictures = run_files.Pictures(log, folder)
-        if self.video and summary["outcome"] != "interrupted":
+        if self.video and summary.outcome != Ending.INTERRUPTED:
             with progress_bar(not self.console.quiet, "filming", 1.0) as tell:
                 pictures.film(self.robot, self.terrain, tell)
-        account.show(self.console, summary)
+        tables, lines = [*account.tables(summary), law_table(summary)], account.lines(summary)
+        print_tables(self.console, tables, lines)
         headline = account.headline(summary)
-        good = summary[account.success] and not summary["laws_broken"]
         if self.report:
             pictures.plot(account.draw)
-            sections = account.sections(summary) + pictures.sections()
+            sections = [*account.opening, *report_sections(tables, lines), *pictures.sections()]
             title = f"{self.robot.name} {account.doing}"
             command = shlex.join(["surefoot", *sys.argv[1:]])
-            written.attempt(page, lambda: write_report(page, title, (headline, good), sections, command))
+            verdict = headline, summary.good
+            written.attempt(page, lambda: write_report(page, title, verdict, sections, command))
         for note in pictures.notes() + written.notes:
             self._say(note)
-        self._say(headline, "bold green" if good else "bold red")
+        self._say(headline, "bold green" if summary.good else "bold red")
         self._say(f"report: {page if page.exists() else folder}")
-        return summary
+        return summary, entries
 
     def _say(self, text: str, style: str | None = None) -> None:
         """Print a line as it is."""

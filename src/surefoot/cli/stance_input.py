@@ -87,7 +87,7 @@ def _robot_asked(
     from surefoot.cli import extras, parsing
     from surefoot.cli.robots import load
     from surefoot.robot import place
-    from surefoot.stance import SlopeTerrain
+    from surefoot.terrain import SlopeTerrain
 
     extras.require(extras.robot_packages(name if urdf is None else str(urdf.absolute())))
     terrain = SlopeTerrain(slope)

@@ -2,47 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli import run_options as options
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.simulation.worlds import WORLDS
 
-WORLDS = ("mujoco", "rigid")
 SHORTEST = 0.1
 """Length of a stand that says something [s]: a limp robot has dropped five centimetres by then."""
 
 
 def stand(
-    robot: Annotated[
-        str | None, typer.Argument(help="A known robot (default go2); see --urdf for others.")
-    ] = None,
-    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
-    feet: Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")] = None,
-    mu: Annotated[float, typer.Option(help="Friction of the ground.")] = 0.6,
+    robot: options.RobotName = None,
+    urdf: options.Urdf = None,
+    feet: options.FootFrames = None,
+    mu: options.Friction = 0.6,
     slope: Annotated[float, typer.Option(help="Slope that rises along +x [deg].")] = 0.0,
     facets: Annotated[str, typer.Option(help="Sides of friction pyramids, or 'exact'.")] = "exact",
     fit: Annotated[str, typer.Option(help="Pyramids inside or around the cones: inner or outer.")] = "inner",
     solver: Annotated[str, typer.Option(help="Solver that shares the wrench among the feet.")] = "auto",
-    duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 5.0,
-    payload: Annotated[
-        float, typer.Option(help="Mass on the base that the controller does not know [kg].")
-    ] = 0.0,
-    push: Annotated[list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")] = None,
-    ice: Annotated[list[str] | None, typer.Option(help="T:MU, friction from time T on; repeatable.")] = None,
+    duration: options.Duration = 5.0,
+    payload: options.Payload = 0.0,
+    push: options.Pushes = None,
+    ice: options.IcePatches = None,
     lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of a small random velocity at the start.")] = None,
+    seed: options.Seed = None,
     world: Annotated[str, typer.Option(help=f"Physics: {' or '.join(WORLDS)}.")] = "mujoco",
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
-    out: Annotated[Path, typer.Option(help="Parent of the run's new folder.")] = Path("runs"),
-    video: Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")] = True,
-    report: Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")] = False,
+    out: options.Out = Path("runs"),
+    video: options.Video = True,
+    report: options.Report = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
@@ -50,13 +48,17 @@ def stand(
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
-    from surefoot.simulation.standing import run_standing
+    from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
     console = plain_console(quiet=as_json)
-    _check(mu, world, duration, payload, seed)
-    scenario, lifts = _scenario(duration, mu, push, ice, lift, seed)
+    if world not in WORLDS:
+        raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
+    options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
+    lifts = parsing.each(parsing.lift, lift)
+    parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
     sides = parsing.facets(facets)
-    _require(robot if urdf is None else str(urdf.absolute()), world, video, report)
+    options.require(robot, urdf, WORLDS[world][1], video, report)
     setup = _set_up(robot, urdf, feet, slope, lifts)
     allocation = _allocation(setup, mu, sides, fit, solver)
     with plain_console(stderr=True, quiet=as_json).status(
@@ -72,51 +74,8 @@ def stand(
     controller = setup.controller(mu, allocation)
     physics = setup.world(world, mu, payload)
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
-    run = SimulatedRun(setup.robot, setup.terrain, duration, folder, video, report, as_json, console)
-    return run.carry_out(
-        lambda tell, parts: run_standing(physics, controller, setup.q, scenario, tell, parts),
-        _account(statics),
-    )
-
-
-def _check(mu: float, world: str, duration: float, payload: float, seed: int | None) -> None:
-    from surefoot.cli import parsing
-
-    parsing.friction("--mu", mu)
-    if world not in WORLDS:
-        raise ProblemError(unknown_name("world", world, WORLDS))
-    parsing.duration(duration, SHORTEST)
-    real_number("--payload", payload, low=0.0, high=1e4)
-    parsing.seed(seed)
-
-
-def _scenario(
-    duration: float,
-    mu: float,
-    push: list[str] | None,
-    ice: list[str] | None,
-    lift: list[str] | None,
-    seed: int | None,
-) -> tuple[Any, list[Any]]:
-    """Return what happens to the robot, and the feet that it lifts, or raise for what lies past the end."""
-    from surefoot.cli import parsing
-    from surefoot.simulation.run import Scenario
-
-    scenario = Scenario(duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice), seed)
-    lifts = parsing.each(parsing.lift, lift)
-    for option, texts, events in (
-        ("--push", push, scenario.pushes), ("--ice", ice, scenario.ice), ("--lift", lift, lifts),
-    ):  # fmt: skip
-        parsing.within_run(option, texts, [event.start for event in events], duration)
-    return scenario, lifts
-
-
-def _require(robot: str | None, world: str, video: bool, report: bool) -> None:
-    """Raise for all optional packages at once if one that a stand cannot do without is missing."""
-    from surefoot.cli import extras
-
-    needed = (*extras.robot_packages(robot), *(["mujoco"] if world == "mujoco" else []))
-    extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))
+    run = SimulatedRun(setup.robot, setup.terrain, folder, video, report, as_json, console)
+    return run.carry_out(physics, controller, replace(scenario, start=setup.q), _account(statics))
 
 
 class _Setup:
@@ -131,20 +90,16 @@ class _Setup:
         return StandingController(self.robot, self.plan, self.terrain, self.q, mu, allocation=allocation)
 
     def world(self, name: str, mu: float, payload: float) -> Any:
-        if name == "rigid":
-            from surefoot.simulation.rigid import RigidWorld
+        from surefoot.simulation.worlds import make_world
 
-            return RigidWorld(self.robot, self.terrain, mu, payload=payload)
-        from surefoot.simulation.mujoco import MujocoWorld
-
-        return MujocoWorld(self.robot, self.terrain, mu, payload=payload)
+        return make_world(name, self.robot, self.terrain, mu, payload=payload)
 
 
 def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
     """Return the robot in its stance, or raise for what cannot be."""
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import place
-    from surefoot.stance import FlatTerrain, SlopeTerrain
+    from surefoot.terrain import FlatTerrain, SlopeTerrain
 
     robot = load(name, urdf, feet, feet_needed=True)
     if robot.feet and sum(len(foot.centres) for foot in robot.feet) < 3:
@@ -213,16 +168,14 @@ def _impossible(setup: _Setup, statics: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _account(statics: list[dict[str, Any]]) -> Any:
     """Return how a stand is summed up."""
+    from surefoot.audit import summarise_stand
     from surefoot.cli import stand_output
     from surefoot.cli.simulated_run import Account
-    from surefoot.simulation.summary import summarise
+    from surefoot.viz.plots import draw_run
+    from surefoot.viz.report import paragraph
 
-    said = [phase["text"] for phase in statics]
+    said = "".join(paragraph(phase["text"]) for phase in statics)
     return Account(
-        "standing",
-        "stood",
-        lambda log: {**summarise(log), "statics": statics},
-        stand_output.print_summary,
-        stand_output.headline,
-        lambda summary: stand_output.report_sections(summary, said),
-    )
+        "standing", summarise_stand, stand_output.headline, stand_output.tables, stand_output.figure_lines,
+        draw_run, [("Is the stance possible?", said)], {"statics": statics},
+    )  # fmt: skip

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli import run_options as options
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
@@ -18,11 +20,9 @@ SHORTEST = 0.5
 
 
 def walk(
-    robot: Annotated[
-        str | None, typer.Argument(help="A known robot (default go2); see --urdf for others.")
-    ] = None,
-    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
-    feet: Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")] = None,
+    robot: options.RobotName = None,
+    urdf: options.Urdf = None,
+    feet: options.FootFrames = None,
     gait: Annotated[
         str, typer.Option(help="stand, trot, walk, pace, bound, flying_trot, or a name in --gait-file.")
     ] = "trot",
@@ -35,25 +35,26 @@ def walk(
         Path | None, typer.Option(help="Lines of 'time vx vy yaw_rate' instead of --velocity.")
     ] = None,
     terrain: Annotated[
-        str, typer.Option(help="flat, slope:DEG, stairs:HEIGHT,DEPTH or rough:SEED,HEIGHT [m].")
+        str,
+        typer.Option(
+            help="flat, slope:DEG, stairs:HEIGHT,DEPTH, rough:SEED,HEIGHT or pit:START,LENGTH,DEPTH [m]."
+        ),
     ] = "flat",
-    mu: Annotated[float, typer.Option(help="Friction of the ground.")] = 0.6,
+    mu: options.Friction = 0.6,
     believed_mu: Annotated[
         float | None, typer.Option(help="Friction that the controller believes in; None for --mu.")
     ] = None,
-    push: Annotated[list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")] = None,
-    ice: Annotated[list[str] | None, typer.Option(help="T:MU, friction from time T on; repeatable.")] = None,
-    payload: Annotated[
-        float, typer.Option(help="Mass on the base that the controller does not know [kg].")
-    ] = 0.0,
+    push: options.Pushes = None,
+    ice: options.IcePatches = None,
+    payload: options.Payload = 0.0,
     noise: Annotated[float, typer.Option(help="Sensor noise, 1 for that of ordinary sensors.")] = 0.0,
     delay: Annotated[float, typer.Option(help="Delay of the torques [s].")] = 0.0,
-    duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 10.0,
-    seed: Annotated[int | None, typer.Option(help="Seed of the start and of all noise.")] = None,
-    out: Annotated[Path, typer.Option(help="Parent of the run's new folder.")] = Path("runs"),
-    video: Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")] = True,
-    report: Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")] = False,
+    duration: options.Duration = 10.0,
+    seed: options.Seed = None,
+    out: options.Out = Path("runs"),
+    video: options.Video = True,
+    report: options.Report = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
@@ -61,14 +62,18 @@ def walk(
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
-    from surefoot.simulation.walking import run_walking
+    from surefoot.simulation.faults import Faults
 
     console = plain_console(quiet=as_json)
-    _check_numbers(mu, believed_mu, duration, payload, noise, delay, seed)
+    options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    if believed_mu is not None:
+        parsing.friction("--believed-mu", believed_mu)
+    real_number("--noise", noise, low=0.0, high=100.0)
+    real_number("--delay", delay, low=0.0, high=1.0)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
-    scenario = _scenario(duration, mu, push, ice, seed, noise, delay)
-    _require(robot if urdf is None else str(urdf.absolute()), video, report)
+    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))
+    options.require(robot, urdf, ["mujoco"], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     schedule = _schedule(model, gait, gait_file, period)
     _check_steps(model, schedule, command)
@@ -76,62 +81,8 @@ def walk(
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
-    run = SimulatedRun(model, ground, duration, folder, video, report, as_json, console)
-    return run.carry_out(
-        lambda tell, parts: run_walking(world, controller, q, scenario, tell, parts), _account()
-    )
-
-
-def _check_numbers(
-    mu: float,
-    believed: float | None,
-    duration: float,
-    payload: float,
-    noise: float,
-    delay: float,
-    seed: int | None,
-) -> None:
-    from surefoot.cli import parsing
-
-    parsing.friction("--mu", mu)
-    if believed is not None:
-        parsing.friction("--believed-mu", believed)
-    parsing.duration(duration, SHORTEST)
-    real_number("--payload", payload, low=0.0, high=1e4)
-    real_number("--noise", noise, low=0.0, high=100.0)
-    real_number("--delay", delay, low=0.0, high=1.0)
-    parsing.seed(seed)
-
-
-def _scenario(
-    duration: float,
-    mu: float,
-    push: list[str] | None,
-    ice: list[str] | None,
-    seed: int | None,
-    noise: float,
-    delay: float,
-) -> Any:
-    """Return what happens to the robot, or raise for what lies past the end."""
-    from surefoot.cli import parsing
-    from surefoot.simulation.faults import Faults
-    from surefoot.simulation.walking import WalkScenario
-
-    scenario = WalkScenario(
-        duration, mu, parsing.each(parsing.push, push), parsing.each(parsing.ice, ice),
-        seed, Faults(noise=noise, delay=delay),
-    )  # fmt: skip
-    for option, texts, events in (("--push", push, scenario.pushes), ("--ice", ice, scenario.ice)):
-        parsing.within_run(option, texts, [event.start for event in events], duration)
-    return scenario
-
-
-def _require(robot: str | None, video: bool, report: bool) -> None:
-    """Raise for all optional packages at once if one that a walk cannot do without is missing."""
-    from surefoot.cli import extras
-
-    wanted = (*(extras.FILM if video else ()), *(["matplotlib"] if report else []))
-    extras.require((*extras.robot_packages(robot), "mujoco"), wanted)
+    run = SimulatedRun(model, ground, folder, video, report, as_json, console)
+    return run.carry_out(world, controller, replace(scenario, start=q), _account())
 
 
 def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) -> Any:
@@ -172,29 +123,28 @@ def _set_up(
 ) -> tuple[Any, Any, Any]:
     """Return controller, world and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
-    from surefoot.simulation.mujoco import MujocoWorld
     from surefoot.simulation.walk_terrain import check_ground, start_pose
+    from surefoot.simulation.worlds import make_world
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
     q = start_pose(robot, ground)
     check_ground(robot, ground, q, mu)
-    return controller, MujocoWorld(robot, ground, mu, payload=payload), q
+    return controller, make_world("mujoco", robot, ground, mu, payload=payload), q
 
 
 def _account() -> Any:
     """Return how a walk is summed up."""
+    from surefoot.audit import summarise_walk
     from surefoot.cli import walk_output
     from surefoot.cli.simulated_run import Account
-    from surefoot.simulation.walk_summary import summarise_walk
     from surefoot.viz.walk_plots import draw_walk
 
     return Account(
         "walking",
-        "walked",
         summarise_walk,
-        walk_output.print_summary,
         walk_output.headline,
-        walk_output.report_sections,
+        walk_output.tables,
+        walk_output.figure_lines,
         draw_walk,
     )

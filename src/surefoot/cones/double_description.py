@@ -6,6 +6,11 @@ the rows of V are inserted one by one. Two rays are adjacent if no third one is 
 
 Limits: the number of rays in between can exceed that at the end; the floating-point version decides
 what is tight with a tolerance and wants well-scaled rows of full rank (see `representation`).
+
+Both by hand though cddlib exists. Its wheel is missing for several Pythons, so it cannot be what
+`wrench_cone` rests on; the compiled version takes 1.9 ms where cddlib takes 5.2 and Qhull 5.0 (four feet,
+eight rays each; with 64 rays Qhull is the fastest). The exact one has no counterpart there: that wheel
+counts in floating point only.
 """
 
 from __future__ import annotations

@@ -19,8 +19,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.spatial import GRAVITY
-from surefoot.stance import Terrain
-from surefoot.stance.terrain import SlopeTerrain
+from surefoot.terrain import Terrain
 
 CAPTURE_SHARE = 1.0
 """Share of the capture point's offset sqrt(h / g) by which a speed error moves the foothold; at 1 a pendulum
@@ -87,7 +86,7 @@ class FootholdSearch:
 
     def choose(self, terrain: Terrain, place: FloatArray) -> FloatArray:
         """Return the (2,) place to step on; the nominal one on a plane."""
-        if isinstance(terrain, SlopeTerrain):
+        if terrain.planar:
             return place
         steps = np.linspace(-self.reach, self.reach, 9)
         grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)

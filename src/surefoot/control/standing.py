@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control.allocation import Allocation, ExactAllocation
+from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.standing_kernels import (
     contact_torques,
@@ -24,10 +26,10 @@ from surefoot.control.standing_kernels import (
     within_limits,
 )
 from surefoot.control.standing_plan import StandingPlan, Target
+from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
-from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 NORMAL_MIN = 10.0
 """Least normal force of a standing foot [N], unless that is too much for a light robot."""
@@ -48,41 +50,32 @@ WRENCH_TOLERANCE = 0.02
 
 
 @dataclass(frozen=True)
-class Command:
-    """What the controller asks for at one step.
+class StandCommand(Command):
+    """What the standing controller asks for at one step.
 
     Attributes
     ----------
-    torques
-        (joints,) within the effort limits [N m].
-    forces
-        (p, 3) wanted ground forces at the contact points, contact frames [N].
     wrench_desired, wrench_error
-        (6,) wanted wrench about the centre of mass, and what the forces miss of it [N, N m].
+        (6,) wanted wrench about the centre of mass, and what the forces miss of it [N, N m]; it is attained
+        to `WRENCH_TOLERANCE`.
     grasp_map
         (6, 3p) from forces to wrench; the controller's own array, overwritten by the next step.
-    active
-        (p,) whether each point may push.
-    attained
-        Whether the wanted wrench is possible within the cones (to `WRENCH_TOLERANCE`).
-    saturated
-        Whether a torque met its limit.
-    status
-        How the force distribution ended.
     """
 
-    torques: FloatArray
-    forces: FloatArray
     wrench_desired: FloatArray
     wrench_error: FloatArray
     grasp_map: FloatArray
-    active: BoolArray
-    attained: bool
-    saturated: bool
-    status: Status
+
+    def rows(self) -> dict[str, Any]:
+        """Return the wrench, what is missed of it and the grasp map."""
+        return {
+            "wrench_desired": self.wrench_desired,
+            "wrench_error": self.wrench_error,
+            "grasp_map": self.grasp_map,
+        }
 
 
-class StandingController:
+class StandingController(Controller):
     """Holds a robot up on its feet; call `step` at a fixed rate.
 
     Parameters
@@ -104,6 +97,8 @@ class StandingController:
     allocation
         How forces are shared; None for exact cones.
     """
+
+    channels = tuple(CHANNELS[name] for name in ("wrench_desired", "wrench_error", "grasp_map"))
 
     def __init__(
         self,
@@ -133,6 +128,10 @@ class StandingController:
         self._set_gains(weight)
         self.wrench_weights = wrench_weights(robot, q)
         self.mu = float(mu)
+        self.facts = {
+            "kind": "stand", "normal_min": self.normal_min, "normal_max": self.normal_max,
+            "mu_controller": self.mu,
+        }  # fmt: skip
         frictions = np.full(len(self.point_foot), self.mu)
         self.allocation = allocation or ExactAllocation(frictions, self.wrench_weights, FORCE_WEIGHT)
         self._integral = np.zeros(6)
@@ -142,22 +141,13 @@ class StandingController:
 
     def _set_points(self, q: FloatArray) -> None:
         """Collect the contact points, the joints that carry each, and the feet's places on the ground."""
-        robot, model = self.robot, self._model
-        self.point_foot: IntArray = np.array(
-            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
-        )
-        self._centres = np.vstack([foot.centres for foot in robot.feet])
-        self._radii = np.array([robot.feet[k].radius for k in self.point_foot])
-        self._support = np.zeros((len(robot.feet), model.nv), dtype=np.bool_)
-        self._support[:, :6] = True
-        for k, foot in enumerate(robot.feet):
-            for joint in chain(model, foot.frame):
-                start = model.joints[joint].idx_v
-                self._support[k, start : start + model.joints[joint].nv] = True
-        self._point_support = self._support[self.point_foot]
+        points = self.robot.contact_points
+        self.point_foot: IntArray = points.foot
+        self._centres, self._radii = points.centres, points.radii
+        self._support, self._point_support = points.foot_support, points.support
         self._all_held = bool(self._support.any(axis=0).all())
-        self._frame_ids = [foot.frame for foot in robot.feet]
-        self._anchors = robot.foot_positions(q)
+        self._frame_ids = points.frames
+        self._anchors = self.robot.foot_positions(q)
         normals = self.terrain.normal(self._anchors[:, :2])
         self._normals = normals
         frames = np.array([self.terrain.frame(a[:2]) for a in self._anchors])
@@ -180,51 +170,54 @@ class StandingController:
         self._integral = np.zeros(6)
         self.allocation.reset()
 
-    def step(self, q: FloatArray, v: FloatArray, time: float) -> Command:
-        """Return the command for the state (Pinocchio's order) at a time [s].
+    def warm_up(self, state: RobotState) -> None:
+        """Step once on all feet and once in the middle of every lift, and forget it."""
+        for time in (0.0, *(0.5 * (lift.start + lift.end) for lift in self.plan.lifts)):
+            self.step(RobotState(state.q, state.v, time))
+        self.reset()
+
+    def step(self, state: RobotState) -> StandCommand:
+        """Return the command for a state.
 
         Never raises on a hard instance: the forces stay inside every cone and bound, and `attained`
         and `status` tell the rest. A state that is not finite, or too large to compute with, gets a command
         that slows the joints, with no forces and the status INVALID; it changes nothing else.
         """
+        q, v = state.q, state.v
         if not computable(q, v):
             return self._blind(v)
-        target = self.plan.at(time)
+        target = self.plan.at(state.time)
         self._kinematics(q, v)
         wrench = self._wrench(target, q, v)
         low, high = self._bounds(target)
         forces = self.allocation.share(self._grasp, wrench, low, high)
-        if self.allocation.status is Status.INVALID:
+        status = self.allocation.status
+        if status is Status.INVALID:
             return self._blind(v)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
-        torques = self._torques(target, forces, q, v)
-        within, saturated, finite = within_limits(torques, self._limits)
+        torques, _, finite = within_limits(self._torques(target, forces, q, v), self._limits)
         if not finite:
             return self._blind(v)
         self._integrate(attained)
-        return Command(
-            within,
-            forces,
-            wrench,
-            error,
-            self._grasp,
-            high > 0.0,
-            attained,
-            saturated,
-            self.allocation.status,
-        )
+        return StandCommand(torques, forces, high > 0.0, attained, status, wrench, error, self._grasp)
 
-    def _blind(self, v: FloatArray) -> Command:
+    def _blind(self, v: FloatArray) -> StandCommand:
         """Return the command when nothing can be computed: the weight is wanted, and no force given."""
         count = len(self.point_foot)
         weight = np.array([0.0, 0.0, self._weight, 0.0, 0.0, 0.0])
         torques = damping_torques(self.robot, v, self._limits)
         off = np.zeros(count, dtype=bool)
-        return Command(
-            torques, np.zeros((count, 3)), weight, -weight, np.zeros_like(self._grasp), off, False, False,
+        return StandCommand(
+            torques,
+            np.zeros((count, 3)),
+            off,
+            False,
             Status.INVALID,
-        )  # fmt: skip
+            weight,
+            -weight,
+            np.zeros_like(self._grasp),
+        )
 
     def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
         """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""

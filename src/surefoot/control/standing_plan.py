@@ -13,7 +13,7 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 SHIFT_TIME = 4.0
 """Time to move the weight before a foot leaves the ground and after it returns, in units of sqrt(height / g).

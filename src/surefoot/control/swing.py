@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.kernels import kernel
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 RISE = 0.45
 """Share of the swing after which the foot is at its highest."""

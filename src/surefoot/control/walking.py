@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
+from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import raibert
 from surefoot.control.gait import ContactSchedule, Gait
@@ -22,11 +24,12 @@ from surefoot.control.gait_library import named_gait
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT, Feet
-from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyCommand, WholeBodyController
+from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
+from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_log
-from surefoot.stance import FlatTerrain, Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 
 @dataclass(frozen=True)
@@ -71,15 +74,13 @@ class WalkSettings:
 
 
 @dataclass(frozen=True)
-class WalkCommand:
-    """What the controller asks for at one step.
+class WalkCommand(Command):
+    """What the walking controller asks for at one step.
 
     Attributes
     ----------
-    whole_body
-        Torques, accelerations and forces; see `WholeBodyCommand`.
-    carrying, planned
-        (n,) which feet push, and which the gait wants on the ground.
+    planned
+        (n,) which feet the gait wants on the ground; `active` are those that push.
     frames
         (n, 3, 3) rotation_world_contact in which the forces are given.
     wanted
@@ -90,16 +91,18 @@ class WalkCommand:
         How the last MPC ended.
     """
 
-    whole_body: WholeBodyCommand
-    carrying: BoolArray
     planned: BoolArray
     frames: FloatArray
     wanted: FloatArray
     targets: FloatArray
     plan_status: Status
 
+    def rows(self) -> dict[str, Any]:
+        """Return which feet are planned on the ground, and the wanted velocity."""
+        return {"planned": self.planned, "command": self.wanted}
 
-class WalkingController:
+
+class WalkingController(Controller):
     """Walks a robot on point feet; call `step` at a fixed rate.
 
     Parameters
@@ -129,6 +132,8 @@ class WalkingController:
     ProblemError
         If the gait does not fit the robot's feet.
     """
+
+    channels = tuple(CHANNELS[name] for name in ("planned", "command"))
 
     def __init__(
         self,
@@ -201,26 +206,38 @@ class WalkingController:
         )
         self._body_gain = (s.body_stiffness * self._pendulum) ** 2, 2.0 * s.body_stiffness * self._pendulum
         self._swing_gain = (s.swing_stiffness * self._pendulum) ** 2, 2.0 * s.swing_stiffness * self._pendulum
-        self.feet: Feet | None = None
+        self.facts = {
+            "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
+            "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
+        }  # fmt: skip
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: the next step begins a walk from where the robot stands."""
+        self.mpc.reset()
+        self.whole_body.reset()
+        self.feet: Feet | None = None
         self._planned_at = -math.inf
         self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
 
-    def step(self, q: FloatArray, v: FloatArray, felt: BoolArray, time: float) -> WalkCommand:
-        """Return the command for a state (Pinocchio's order) and which feet feel the ground, at a time [s].
+    def step(self, state: RobotState) -> WalkCommand:
+        """Return the command for a state; where no foot feels, the gait's plan is taken for the contacts.
 
         Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
         large to compute with, gets a command that slows the joints, and changes nothing else.
         """
-        if not computable(q, v):
-            return self._blind(v)
-        now = self.whole_body.update(q, v)
+        time = state.time
+        if not computable(state.q, state.v):
+            return self._blind(state.v)
+        now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
             self._begin(now)
         assert self.feet is not None
         feet, clock = self.feet, time - self.settings.start
+        felt = feet.planned.copy() if state.contact is None else state.contact
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
         self.body.advance(self._wish(clock), now.com, self.dt)
         due = time - self._planned_at >= self._interval - 0.5 * self.dt
@@ -229,23 +246,25 @@ class WalkingController:
             self._aim(now, clock)
         if due or changed:
             self._replan(now, clock, time)
-        command = self.whole_body.solve(self._tasks(now, clock, time))
+        body = self.whole_body.solve(self._tasks(now, clock, time))
         assert self._plan is not None
         self._last = WalkCommand(
-            command, feet.carrying.copy(), feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(),
-            feet.target.copy(), self._plan.status,
+            body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
+            feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
         )  # fmt: skip
-
         return self._last
 
     def _blind(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite."""
-        command, n = self.whole_body.damping(v), len(self.robot.feet)
-        if self._last is not None:
-            return replace(self._last, whole_body=command)
-        flags = np.ones(n, dtype=bool)
-        frames = np.tile(np.eye(3), (n, 1, 1))
-        return WalkCommand(command, flags, flags, frames, np.zeros(3), np.zeros((n, 3)), Status.INVALID)
+        body, n = self.whole_body.damping(v), len(self.robot.feet)
+        on = np.ones(n, dtype=bool)
+        last = self._last or WalkCommand(
+            body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
+            np.zeros((n, 3)), Status.INVALID,
+        )  # fmt: skip
+        return replace(
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
+        )
 
     def _begin(self, now: Kinematics) -> None:
         """Start from where the robot stands."""

@@ -11,8 +11,7 @@ from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
 from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift, swing_motion
 from surefoot.spatial import GRAVITY
-from surefoot.stance import Terrain
-from surefoot.stance.terrain import SlopeTerrain
+from surefoot.terrain import Terrain
 
 EARLY = 0.6
 """A foot that touches after this share of its swing has landed early; before, it only brushes the ground."""
@@ -70,7 +69,7 @@ class Feet:
         self._lifted = np.full(n, -np.inf)
         self._felt = np.zeros(n)
         self._lift_first = np.full(n, LIFT_FIRST)
-        self._plane = isinstance(self.terrain, SlopeTerrain)
+        self._plane = self.terrain.planar
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
     def update(self, time: float, felt: BoolArray, centres: FloatArray) -> bool:

@@ -34,8 +34,8 @@ from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
+from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
-from surefoot.robot.nominal import chain
 from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
@@ -95,22 +95,11 @@ class WholeBodyController:
 
     def _set_points(self) -> None:
         """Collect the contact points and what moves each foot."""
-        robot = self.robot
-        feet = robot.feet
-        self.point_foot: IntArray = np.array(
-            [k for k, f in enumerate(feet) for _ in f.centres], dtype=np.int64
-        )
-        self._offsets = np.ascontiguousarray(np.vstack([f.centres for f in feet]))
-        self._middles = np.array([f.centre for f in feet])
-        self._radii = np.array([f.radius for f in feet])
-        self._flat = np.array([f.flat for f in feet])
-        self._support = np.zeros((len(feet), self._model.nv), dtype=np.bool_)
-        self._support[:, :6] = True
-        for k, foot in enumerate(feet):
-            for joint in chain(self._model, foot.frame):
-                start = self._model.joints[joint].idx_v
-                self._support[k, start : start + self._model.joints[joint].nv] = True
-        self._frames = [foot.frame for foot in feet]
+        points = self.robot.contact_points
+        self.point_foot: IntArray = points.foot
+        self._offsets, self._middles = points.centres, points.middles
+        self._radii, self._flat = points.foot_radii, points.flat
+        self._support, self._frames = points.foot_support, points.frames
 
     def _set_sizes(self, mu: float, normal_min: float, normal_max: float) -> None:
         """Make the work space, the weights in their units and the force distribution."""
@@ -134,8 +123,14 @@ class WholeBodyController:
         self._E, self._e = np.zeros((rows, nv)), np.zeros(rows)
         self._offset, self._gain = np.zeros(nv), np.zeros((nv, 6))
         self._root, self._target = np.zeros((6, 6)), np.zeros(6)
-        self._map = np.zeros((nv, 3 * count))
+        self._map = np.zeros((3 * count, nv)).T
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
+
+    def reset(self) -> None:
+        """Forget the forces of the step before, and which feet stood."""
+        self._set_stance(np.ones(len(self._stance), dtype=bool))
+        for distributor in (self._distributor, self._limited):
+            distributor.reset()
 
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
         """Compute everything that depends on the state alone and return the part that tasks need."""
@@ -221,14 +216,10 @@ class WholeBodyController:
         self._E[:6] = self._mass_matrix[:6]
         self._e[:6] = -self._nle[:6]
         self._points = self._place_points(normals)
-        kernels.force_map(
-            self._jacobian,
-            self._support,
-            self.point_foot,
-            self._points,
-            tasks.frames[self.point_foot],
-            self._map,
-        )
+        contact_jacobian(
+            self._jacobian, self._support, self.point_foot, self._points, tasks.frames[self.point_foot],
+            self._map.T,
+        )  # fmt: skip
         return rows
 
     def _place_points(self, normals: FloatArray) -> FloatArray:

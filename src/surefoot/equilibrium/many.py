@@ -27,6 +27,7 @@ from surefoot.equilibrium.tracing import ROOM, Program, certified
 from surefoot.equilibrium.verdict import Verdict
 from surefoot.errors import ProblemError
 from surefoot.kernels import kernel
+from surefoot.spatial import GRAVITY
 from surefoot.stance import Stance, StanceBatch
 
 
@@ -140,12 +141,13 @@ def can_stand_many(
     True
     """
     size = len(stances)
-    about, masses = _per_stance("com", com, size, (3,)), _per_stance("mass", mass, size, ())
+    about, masses = _per_stance("com", com, size, (3,)), _masses(mass, size)
     wrenches = np.zeros((size, 6))
     if np.ndim(external_wrench) or external_wrench != 0.0:
         wrenches = _per_stance("external_wrench", external_wrench, size, (6,))
-    loads = np.array([needed_wrench(float(m), w) for m, w in zip(masses, wrenches, strict=True)])
-    loads = loads.reshape(-1, 6)
+    loads = np.zeros((size, 6))
+    loads[:, 2] = masses * GRAVITY
+    loads -= wrenches
     out = Verdicts(stances, about, loads)
     ordinary = _ordinary(stances)
     again = [np.flatnonzero(~ordinary)]  # bounds or no contacts
@@ -228,13 +230,11 @@ def com_region_many(
     [0.08, 0.02]
     """
     size = len(stances)
-    masses = _per_stance("mass", mass, size, ())
+    masses = _masses(mass, size)
     heights = None if height is None else _per_stance("height", height, size, ())
     real_number("tol", tol, low=0.0)
     if not 0.0 < tol < np.inf:
         raise ProblemError(f"tol must be positive and finite [m], got {tol:g}")
-    for m in masses:
-        needed_wrench(float(m))  # says what is wrong with it
     points = stances if isinstance(stances, StanceBatch) else StanceBatch.of(stances)
     found: dict[int, Region] = {}
     ordinary = _ordinary(stances)
@@ -306,6 +306,14 @@ def _ordinary(stances: Sequence[Stance] | StanceBatch) -> BoolArray:
     if isinstance(stances, StanceBatch):
         return np.asarray(stances.counts > 0)
     return np.array([bool(s.contacts) and not s.bounded for s in stances], dtype=np.bool_)
+
+
+def _masses(mass: ArrayLike, size: int) -> FloatArray:
+    """Return (B,) masses."""
+    masses = _per_stance("mass", mass, size, ())
+    for wrong in masses[~(masses > 0.0)][:1]:
+        needed_wrench(float(wrong))  # says what is wrong with it
+    return masses
 
 
 def _per_stance(name: str, value: ArrayLike, size: int, shape: tuple[int, ...]) -> FloatArray:

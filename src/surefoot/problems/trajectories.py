@@ -63,16 +63,18 @@ def simulate(scene: Scene, duration: float = DURATION) -> list[Instance]:
     from surefoot.control.standing_plan import StandingPlan
     from surefoot.robot import load_robot, place
     from surefoot.simulation.mujoco import MujocoWorld
-    from surefoot.simulation.run import Push, Scenario
-    from surefoot.simulation.standing import run_standing
-    from surefoot.stance import FlatTerrain, SlopeTerrain
+    from surefoot.simulation.run import Push, Scenario, run
+    from surefoot.simulation.scenario import START_DEPTH
+    from surefoot.terrain import FlatTerrain, SlopeTerrain
 
     robot = load_robot(ROBOT)
     terrain = SlopeTerrain(scene.slope) if scene.slope else FlatTerrain()
     q = place(robot, terrain)
     controller = StandingController(robot, StandingPlan(robot, terrain, q), terrain, q, scene.mu)
-    scenario = Scenario(duration, scene.mu, [Push(*push) for push in scene.pushes])
-    log = run_standing(MujocoWorld(robot, terrain, scene.mu), controller, q, scenario)
+    scenario = Scenario(
+        duration, scene.mu, [Push(*push) for push in scene.pushes], start=q, depth=START_DEPTH
+    )
+    log = run(MujocoWorld(robot, terrain, scene.mu), controller, scenario)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "log.npz"
         log.save(path)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ModelError
 from surefoot.robot.robot import Robot
 from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion, rotation_log
-from surefoot.stance import FlatTerrain, Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 ITERATIONS = 60
 POSE_WEIGHT = 2e5
@@ -18,12 +18,32 @@ LEANS = (1.0, 0.75, 0.5, 0.25, 0.0)
 """Shares of the way to the feet's middle that the weight is moved; the first that the legs allow."""
 
 
-def place(
-    robot: Robot, terrain: Terrain | None = None, q: ArrayLike | None = None, tol: float = 1e-9
-) -> FloatArray:
-    """Return a configuration that stands on the terrain about the world's origin.
+class _SeenFrom(Terrain):
+    """A terrain with its origin moved to the (2,) place `at`."""
 
-    The base takes the terrain's slope at the origin (and stays level on flat feet, whose ankles take
+    def __init__(self, terrain: Terrain, at: FloatArray) -> None:
+        self._terrain, self._at = terrain, at
+
+    def __repr__(self) -> str:
+        return repr(self._terrain)
+
+    def height(self, xy: ArrayLike) -> FloatArray:
+        return self._terrain.height(np.asarray(xy) + self._at)
+
+    def normal(self, xy: ArrayLike) -> FloatArray:
+        return self._terrain.normal(np.asarray(xy) + self._at)
+
+
+def place(
+    robot: Robot,
+    terrain: Terrain | None = None,
+    q: ArrayLike | None = None,
+    tol: float = 1e-9,
+    at: ArrayLike = (0.0, 0.0),
+) -> FloatArray:
+    """Return a configuration that stands on the terrain about a place.
+
+    The base takes the terrain's slope at that place (and stays level on flat feet, whose ankles take
     up the slope), every contact sphere touches the ground, and the
     centre of mass lies above the middle of the feet as gravity sees it (or as far that way as the
     joints allow). Gauss-Newton on Pinocchio's
@@ -39,6 +59,8 @@ def place(
         (nq,) pose whose joints to stay near; None for the nominal one.
     tol
         Largest distance between a foot and the ground [m].
+    at
+        (2,) the place, world axes [m].
 
     Raises
     ------
@@ -48,9 +70,12 @@ def place(
     if not robot.floating or not robot.feet:
         raise ModelError(f"{robot.name} cannot be placed: it needs a floating base and feet")
     ground = FlatTerrain() if terrain is None else terrain
+    there = finite_array("at", at, (2,))
+    seen = _SeenFrom(ground, there) if there.any() else ground
     for share in LEANS:
-        found = _place(robot, ground, robot.configuration(q), share, tol)
+        found = _place(robot, seen, robot.configuration(q), share, tol)
         if found is not None:
+            found[:2] += there
             return found
     raise ModelError(f"{robot.name} cannot stand on {ground!r}: its legs do not reach the ground there")
 

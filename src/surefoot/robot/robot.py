@@ -14,10 +14,12 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import MissingExtra, ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
+from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.foot import Foot, read_foot, shaped_foot
 from surefoot.robot.nominal import bend_legs
 from surefoot.robot.parser_output import parser_output
-from surefoot.stance import Contact, FlatTerrain, PatchContact, PointContact, Stance, Terrain
+from surefoot.stance import Contact, PatchContact, PointContact, Stance
+from surefoot.terrain import FlatTerrain, Terrain
 
 NOMINAL_POSES = ("standing", "half_sitting")
 
@@ -80,6 +82,11 @@ class Robot:
     def visual(self) -> Any:
         """Pinocchio's geometry model of what the robot looks like."""
         return self._load_visual()
+
+    @cached_property
+    def contact_points(self) -> ContactPoints:
+        """The contact spheres of all feet as one value: where they are, what carries and moves them."""
+        return contact_points(self.model, self.feet)
 
     @cached_property
     def mass(self) -> float:

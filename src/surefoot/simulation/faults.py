@@ -67,6 +67,9 @@ class ActiveFaults:
     generator: np.random.Generator
     _queue: deque[FloatArray] = field(default_factory=deque)
 
+    def __post_init__(self) -> None:
+        self.weak = bool((self.strength != 1.0).any())
+
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the state as the controller sees it."""
         if self.noise == 0.0:
@@ -89,7 +92,7 @@ class ActiveFaults:
         if self.late:
             self._queue.append(torques)
             torques = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()
-        return torques * self.strength
+        return torques * self.strength if self.weak else torques
 
 
 def believed_robot(robot: Robot, mass_factor: float) -> Robot:

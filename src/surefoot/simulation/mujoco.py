@@ -17,7 +17,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import MissingExtra, ModelError, SimulationError
 from surefoot.robot import Robot
-from surefoot.simulation.mujoco_contacts import frames_along, read_contacts
+from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import (
@@ -26,7 +26,9 @@ from surefoot.spatial import (
     quaternion_xyzw,
     rotation_from_quaternion,
 )
-from surefoot.stance import FlatTerrain, SlopeTerrain, Terrain
+from surefoot.stepping.bodies import finite_vector
+from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.terrain.frames import surface_frames
 
 CONTACT_TIME = 0.004
 """Time constant of MuJoCo's soft contact [s]: as stiff as a 1 ms step takes with a factor of two."""
@@ -34,7 +36,6 @@ IMPEDANCE = (0.97, 0.99, 0.001, 0.5, 2.0)
 """MuJoCo's contact impedance (d_min, d_max, width, midpoint, power): close to rigid."""
 FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
-FLOOR_HALF_SIZE = 50.0
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
 
@@ -109,22 +110,15 @@ class MujocoWorld:
             raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
         self.data = mujoco.MjData(self.model)
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
-        self.contact_foot = np.array(
-            [k for k, foot in enumerate(robot.feet) for _ in foot.centres], dtype=np.int64
-        )
-        self._radii = np.array([robot.feet[k].radius for k in self.contact_foot])
-        names = [f"foot:{foot.name}:{k}" for foot in robot.feet for k in range(len(foot.centres))]
-        geoms = [int(self.model.geom(name).id) for name in names]  # MuJoCo numbers them along the tree
+        points = robot.contact_points
+        self.contact_foot, self._radii = points.foot, points.radii
+        geoms = [int(self.model.geom(f"foot:{n}").id) for n in points.names]  # numbered along the tree
         self._geoms = np.array(geoms, dtype=np.int64)
         self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
         self._roots = np.array(self.model.body_rootid)[self._bodies]
         self._ground = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("ground")]
         self._base = int(self.model.body("base:0").id) if robot.floating else 0
-        self._plane_frames = (
-            np.array([self.terrain.frame([0.0, 0.0])] * len(geoms))
-            if isinstance(self.terrain, SlopeTerrain)
-            else None
-        )
+        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(geoms)).reshape(-1, 3, 3)
         self.reset(robot.nominal)
 
     @property
@@ -171,9 +165,9 @@ class MujocoWorld:
             in the state before the step.
         """
         data = self.data
-        data.qfrc_applied[self.robot.base_dof :] = _finite("torques", torques, self.robot.joints)
+        data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
         if self._base:
-            data.xfrc_applied[self._base, :3] = 0.0 if push is None else _finite("push", push, 3)
+            data.xfrc_applied[self._base, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         self._mujoco.mj_step(self.model, data)
         if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
@@ -199,21 +193,15 @@ class MujocoWorld:
         data = self.data
         centres = data.geom_xpos[self._geoms]
         normals = self.terrain.normal(centres[:, :2])
-        frames = frames_along(normals) if self._plane_frames is None else self._plane_frames
+        if not self.terrain.planar:
+            surface_frames(normals, self._frames)
         gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
         contact = data.contact
         forces, velocities, positions = read_contacts(
-            centres, frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
+            centres, self._frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
             contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
         return ContactReading(forces, gaps, velocities, positions)
-
-
-def _finite(name: str, value: FloatArray, size: int) -> FloatArray:
-    """Return a finite (size,) array, quickly where it is one already."""
-    if isinstance(value, np.ndarray) and value.shape == (size,) and np.isfinite(value).all():
-        return value
-    return finite_array(name, value, (size,))
 
 
 def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
@@ -252,19 +240,20 @@ def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
         load = bodies[1].add_body(name="payload")
         load.explicitinertial, load.mass = True, payload
         load.inertia = np.full(3, 1e-3 * payload)
-    for foot in robot.feet:
-        frame = model.frames[foot.frame]
-        for k, centre in enumerate(foot.centres):
-            bodies[int(frame.parentJoint)].add_geom(
-                name=f"foot:{foot.name}:{k}",
-                type=mujoco.mjtGeom.mjGEOM_SPHERE,
-                size=[foot.radius, 0.0, 0.0],
-                pos=frame.placement.act(centre),
-                contype=0,
-                conaffinity=1,
-                condim=3,
-                density=0.0,
-            )
+    points = robot.contact_points
+    for name, joint, place, radius in zip(
+        points.names, points.joints, points.places, points.radii, strict=True
+    ):
+        bodies[int(joint)].add_geom(
+            name=f"foot:{name}",
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[radius, 0.0, 0.0],
+            pos=place,
+            contype=0,
+            conaffinity=1,
+            condim=3,
+            density=0.0,
+        )
     return spec
 
 

@@ -73,23 +73,3 @@ def read_contacts(
                 for i in range(3):
                     forces[k, j] += frames[k, i, j] * tangential[k, i]
     return forces, velocities, positions
-
-
-@kernel
-def frames_along(normals: FloatArray) -> FloatArray:
-    """Return rotation_world_contact (p, 3, 3) for unit normals (p, 3), x along the world's x in the surface.
-
-    A normal along x itself takes y in its place; compare `surefoot.spatial.rotation_from_normal`.
-    """
-    out = np.empty((normals.shape[0], 3, 3))
-    for k in range(normals.shape[0]):
-        a, b, c = normals[k, 0], normals[k, 1], normals[k, 2]
-        x, y, z = 1.0 - a * a, -a * b, -a * c
-        if x < 1e-12:
-            x, y, z = -b * a, 1.0 - b * b, -b * c
-        length = np.sqrt(x * x + y * y + z * z)
-        x, y, z = x / length, y / length, z / length
-        out[k, 0, 0], out[k, 1, 0], out[k, 2, 0] = x, y, z
-        out[k, 0, 1], out[k, 1, 1], out[k, 2, 1] = b * z - c * y, c * x - a * z, a * y - b * x
-        out[k, 0, 2], out[k, 1, 2], out[k, 2, 2] = a, b, c
-    return out

@@ -1,119 +1,103 @@
-"""What every run has in common: disturbances, the loop over the world's steps, and its share of the log."""
+"""Run a controller in a world: one loop for whatever keeps to the protocols of both, logged step by step."""
 
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.errors import SimulationError, WriteError
-from surefoot.robot import Robot
-from surefoot.simulation.log import Log
-from surefoot.simulation.log_stream import Recorder
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.control.controller import Controller, RobotState
+from surefoot.errors import ProblemError, SurefootError, WriteError
+from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.simulation.faults import Faults
+from surefoot.simulation.observers import Moment, Observer
+from surefoot.simulation.scenario import Ice as Ice
+from surefoot.simulation.scenario import Push as Push
+from surefoot.simulation.scenario import Scenario as Scenario
+from surefoot.simulation.scenario import push_at
 from surefoot.simulation.world import ContactReading, World
+from surefoot.spatial import GRAVITY
 
-START_SPEED = 0.01
-"""Standard deviation of the seeded disturbance of the base's velocity at the start [m/s]."""
 LOOK_EVERY = 20
-"""Steps between looks at whether the robot has fallen, and calls of the progress function."""
+"""Steps between looks at whether the robot has fallen."""
+TOUCH = 0.02
+"""A foot feels the ground when its normal force exceeds this share of m g."""
+AT_LIMIT = 1.0 - 1e-6
+"""A torque is saturated from this share of its limit on."""
+_SHARED = (
+    "time", "q", "v", "torques", "forces", "forces_commanded", "gaps", "contact_velocities",
+    "contact_positions", "active", "attained", "saturated", "push", "mu", "controller_time",
+)  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Push:
-    """A (3,) force on the base in world axes [N], from `start` for `duration` [s]."""
+def run(
+    world: World,
+    controller: Controller,
+    scenario: Scenario,
+    observers: Sequence[Observer] = (),
+    folder: Path | None = None,
+) -> Log:
+    """Run the controller in the world and return the log, also when interrupted or fallen.
 
-    start: float
-    force: tuple[float, float, float]
-    duration: float
-
-
-@dataclass(frozen=True)
-class Ice:
-    """The ground's friction becomes `mu` at `start` [s]."""
-
-    start: float
-    mu: float
-
-
-@dataclass(frozen=True)
-class Scenario:
-    """What happens to the robot.
-
-    Attributes
+    Parameters
     ----------
-    duration
-        Length of the run [s].
-    mu
-        Friction of the ground at the start.
-    pushes, ice
-        What disturbs it.
-    seed
-        Seed of every random number of the run; None for no disturbance at the start.
+    world, controller, scenario
+        Where, who decides, and what happens.
+    observers
+        Who watches; each is called after every step, and with the log at the end.
+    folder
+        New folder that the log's rows go to as they come, where `read_log` finds what a killed run leaves;
+        None to put only a long log on the disk, in a temporary one.
+
+    Returns
+    -------
+    Log
+        Its facts ``outcome`` (see `surefoot.log.Ending`), ``wall_time`` and ``error`` say how it ended.
+        Whatever ends a run before its first row is complete is raised: there is nothing to keep.
+
+    Raises
+    ------
+    ProblemError
+        For faults that do not fit the robot, or channels of the controller that are no channels.
+    SimulationError, WriteError
+        If not even the first step could be made and logged.
     """
-
-    duration: float
-    mu: float
-    pushes: Sequence[Push] = ()
-    ice: Sequence[Ice] = ()
-    seed: int | None = None
-
-    def steps(self, dt: float) -> int:
-        """Return the number of steps of length `dt` [s], at least one."""
-        return max(1, round(self.duration / dt))
-
-
-def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
-    """Return a small random velocity of the base, or None without a seed."""
-    if seed is None:
-        return None
-    v = np.zeros(robot.model.nv)
-    v[:3] = START_SPEED * np.random.default_rng(seed).normal(size=3)
-    return v
+    q, v = scenario.begin(world)
+    world.reset(q)
+    controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
+    world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
+    world.reset(q, v)
+    recorder = _recorder(world, controller, scenario, folder)
+    limits = AT_LIMIT * world.robot.effort_limits
+    this = _Run(world, controller, scenario, tuple(observers), recorder, limits)
+    log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
+    for observer in observers:
+        observer.end(log)
+    return log
 
 
-def push_at(pushes: Sequence[Push], time: float) -> FloatArray | None:
-    """Return the sum of the pushes at a time, or None."""
-    total = None
-    for push in pushes:
-        if push.start - 1e-9 <= time < push.start + push.duration - 1e-9:
-            total = np.asarray(push.force) if total is None else total + np.asarray(push.force)
-    return total
+def felt_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
+    """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
+    out = np.zeros(feet, dtype=bool)
+    out[contact_foot[reading.forces[:, 2] > least]] = True
+    return out
 
 
-@dataclass(frozen=True)
-class Ended:
-    """How a run ended.
-
-    Attributes
-    ----------
-    outcome
-        "done", "fell", "invalid" (the state stopped being finite, or the world could not go on),
-        "interrupted" or "stopped" (the log could not be written).
-    wall_time
-        Real time of the run [s].
-    error
-        One line that says what happened, or empty.
-    """
-
-    outcome: str
-    wall_time: float
-    error: str = ""
-
-
-def recorder_of(
-    world: World, scenario: Scenario, folder: Path | None, facts: dict[str, Any], **more: tuple[int, ...]
-) -> Recorder:
-    """Return a recorder with the rows and facts that every run has, and more of both.
-
-    `folder` is where the rows go during the run, see `Recorder`.
-    """
-    robot, p = world.robot, len(world.contact_foot)
-    shared = {
+def _recorder(world: World, controller: Controller, scenario: Scenario, folder: Path | None) -> Recorder:
+    """Return a recorder for what every run has, and what the controller adds."""
+    robot = world.robot
+    clash = [c.name for c in controller.channels if c.name in _SHARED]
+    if clash:
+        raise ProblemError(
+            f"the controller's channel {clash[0]!r} is one that every log has; take another name"
+        )
+    facts = {
+        **controller.facts,
         "robot": robot.name,
         "mass": robot.mass,
         "dt": world.dt,
@@ -123,110 +107,111 @@ def recorder_of(
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
         "effort_limits": robot.effort_limits,
         "duration": scenario.duration,
-        "outcome": "interrupted",  # until the run has ended in another way
+        "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
-        **facts,
     }
+    channels = (*(CHANNELS[name] for name in _SHARED), *controller.channels)
     return Recorder(
-        scenario.steps(world.dt), folder, shared,
-        time=(), q=(int(robot.model.nq),), v=(int(robot.model.nv),), torques=(robot.joints,), forces=(p, 3),
-        forces_commanded=(p, 3), gaps=(p,), contact_velocities=(p, 3), contact_positions=(p, 3), active=(p,),
-        attained=(), saturated=(), push=(3,), mu=(), controller_time=(), **more,
+        scenario.steps(world.dt), channels, folder, facts,
+        nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
+        n=len(robot.feet),
     )  # fmt: skip
 
 
-def run_steps(
-    world: World,
-    scenario: Scenario,
-    recorder: Recorder,
-    control: Callable[[float, FloatArray, FloatArray, ContactReading], tuple[FloatArray, float]],
-    note: Callable[[dict[str, Any], int], None],
-    fallen: Callable[[FloatArray], str | None],
-    progress: Callable[[float], None] | None,
-) -> Ended:
-    """Step a world that has been reset to the end, a fall, Ctrl-C or a loss; fill the recorder.
+@dataclass
+class _Run:
+    """A world that has been reset, and all that takes part; `limits` are those of saturation [N m]."""
 
-    Whatever ends the run before its first row is complete is raised: there is nothing to keep.
+    world: World
+    controller: Controller
+    scenario: Scenario
+    observers: tuple[Observer, ...]
+    recorder: Recorder
+    limits: FloatArray
 
-    Parameters
-    ----------
-    world, scenario, recorder
-        Where, what happens, and where the rows go.
-    control
-        From time, q, v and the last contact reading to (joints,) torques [N m], and the wall time that
-        the controller itself took [s].
-    note
-        Writes the controller's own rows of a step.
-    fallen
-        Tells "fell" or "invalid" from q, or None.
-    progress
-        Called with the simulated time now and then.
-    """
-    begin = clock.perf_counter()
-    outcome, error = "done", ""
-    try:
-        outcome = _loop(world, scenario, recorder, control, note, fallen, progress)
-    except (KeyboardInterrupt, SimulationError, WriteError) as stop:
-        if recorder.count == 0:
+    def carry_out(self, height: float) -> Log:
+        """Step to the end, a fall, Ctrl-C or a loss and return the log.
+
+        `height` is that of the base over the ground at the start [m].
+        """
+        begin, recorder, told = clock.perf_counter(), self.recorder, {}
+        try:
+            ending = self._loop(height)
+        except (KeyboardInterrupt, SurefootError) as stop:
+            if recorder.count == 0:
+                recorder.abandon()
+                raise
+            if isinstance(stop, KeyboardInterrupt):
+                ending = Ending.INTERRUPTED
+            else:
+                ending = Ending.STOPPED if isinstance(stop, WriteError) else Ending.INVALID
+                told = {"error": str(stop)}
+        except BaseException:
             recorder.abandon()
             raise
-        if isinstance(stop, KeyboardInterrupt):
-            outcome = "interrupted"
-        else:
-            outcome, error = "invalid" if isinstance(stop, SimulationError) else "stopped", str(stop)
-    except BaseException:
-        recorder.abandon()
-        raise
-    return Ended(outcome, clock.perf_counter() - begin, error)
+        return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
-
-def _loop(
-    world: World,
-    scenario: Scenario,
-    recorder: Recorder,
-    control: Callable[[float, FloatArray, FloatArray, ContactReading], tuple[FloatArray, float]],
-    note: Callable[[dict[str, Any], int], None],
-    fallen: Callable[[FloatArray], str | None],
-    progress: Callable[[float], None] | None,
-) -> str:
-    """Step the world to the end or a fall and return the outcome; see `run_steps`."""
-    rows = recorder.arrays
-    ice = sorted(scenario.ice, key=lambda change: change.start)
-    mu = scenario.mu
-    world.set_friction(mu)
-    reading = world.contacts()
-    for k in range(scenario.steps(world.dt)):
-        # what the world is like, and what the controller makes of it
-        now = k * world.dt
-        while ice and now >= ice[0].start - 1e-9:
-            mu = ice.pop(0).mu
-            world.set_friction(mu)
-        push = push_at(scenario.pushes, now)
-        q, v = world.state()
-        torques, spent = control(now, q, v, reading)
-        # the step
-        world.step(torques, push)
+    def _loop(self, height: float) -> Ending:
+        """Step the world to the end or a fall."""
+        world, controller, scenario = self.world, self.controller, self.scenario
+        faults = (scenario.faults or Faults()).start(world, scenario.seed)
+        ice = sorted(scenario.ice, key=lambda change: change.start)
+        mu, feet, touch = scenario.mu, len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
+        world.set_friction(mu)
         reading = world.contacts()
-        # its row
-        i = recorder.slot()
-        rows["time"][i], rows["q"][i], rows["v"][i], rows["mu"][i] = now, q, v, mu
-        rows["torques"][i], rows["forces"][i], rows["gaps"][i] = torques, reading.forces, reading.gaps
-        rows["contact_velocities"][i] = reading.velocities
-        rows["contact_positions"][i] = reading.positions
-        rows["push"][i] = 0.0 if push is None else push
-        rows["controller_time"][i] = spent
-        note(rows, i)
-        recorder.count += 1
-        if k % LOOK_EVERY == 0:
-            if progress is not None:
-                progress(now)
-            verdict = fallen(q)
-            if verdict is not None:
-                return verdict
-    return "done"
+        for k in range(scenario.steps(world.dt)):
+            # what the world is like, and what the controller makes of it
+            now = k * world.dt
+            while ice and now >= ice[0].start - 1e-9:
+                mu = ice.pop(0).mu
+                world.set_friction(mu)
+            push = push_at(scenario.pushes, now)
+            q, v = world.state()
+            contact = felt_feet(world.contact_foot, feet, reading, touch)
+            state = RobotState(*faults.sense(q, v), now, contact)
+            start = clock.perf_counter()
+            command = controller.step(state)
+            spent = clock.perf_counter() - start
+            # the step
+            torques = faults.act(command.torques)
+            world.step(torques, push)
+            reading = world.contacts()
+            # its row
+            self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
+            if k % LOOK_EVERY == 0:
+                fallen = scenario.fall.happened(q, height, world.terrain)
+                if fallen is not None:
+                    return fallen
+        return Ending.DONE
+
+    def _record(self, moment: Moment) -> None:
+        """Write the row of a step, and show it to the observers."""
+        rows, i = self.recorder.arrays, self.recorder.slot()
+        command, reading = moment.command, moment.reading
+        rows["time"][i], rows["q"][i], rows["v"][i] = moment.time, moment.q, moment.v
+        rows["torques"][i], rows["mu"][i] = moment.torques, moment.mu
+        rows["push"][i] = 0.0 if moment.push is None else moment.push
+        rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
+        rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
+        rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
+        rows["attained"][i], rows["saturated"][i] = (
+            command.attained,
+            (np.abs(command.torques) >= self.limits).any(),
+        )
+        rows["controller_time"][i] = moment.controller_time
+        own = command.rows()
+        if self.recorder.count == 0:
+            _check_rows(own, self.controller)
+        for name, value in own.items():
+            rows[name][i] = value
+        self.recorder.count += 1
+        for observer in self.observers:
+            observer.step(moment)
 
 
-def finish(recorder: Recorder, ended: Ended, **more: Any) -> Log:
-    """Return the log with how it ended, and `more` facts that only the end knows."""
-    told = {"error": ended.error} if ended.error else {}
-    return recorder.finish({"outcome": ended.outcome, "wall_time": ended.wall_time, **told, **more})
+def _check_rows(rows: Mapping[str, Any], controller: Controller) -> None:
+    """Raise `ProblemError` unless a command's own rows are the controller's channels."""
+    names = {channel.name for channel in controller.channels}
+    if set(rows) != names:
+        told, said = (", ".join(sorted(some)) or "none" for some in (rows, names))
+        raise ProblemError(f"a command has rows for {told}, its controller has the channels {said}")

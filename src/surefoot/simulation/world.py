@@ -7,7 +7,7 @@ from typing import Protocol
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.robot import Robot
-from surefoot.stance import Terrain
+from surefoot.terrain import Terrain
 
 
 @dataclass(frozen=True)

@@ -1,65 +1,6 @@
-"""Stairs: flat treads and vertical risers along x."""
+"""Moved to `surefoot.terrain`."""
 
-from __future__ import annotations
+from surefoot.deprecation import moved
 
-import math
-
-import numpy as np
-from numpy.typing import ArrayLike
-
-from surefoot.arrays import FloatArray, real_number
-from surefoot.errors import ProblemError
-from surefoot.stance.terrain import Terrain
-
-
-class StairsTerrain(Terrain):
-    """Stairs that climb along +x from x = 0, with level ground before and after.
-
-    Step k (1, 2, ..., steps) has its tread at height k * rise for x in [(k - 1) * tread, k * tread); the
-    ground is at 0 before the first riser and stays at the last height behind the last. Normals are
-    vertical everywhere: a height field has no vertical faces, so a riser is only a jump (see
-    `riser_distance` to keep feet off it).
-
-    Parameters
-    ----------
-    rise
-        Height of a step [m]; negative for stairs that go down.
-    tread
-        Depth of a step [m], > 0.
-    steps
-        Number of steps, >= 1.
-
-    Examples
-    --------
-    >>> stairs = StairsTerrain(rise=0.15, tread=0.3, steps=3)
-    >>> stairs.height([[-0.1, 0.0], [0.0, 0.0], [0.31, 5.0], [9.0, 0.0]])
-    array([0.  , 0.15, 0.3 , 0.45])
-    """
-
-    def __init__(self, rise: float = 0.12, tread: float = 0.3, steps: int = 10) -> None:
-        self.rise = real_number("rise", rise, low=-10.0, high=10.0)
-        self.tread = real_number("tread", tread, low=0.0)
-        if not 0.0 < self.tread < math.inf:
-            raise ProblemError(f"tread must be positive and finite [m], got {self.tread:g}")
-        if int(steps) != steps or steps < 1:
-            raise ProblemError(f"steps must be a whole number >= 1, got {steps!r}")
-        self.steps = int(steps)
-
-    def __repr__(self) -> str:
-        return f"StairsTerrain(rise={self.rise:g}, tread={self.tread:g}, steps={self.steps})"
-
-    def height(self, xy: ArrayLike) -> FloatArray:
-        """Return the height of the tread at (..., 2) places [m]: (...)."""
-        x = np.asarray(xy, dtype=np.float64)[..., 0]
-        return np.asarray(self.rise * np.clip(np.floor(x / self.tread) + 1.0, 0.0, self.steps))
-
-    def normal(self, xy: ArrayLike) -> FloatArray:
-        """Return the vertical at (..., 2) places: (..., 3)."""
-        shape = np.asarray(xy).shape[:-1]
-        return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*shape, 3)).copy()
-
-    def riser_distance(self, xy: ArrayLike) -> FloatArray:
-        """Return the horizontal distance to the nearest riser [m]: (...)."""
-        x = np.asarray(xy, dtype=np.float64)[..., 0]
-        nearest = np.clip(np.round(x / self.tread), 0.0, self.steps - 1.0) * self.tread
-        return np.asarray(np.abs(x - nearest))
+_HOMES = {"StairsTerrain": "surefoot.terrain"}
+__getattr__ = moved(__name__, _HOMES)

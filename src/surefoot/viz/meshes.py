@@ -1,4 +1,10 @@
-"""A robot's visual meshes for MuJoCo, as Pinocchio read them and mended where loading broke them."""
+"""A robot's visual meshes for MuJoCo, as Pinocchio read them and mended where loading broke them.
+
+By hand though trimesh exists: it knows nothing of parts that a loader has numbered twice, and goes by the
+volume of watertight meshes, which robots' visuals are not (none of Go2's 17). Its `fix_normals` (5.2, with
+networkx) leaves 6,900 of Go2's 6,932 inside-out triangles as they are and takes 2.4 s where this takes 0.1
+s.
+"""
 
 from __future__ import annotations
 

@@ -7,22 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
 from surefoot.audit.laws import LOADED_SHARE
-from surefoot.simulation.log import Log
-from surefoot.simulation.summary import tilt_angles
+from surefoot.audit.motion import foot_forces, tilt_angles
+from surefoot.log import Log
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, new_figure, save
 
 MOST_POINTS = 4000
 """Longest series that is drawn; longer ones are thinned."""
-
-
-def foot_forces(log: Log) -> FloatArray:
-    """Return the measured force on every foot, its contact points added up: (T, n, 3) [N]."""
-    owner = np.asarray(log.facts["contact_foot"])
-    feet = range(len(log.facts["feet"]))
-    return np.stack([log["forces"][:, owner == k].sum(axis=1) for k in feet], axis=1)
 
 
 def _thin(log: Log) -> slice:
@@ -168,7 +160,7 @@ def mark_events(axis: Any, log: Log) -> None:
         axis.axvspan(time[begin], time[end - 1], color=FOOT_COLOURS[3], alpha=0.18, lw=0)
     changes = np.flatnonzero(np.diff(log["mu"]) != 0.0)
     lifted = np.flatnonzero(np.any(np.diff(log["active"].astype(int), axis=0) != 0, axis=1))
-    if "planned" in log.arrays:
+    if "planned" in log:
         lifted = lifted[:0]
     for at, colour in [(k, FOOT_COLOURS[5]) for k in changes] + [(k, MUTED) for k in lifted]:
         axis.axvline(time[at], color=colour, lw=0.8, ls=":")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from surefoot.simulation.log import Log
-from surefoot.simulation.pressure import sole_pressures
+from surefoot.audit import sole_pressures
+from surefoot.log import Log
 from surefoot.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
 
 MOST_POINTS = 4000

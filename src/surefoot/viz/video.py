@@ -15,11 +15,12 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SurefootError
+from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.simulation.log import Log
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
-from surefoot.spatial import quaternion_wxyz
-from surefoot.stance import Terrain
+from surefoot.simulation.observers import Observer
+from surefoot.spatial import GRAVITY, quaternion_wxyz
+from surefoot.terrain import Terrain
 from surefoot.viz.meshes import add_meshes
 
 WIDTH, HEIGHT, RATE = 640, 480, 25
@@ -186,7 +187,7 @@ def frames_of(log: Log, robot: Robot, terrain: Terrain, rate: int = RATE) -> Ite
     renderer = Renderer(robot, terrain)
     try:
         every = 1.0 / (rate * float(log.facts["dt"]))
-        scale = ARROW_LENGTH * renderer._size / (robot.mass * 9.81)
+        scale = ARROW_LENGTH * renderer._size / (robot.mass * GRAVITY)
         for k in range(int(len(log) / every)):
             step = int(k * every)
             yield renderer.frame(log["q"][step], log_arrows(log, step, terrain, scale))
@@ -231,3 +232,27 @@ def write_video(
         if writer is not None:
             writer.close()
     return path
+
+
+class Film(Observer):
+    """Films a run when it has ended.
+
+    Parameters
+    ----------
+    path
+        Of the new .mp4.
+    robot, terrain
+        Who is filmed on what.
+
+    Raises
+    ------
+    RenderError, MissingExtra
+        At the end of the run; see `write_video`.
+    """
+
+    def __init__(self, path: Path, robot: Robot, terrain: Terrain) -> None:
+        self._path, self._robot, self._terrain = path, robot, terrain
+
+    def end(self, log: Log) -> None:
+        """Write the film."""
+        write_video(log, self._robot, self._terrain, self._path)

@@ -9,8 +9,8 @@ import numpy as np
 
 from surefoot.arrays import BoolArray
 from surefoot.audit import contact_use
-from surefoot.simulation.log import Log
-from surefoot.simulation.walk_summary import heading_velocity, touching
+from surefoot.audit.motion import foot_forces, heading_velocity, touching
+from surefoot.log import Log
 from surefoot.spatial import GRAVITY
 from surefoot.viz.plots import (
     MOST_POINTS,
@@ -18,7 +18,6 @@ from surefoot.viz.plots import (
     draw_normal_forces,
     draw_step_times,
     draw_torques,
-    foot_forces,
     mark_events,
 )
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, new_figure, save
@@ -124,8 +123,7 @@ def draw_walk(log: Log, folder: Path) -> list[Path]:
 
 def _end(log: Log) -> Log:
     """Return the last `FOOTFALL_SPAN` seconds of a log."""
-    recent = log["time"] >= log["time"][-1] - FOOTFALL_SPAN
-    return Log({name: array[recent] for name, array in log.arrays.items()}, log.facts)
+    return log.rows(log["time"] >= log["time"][-1] - FOOTFALL_SPAN)
 
 
 def _spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:

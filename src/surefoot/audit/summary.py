@@ -1,0 +1,191 @@
+"""What the summary of a run holds whatever the robot did; its fields are the keys of summary.json."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from surefoot.arrays import BoolArray
+from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, log_laws
+from surefoot.audit.motion import finite, foot_forces, slips, touching
+from surefoot.audit.pressure import sole_pressures
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.log import Ending, Log
+from surefoot.spatial import GRAVITY
+
+
+@dataclass(frozen=True)
+class FootSummary:
+    """What one foot did.
+
+    Attributes
+    ----------
+    name
+        Of the foot.
+    normal_force_mean, weight_share
+        Mean normal force [N], and over m g.
+    cone_use_max
+        Highest ||f_t|| / (mu f_n) of its force.
+    slip
+        Furthest that one of its points slid since it was told to push [m].
+    pressure_margin
+        Least distance of the centre of pressure from a flat sole's edge [m]; None for a point foot.
+    footfalls, duty
+        Of a walk: number of touchdowns, share of the time on the ground.
+    """
+
+    name: str
+    normal_force_mean: float
+    weight_share: float
+    cone_use_max: float
+    slip: float
+    pressure_margin: float | None = None
+    footfalls: int | None = None
+    duty: float | None = None
+
+
+@dataclass(frozen=True)
+class StepTimes:
+    """Wall time of the controller's step [us]."""
+
+    median: float
+    p99: float
+
+
+@dataclass(frozen=True)
+class RunSummary:
+    """What every run came to.
+
+    Attributes
+    ----------
+    robot, mass, duration
+        Name, [kg], simulated time [s].
+    outcome
+        In a word.
+    success
+        Whether the robot did what it should.
+    error
+        What ended the run or its recording; empty for nothing.
+    laws_judged, laws_broken
+        Names of the laws that were judged, and a line for each that was broken.
+    feet
+        One for each.
+    laws
+        The laws as numbers.
+    torque_use_max, torque_use_joint
+        Highest share of a joint's torque limit that was used, and whose.
+    saturated_share
+        Share of the steps with a torque at its limit.
+    controller_step_us, real_time_factor, wall_time
+        What the run cost; simulated over real time; real time [s].
+    """
+
+    success_key: ClassVar[str] = "success"
+
+    robot: str
+    mass: float
+    duration: float
+    outcome: str
+    success: bool
+    error: str
+    laws_judged: list[str]
+    laws_broken: list[str]
+    feet: list[FootSummary]
+    laws: Laws
+    torque_use_max: float
+    torque_use_joint: str
+    saturated_share: float
+    controller_step_us: StepTimes
+    real_time_factor: float
+    wall_time: float
+
+    @property
+    def good(self) -> bool:
+        """Whether the robot did what it should and no law was broken."""
+        return self.success and not self.laws_broken
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields by name, for JSON; `success` under the name of what was done."""
+        out = _plain(self)
+        out[self.success_key] = out.pop("success")
+        return dict(out)
+
+
+def _plain(value: Any) -> Any:
+    """Return dataclasses as dictionaries, without what is None, of laws the numbers alone."""
+    if is_dataclass(value):
+        skipped = ("judged", "not_finite") if isinstance(value, Laws) else ()
+        pairs = ((f.name, getattr(value, f.name)) for f in fields(value) if f.name not in skipped)
+        return {name: _plain(one) for name, one in pairs if one is not None}
+    return [_plain(one) for one in value] if isinstance(value, list) else value
+
+
+def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: bool) -> dict[str, Any]:
+    """Return the fields of `RunSummary` for a log.
+
+    Parameters
+    ----------
+    log
+        Of a run.
+    judge
+        From the largest slip of a foot [m] to the outcome and whether that is a success.
+    steps
+        Whether footfalls are counted.
+    """
+    weight, laws = log.fact("mass") * GRAVITY, log_laws(log)
+    feet = _feet(log, weight, touching(log) if steps else None)
+    outcome, success = judge(max(foot.slip for foot in feet))
+    time, use = 1e6 * np.asarray(log["controller_time"]), np.abs(log["torques"]) / log.fact("effort_limits")
+    duration, wall = len(log) * log.fact("dt"), log.fact("wall_time")
+    return {
+        "robot": log.fact("robot"),
+        "mass": log.fact("mass"),
+        "duration": duration,
+        "outcome": outcome,
+        "success": success,
+        "error": str(log.facts.get("error", "")),
+        "laws_judged": list(laws.judged),
+        "laws_broken": laws.broken(weight),
+        "feet": feet,
+        "laws": laws,
+        "torque_use_max": float(use.max()),
+        "torque_use_joint": log.fact("joints")[int(use.max(axis=0).argmax())],
+        "saturated_share": float(np.mean(log["saturated"])),
+        "controller_step_us": StepTimes(float(np.median(time)), float(np.percentile(time, 99))),
+        "real_time_factor": duration / max(wall, 1e-9),
+        "wall_time": wall,
+    }
+
+
+def ending_of(log: Log) -> Ending:
+    """Return how a run ended; INVALID also where a measurement is not finite.
+
+    Raises
+    ------
+    ProblemError
+        If the log has no rows, or its outcome is none.
+    """
+    if len(log) == 0:
+        raise ProblemError("the log has no rows")
+    outcome = log.fact("outcome")
+    if outcome not in list(Ending):
+        raise ProblemError(unknown_name("outcome", outcome, Ending))
+    return Ending(outcome) if finite(log) else Ending.INVALID
+
+
+def _feet(log: Log, weight: float, down: BoolArray | None) -> list[FootSummary]:
+    """Return what every foot did; `down` says when it was on the ground, (T, n)."""
+    owner, slip, total = log.fact("contact_foot"), slips(log), foot_forces(log)
+    margins = {sole.foot: sole.margin for sole in sole_pressures(log)}
+    use = contact_use(total, log["mu"], LOADED_SHARE * weight).max(axis=0)
+    out = []
+    for k, name in enumerate(log.fact("feet")):
+        mean = float(total[:, k, 2].mean())
+        own = float(slip[:, owner == k].max(initial=0.0))
+        falls = None if down is None else int((down[1:, k] & ~down[:-1, k]).sum())
+        duty = None if down is None else float(down[:, k].mean())
+        out.append(FootSummary(name, mean, mean / weight, float(use[k]), own, margins.get(k), falls, duty))
+    return out

@@ -1,0 +1,75 @@
+"""What the commands that simulate share: their options, the checks of those, the scenario they make."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+from surefoot.arrays import real_number
+
+if TYPE_CHECKING:
+    from surefoot.simulation.scenario import Scenario
+
+RobotName: TypeAlias = Annotated[
+    str | None, typer.Argument(help="A known robot (default go2); see --urdf for others.")
+]
+Urdf: TypeAlias = Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")]
+FootFrames: TypeAlias = Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")]
+Friction: TypeAlias = Annotated[float, typer.Option(help="Friction of the ground.")]
+Duration: TypeAlias = Annotated[float, typer.Option(help="Simulated time [s].")]
+Payload: TypeAlias = Annotated[
+    float, typer.Option(help="Mass on the base that the controller does not know [kg].")
+]
+Pushes: TypeAlias = Annotated[
+    list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")
+]
+IcePatches: TypeAlias = Annotated[
+    list[str] | None, typer.Option(help="T:MU, friction from time T on; repeatable.")
+]
+Seed: TypeAlias = Annotated[
+    int | None, typer.Option(help="Seed of a small random velocity at the start and of all noise.")
+]
+Out: TypeAlias = Annotated[Path, typer.Option(help="Parent of the run's new folder.")]
+Video: TypeAlias = Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")]
+Report: TypeAlias = Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")]
+AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")]
+
+
+def check_numbers(mu: float, duration: float, shortest: float, payload: float, seed: int | None) -> None:
+    """Refuse numbers that no run can have; `shortest` is the least duration that says something [s]."""
+    from surefoot.cli import parsing
+
+    parsing.friction("--mu", mu)
+    parsing.duration(duration, shortest)
+    real_number("--payload", payload, low=0.0, high=1e4)
+    parsing.seed(seed)
+
+
+def scenario_of(
+    duration: float,
+    mu: float,
+    push: list[str] | None,
+    ice: list[str] | None,
+    seed: int | None,
+    **more: Any,
+) -> Scenario:
+    """Return what happens to the robot, or raise for what lies past the end."""
+    from surefoot.cli import parsing
+    from surefoot.simulation.scenario import Scenario
+
+    pushes, patches = parsing.each(parsing.push, push), parsing.each(parsing.ice, ice)
+    parsing.within_run("--push", push, [event.start for event in pushes], duration)
+    parsing.within_run("--ice", ice, [event.start for event in patches], duration)
+    return Scenario(duration, mu, pushes, patches, seed, **more)
+
+
+def require(robot: str | None, urdf: Path | None, packages: Sequence[str], video: bool, report: bool) -> None:
+    """Raise for all optional packages at once if one that a run cannot do without is missing."""
+    from surefoot.cli import extras
+
+    named = robot if urdf is None else str(urdf.absolute())
+    needed = (*extras.robot_packages(named), *packages)
+    extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))

@@ -1,0 +1,89 @@
+"""What `surefoot stand` and `surefoot walk` both say: the laws as numbers, tables, sections of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from surefoot.audit import RunSummary
+from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
+from surefoot.spatial import GRAVITY
+
+OUTCOMES = {
+    "fell": "fell",
+    "interrupted": "was interrupted",
+    "stopped": "was stopped",
+    "invalid": "was lost: the simulated state is no longer finite",
+}
+"""How runs end that did not go as they should, whatever the robot did."""
+
+
+class Table(NamedTuple):
+    """A heading, the columns' names and the rows."""
+
+    title: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def law_table(summary: RunSummary) -> Table:
+    """Return the three laws as numbers."""
+    laws, weight = summary.laws, summary.mass * GRAVITY
+    rows = [
+        [
+            "1 unilateral: deepest penetration",
+            f"{1e3 * laws.penetration_max:.3f} mm",
+            f"{1e3 * PENETRATION_LIMIT:g} mm",
+        ],
+        ["1 unilateral: least normal force", f"{laws.unilateral_min:.3g} N", "0 N"],
+        [
+            "1 unilateral: force times gap",
+            f"{laws.complementarity_max:.3g} N m",
+            f"{PENETRATION_LIMIT * weight:.2g} N m",
+        ],
+        ["2 Coulomb: highest use of the cone", f"{laws.cone_use_max:.3f}", f"{CONE_LIMIT:g}"],
+        [
+            "3 dissipation: slide without friction",
+            f"{1e3 * laws.free_slide_max:.3f} mm",
+            f"{1e3 * SLIDE_LIMIT:g} mm",
+        ],
+    ]
+    return Table("The three laws, from the world's own forces", ("law", "measured", "limit"), rows)
+
+
+def error_and_laws(summary: RunSummary) -> str:
+    """Return what a headline says about an error and broken laws; empty if there is neither."""
+    text = f": {summary.error}" if summary.error else ""
+    return text + ("; laws broken: " + ", ".join(summary.laws_broken) if summary.laws_broken else "")
+
+
+def cost_line(summary: RunSummary) -> str:
+    """Return one line about time."""
+    step = summary.controller_step_us
+    return (
+        f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile; "
+        f"the run {summary.real_time_factor:.1f} times faster than real time"
+    )
+
+
+def print_tables(console: Any, tables: Sequence[Table], lines: Sequence[str]) -> None:
+    """Print the tables and figures of a run."""
+    from rich.table import Table as Grid
+
+    for table in tables:
+        grid = Grid()
+        for k, name in enumerate(table.header):
+            grid.add_column(name, justify="left" if k == 0 else "right")
+        for row in table.rows:
+            grid.add_row(*row)
+        console.print(grid)
+    for line in lines:
+        console.print(line, soft_wrap=True, highlight=False)
+
+
+def report_sections(tables: Sequence[Table], lines: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the report's sections of tables and figures."""
+    from surefoot.viz.report import paragraph, table
+
+    written = [(one.title, table(one.header, one.rows)) for one in tables]
+    return [*written, ("Figures", "".join(paragraph(line) for line in lines))]

@@ -1,0 +1,143 @@
+"""`surefoot translate`: contact parameters of one simulator in another's words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import to_json
+from surefoot.errors import ProblemError
+
+if TYPE_CHECKING:
+    from surefoot.contact.engines import Translation
+    from surefoot.contact.laws.soft import Behaviour
+
+NAMES = "physical, hunt-crossley, mujoco, drake, physx, isaaclab, ode, bullet, ..."
+"""Some of them; a wrong name is answered with all."""
+_UNITS = {"rest_depth": "rest depth [m]", "restitution": "restitution", "frequency": "frequency [rad/s]"}
+_UNITS["settling_time"] = "settling time to 2 % [s]"
+
+
+def translate(
+    source: Annotated[
+        str,
+        typer.Argument(help=f"Whose parameters are given: {NAMES}, hertz."),
+    ],
+    to: Annotated[str, typer.Argument(help=f"Whose parameters are wanted: {NAMES}.")],
+    values: Annotated[
+        list[str] | None, typer.Argument(help="NAME=VALUE, e.g. stiffness=2e4 damping=40 or solref=0.02,1.")
+    ] = None,
+    mass: Annotated[float, typer.Option(help="Effective mass of the contact, 1/G_nn [kg].")] = 1.0,
+    speed: Annotated[float, typer.Option(help="Impact speed at which bounces are compared [m/s].")] = 1.0,
+    dt: Annotated[float, typer.Option(help="Step of the engines [s].")] = 1e-3,
+    gravity: Annotated[float, typer.Option(help="[m/s^2].")] = 9.81,
+    area: Annotated[float, typer.Option(help="Of a flat sole, for hydroelastic contact [m^2].")] = 0.0,
+    thickness: Annotated[float, typer.Option(help="Of that sole [m].")] = 0.0,
+    keep: Annotated[str, typer.Option(help="motion or rest, where both cannot be kept.")] = "motion",
+    impedance: Annotated[float, typer.Option(help="MuJoCo's d, where MuJoCo is wanted.")] = 1e-3,
+    prove: Annotated[bool, typer.Option("--prove", help="Run the wanted engine, if it is here.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Print a contact's parameters as another simulator takes them, what agrees and what is lost."""
+    from surefoot.contact.engines import combination_rules
+    from surefoot.contact.engines import translate as translated
+    from surefoot.contact.engines.reading import read_contact
+
+    contact = read_contact(source, _values(values or []), mass=mass, speed=speed)
+    found = translated(
+        contact, to, mass, gravity=gravity, speed=speed, dt=dt, area=area, thickness=thickness, keep=keep,
+        impedance=impedance,
+    )  # fmt: skip
+    measured = _proof(to, found, mass, speed, gravity, dt) if prove else None
+    facts: dict[str, Any] = {
+        "from": source,
+        "to": to,
+        "mass": mass,
+        "speed": speed,
+        "dt": dt,
+        "parameters": found.parameters,
+        "lost": found.lost,
+        "agreement": {
+            name: {
+                **q._asdict(),
+                "measured": getattr(measured, name) if measured is not None else None,
+            }
+            for name, q in found.agreement.items()
+        },
+        "friction_rules": {
+            name: words
+            for name, words in combination_rules().items()
+            if _family(name) in (_family(source), _family(to))
+        },
+    }
+    if as_json:
+        print(to_json(facts))
+    else:
+        _print(facts)
+    return 0
+
+
+def _family(engine: str) -> str:
+    """Return the engine of a name: several names are one engine's."""
+    first = engine.split("-")[0]
+    return "physx" if first == "isaaclab" else first
+
+
+def _values(texts: list[str]) -> dict[str, Any]:
+    """Return the values of "name=1" or "name=1,2"."""
+    found: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            numbers = [float(x) for x in value.split(",")]
+        except ValueError:
+            numbers = []
+        if not (name and equals and numbers):
+            raise ProblemError(f"{text!r} is not of the form NAME=VALUE, e.g. stiffness=2e4 or solref=0.02,1")
+        if name in found:
+            raise ProblemError(f"{name} is given twice")
+        found[name] = numbers if len(numbers) > 1 else numbers[0]
+    return found
+
+
+def _proof(to: str, found: Translation, mass: float, speed: float, gravity: float, dt: float) -> Behaviour:
+    from surefoot.simulation.drops import measure
+
+    return measure(to, found.parameters, found.translated, mass, speed=speed, gravity=gravity, dt=dt)
+
+
+def _print(facts: dict[str, Any]) -> None:
+    from rich.table import Table
+
+    console = plain_console(highlight=False, soft_wrap=True)
+    console.print(f"{facts['from']} to {facts['to']}, for {facts['mass']:g} kg at the contact:")
+    for name, value in _flat(facts["parameters"]):
+        console.print(f"  {name} = {value}")
+    proven = any(row["measured"] is not None for row in facts["agreement"].values())
+    table = Table()
+    for heading in ("", facts["from"], facts["to"], *(["measured"] if proven else []), "agrees"):
+        table.add_column(heading, justify="left" if heading in ("", "agrees") else "right")
+    for name, row in facts["agreement"].items():
+        measured = [f"{row['measured']:.6g}"] if proven else []
+        numbers = (f"{row['given']:.6g}", f"{row['translated']:.6g}", *measured)
+        table.add_row(_UNITS[name], *numbers, "yes" if row["agrees"] else "no")
+    console.print(table)
+    for line in facts["lost"]:
+        console.print(f"lost: {line}")
+    for name, words in facts["friction_rules"].items():
+        console.print(f"friction of two surfaces in {name}: {words}")
+
+
+def _flat(values: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
+    """Return nested settings as dotted names."""
+    rows: list[tuple[str, str]] = []
+    for name, value in values.items():
+        if isinstance(value, dict):
+            rows += _flat(value, f"{prefix}{name}.")
+        elif isinstance(value, tuple):
+            rows.append((prefix + name, " ".join(f"{x:.10g}" for x in value)))
+        else:
+            rows.append((prefix + name, f"{value:.10g}" if isinstance(value, float) else str(value)))
+    return rows

@@ -1,0 +1,17 @@
+"""How simulators word contact parameters, one file per engine, and the translation between them."""
+
+from surefoot.contact.engines.combination import combination_rules, combine_friction
+from surefoot.contact.engines.engine import EngineContact, engine_named
+from surefoot.contact.engines.names import ENGINES
+from surefoot.contact.engines.translation import Quantity, Translation, translate
+
+__all__ = [
+    "ENGINES",
+    "EngineContact",
+    "Quantity",
+    "Translation",
+    "combination_rules",
+    "combine_friction",
+    "engine_named",
+    "translate",
+]

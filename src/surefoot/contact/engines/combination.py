@@ -1,0 +1,80 @@
+"""How engines make one friction coefficient of two surfaces' coefficients."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from surefoot.arrays import real_number
+from surefoot.errors import ProblemError, unknown_name
+
+
+class Rule(NamedTuple):
+    """One engine's rule.
+
+    Attributes
+    ----------
+    combine
+        (mu of one surface, mu of the other) -> mu of the contact.
+    words
+        The rule, and what overrides it.
+    """
+
+    combine: Callable[[float, float], float]
+    words: str
+
+
+_RULES: dict[str, Rule] = {
+    "mujoco": Rule(max, "the larger one; the geom of higher priority decides alone; a <pair> sets its own"),
+    "drake": Rule(
+        lambda a, b: 2.0 * a * b / (a + b) if a + b else 0.0, "2 a b / (a + b), static and dynamic alike"
+    ),
+    "physx": Rule(lambda a, b: 0.5 * (a + b), "average by default; see physx-min, -multiply, -max"),
+    "physx-min": Rule(
+        min, "the smaller one; of two materials' modes the later of average < min < multiply < max holds"
+    ),
+    "physx-multiply": Rule(lambda a, b: a * b, "the product"),
+    "physx-max": Rule(max, "the larger one"),
+    "bullet": Rule(lambda a, b: a * b, "the product, at most 10 (a callback may replace it)"),
+    "ode": Rule(
+        min, "none: the caller sets mu of each contact joint; many wrappers take the smaller (Gazebo Classic)"
+    ),
+    "surefoot": Rule(
+        lambda a, b: b, "the contact carries one coefficient, that of the pair, as tables give it"
+    ),
+}
+
+
+def combination_rules() -> dict[str, str]:
+    """Return every engine's rule in words."""
+    return {name: rule.words for name, rule in _RULES.items()}
+
+
+def combine_friction(engine: str, first: float, second: float) -> float:
+    """Return the friction coefficient that an engine gives to a contact of two surfaces.
+
+    Parameters
+    ----------
+    engine
+        See `combination_rules`.
+    first, second
+        Coefficients of the robot's and of the ground's surface.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown engine (the message lists the names) or a negative coefficient.
+
+    Examples
+    --------
+    >>> [round(combine_friction(e, 0.5, 1.0), 3) for e in ("mujoco", "drake", "physx", "bullet")]
+    [1.0, 0.667, 0.75, 0.5]
+    """
+    if engine not in _RULES:
+        raise ProblemError(unknown_name("engine", engine, _RULES))
+    a, b = (real_number("friction", mu, low=0.0) for mu in (first, second))
+    if math.isinf(a) or math.isinf(b):
+        raise ProblemError("friction must be finite")
+    value = _RULES[engine].combine(a, b)
+    return min(value, 10.0) if engine == "bullet" else value

@@ -1,0 +1,123 @@
+"""The physicist's words: stiffness and damping in N/m and N s/m, or restitution."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from surefoot.contact.engines.engine import EngineContact, Situation
+from surefoot.contact.laws.soft.behaviour import rebound
+from surefoot.contact.laws.soft.hunt_crossley import HuntCrossley
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
+from surefoot.errors import ProblemError
+
+STICKIEST = 20.0
+"""Largest dissipation times impact speed that is looked for: 5 % of the speed comes back."""
+
+
+@dataclass(frozen=True)
+class PhysicalContact(EngineContact):
+    """A linear spring [N/m] and damper [N s/m], cut where it would pull."""
+
+    engine: ClassVar[str] = "physical"
+    stiffness: float
+    damping: float
+
+    def law(self, situation: Situation) -> SoftLaw:
+        """Return the spring-damper."""
+        return SpringDamper(self.stiffness, self.damping)
+
+    @classmethod
+    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
+        """Return spring and damper of a law at rest, and what is lost."""
+        stiffness, damping, lost = linear(law, situation)
+        return cls(stiffness, damping), lost
+
+
+@dataclass(frozen=True)
+class HuntCrossleyContact(EngineContact):
+    """f = stiffness depth (1 + dissipation rate): [N/m], [s/m]."""
+
+    engine: ClassVar[str] = "hunt-crossley"
+    stiffness: float
+    dissipation: float
+
+    def law(self, situation: Situation) -> SoftLaw:
+        """Return the Hunt-Crossley law of exponent 1."""
+        return HuntCrossley(self.stiffness, self.dissipation)
+
+    @classmethod
+    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
+        """Return stiffness by the rest depth or the motion, dissipation by the bounce, and what is lost."""
+        stiffness, dissipation, lost = hunt_crossley(law, situation)
+        return cls(stiffness, dissipation), lost
+
+
+def linear(law: SoftLaw, situation: Situation) -> tuple[float, float, list[str]]:
+    """Return the spring [N/m] and the damper [N s/m] of a law about rest, and what they lose."""
+    depth = np.array(law.rest_depth(situation.weight))
+    force, by_depth, by_rate = law.pressed(depth, np.array(0.0))
+    tangent, secant, damping = float(by_depth), float(force / depth), float(by_rate)
+    straight = abs(tangent - secant) <= 1e-12 * tangent
+    if straight and float(law.pressed(2.0 * depth, np.array(0.0))[2]) == damping:
+        return tangent, damping, []
+    lost = [
+        f"valid for small motions about rest at {1e3 * float(depth):.4g} mm: the law itself is not linear"
+    ]
+    if not straight:
+        which = "rest depth" if situation.keep == "motion" else "frequency and settling"
+        lost.append(
+            f"{which}: the slope at rest is {tangent:.6g} N/m, load over depth {secant:.6g} N/m; "
+            f"kept: {situation.keep}"
+        )
+    return (tangent if situation.keep == "motion" else secant), damping, lost
+
+
+def hunt_crossley(law: SoftLaw, situation: Situation) -> tuple[float, float, list[str]]:
+    """Return stiffness [N/m] and dissipation [s/m] that bounce alike at one speed, and what is lost."""
+    from scipy.optimize import brentq
+
+    own = law.words("hunt-crossley")
+    if own is not None:
+        return own["stiffness"], own["dissipation"], []
+    stiffness, _, lost = linear(law, situation)
+    wanted = rebound(law, situation.mass, situation.speed, situation.gravity)
+
+    def miss(logarithm: float) -> float:
+        tried = HuntCrossley(stiffness, math.exp(logarithm) / situation.speed)
+        return rebound(tried, situation.mass, situation.speed, situation.gravity) - wanted
+
+    if wanted >= 1.0 - 1e-7:
+        dissipation = 0.0
+    elif miss(math.log(STICKIEST)) >= 0.0:
+        dissipation = STICKIEST / situation.speed
+    else:  # the closed form without weight bounces more, so it needs no less than this
+        low = high = math.log(HuntCrossley.bouncing(stiffness, max(wanted, 1e-3), 1.0).dissipation)
+        while miss(low) < 0.0:
+            low -= 0.5
+        while miss(high) > 0.0:
+            high += 0.5
+        found = brentq(miss, low, high, xtol=1e-9) if low < high else low
+        dissipation = math.exp(found) / situation.speed
+    lost.append(
+        f"restitution is that of the law at {situation.speed:g} m/s only: this one bounces more "
+        "at lower speeds"
+    )
+    lost.append(
+        f"damping at rest is load times dissipation, {situation.weight * dissipation:.4g} N s/m, "
+        "whatever the law's was"
+    )
+    return stiffness, dissipation, lost
+
+
+def require_dt(situation: Situation) -> float:
+    """Return the step, which must be positive."""
+    if not situation.dt > 0.0:
+        raise ProblemError(
+            f"this engine's parameters depend on its step: dt must be > 0 [s], got {situation.dt:g}"
+        )
+    return situation.dt

@@ -1,0 +1,63 @@
+"""PhysX's and Isaac Lab's words: compliant contact stiffness and damping on a material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from surefoot.contact.engines.engine import EngineContact, Situation
+from surefoot.contact.engines.physical import linear
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
+
+PER_POINT = "a stiffness counts per contact point: PhysX gives a flat sole up to four, which share the load"
+
+
+@dataclass(frozen=True)
+class PhysxContact(EngineContact):
+    """A material with compliant contact: an implicit spring [N/m] and damper [N s/m].
+
+    A material's restitution is not used where it is compliant.
+    """
+
+    engine: ClassVar[str] = "physx"
+    implicit: ClassVar[bool] = True
+    compliant_contact_stiffness: float
+    compliant_contact_damping: float
+
+    def law(self, situation: Situation) -> SoftLaw:
+        """Return the spring-damper."""
+        return SpringDamper(self.compliant_contact_stiffness, self.compliant_contact_damping)
+
+    @classmethod
+    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
+        """Return stiffness and damping, and what is lost."""
+        stiffness, damping, lost = linear(law, situation)
+        lost.append(PER_POINT)
+        return cls(stiffness, damping), lost
+
+
+@dataclass(frozen=True)
+class IsaacLabContact(PhysxContact):
+    """The same as fields of Isaac Lab's `RigidBodyMaterialCfg`."""
+
+    engine: ClassVar[str] = "isaaclab"
+    static_friction: float = 0.6
+    dynamic_friction: float = 0.6
+
+    @classmethod
+    def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
+        """Return the material's fields, friction included, and what is lost."""
+        stiffness, damping, lost = linear(law, situation)
+        lost.append(PER_POINT)
+        mu = law.friction.mu
+        return cls(stiffness, damping, mu, mu), lost
+
+    def settings(self) -> dict[str, Any]:
+        """Return the fields of the config."""
+        return {
+            **super().settings(),
+            "restitution": 0.0,
+            "friction_combine_mode": "average",
+            "restitution_combine_mode": "average",
+        }

@@ -1,0 +1,150 @@
+"""Carry contact parameters from one engine's words into another's, and say what is lost on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from surefoot.arrays import real_number
+from surefoot.contact.engines.engine import EngineContact, Situation, engine_named
+from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.spatial import GRAVITY
+
+AGREED = 0.01
+"""Relative difference up to which two contacts agree."""
+
+
+class Quantity(NamedTuple):
+    """One number of two contacts, side by side.
+
+    Attributes
+    ----------
+    given, translated
+        Its values.
+    agrees
+        Whether they differ by at most 1 %.
+    """
+
+    given: float
+    translated: float
+    agrees: bool
+
+
+@dataclass(frozen=True)
+class Translation:
+    """Contact parameters in another engine's words.
+
+    Attributes
+    ----------
+    contact
+        The parameters; `contact.settings()` as the engine's fields.
+    law
+        What the engine makes of them.
+    lost
+        What the translation could not keep, in words.
+    given, translated
+        What the mass does on either contact.
+    """
+
+    contact: EngineContact
+    law: SoftLaw
+    lost: tuple[str, ...]
+    given: Behaviour
+    translated: Behaviour
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Return the engine's fields."""
+        return self.contact.settings()
+
+    @property
+    def agreement(self) -> dict[str, Quantity]:
+        """Return rest depth [m], restitution, frequency [rad/s] and settling time [s] of both contacts."""
+        return {
+            name: _compared(getattr(self.given, name), getattr(self.translated, name))
+            for name in ("rest_depth", "restitution", "frequency", "settling_time")
+        }
+
+
+def translate(
+    law: SoftLaw | EngineContact,
+    to: str,
+    mass: float,
+    *,
+    gravity: float = GRAVITY,
+    speed: float = 1.0,
+    dt: float = 1e-3,
+    area: float = 0.0,
+    thickness: float = 0.0,
+    keep: str = "motion",
+    impedance: float = 1e-3,
+) -> Translation:
+    """Return a contact in an engine's own parameters.
+
+    Parameters
+    ----------
+    law
+        A soft law, or another engine's parameters.
+    to
+        The engine's name, see `surefoot.contact.engines.ENGINES`.
+    mass
+        Effective mass of the contact, 1 / G_nn [kg].
+    gravity
+        [m/s²].
+    speed
+        Impact speed at which the bounces are compared [m/s].
+    dt
+        The engine's step [s].
+    area, thickness
+        Of a flat sole, for hydroelastic contact [m²], [m].
+    keep
+        "motion" (frequency, settling, bounce) or "rest" (depth), where both cannot be kept.
+    impedance
+        MuJoCo's d, where MuJoCo is the target: small ones keep rest and motion, large ones hold friction
+        firmly.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown engine or a number out of range.
+
+    Examples
+    --------
+    >>> from surefoot.contact.laws.soft import SpringDamper
+    >>> found = translate(SpringDamper(1e4, 20.0), to="ode", mass=1.0, dt=0.001)
+    >>> found.parameters
+    {'soft_erp': 0.3333333333333333, 'soft_cfm': 0.03333333333333333}
+    """
+    if keep not in ("motion", "rest"):
+        raise ProblemError(unknown_name("keep", keep, ["motion", "rest"]))
+    situation = Situation(
+        real_number("mass", mass, low=1e-9, high=1e9),
+        real_number("gravity", gravity, low=1e-9, high=1e6),
+        real_number("speed", speed, low=1e-6, high=1e6),
+        real_number("dt", dt, low=0.0, high=10.0),
+        real_number("area", area, low=0.0, high=1e6),
+        real_number("thickness", thickness, low=0.0, high=1e6),
+        keep,
+        real_number("impedance", impedance, low=0.0, high=1.0),
+    )
+    target = engine_named(to)
+    source = law.law(situation) if isinstance(law, EngineContact) else law
+    contact, lost = target.from_law(source, situation)
+    made = contact.law(situation)
+    given, translated = (behaviour(x, situation.mass, speed, gravity) for x in (source, made))
+    for name, (a, b, agrees) in Translation(contact, made, (), given, translated).agreement.items():
+        if not agrees:
+            lost.append(f"{name.replace('_', ' ')}: {a:.6g} becomes {b:.6g}")
+    extra = situation.mass * translated.frequency**2 * situation.dt
+    if target.implicit and extra > AGREED * (damping := 2.0 * translated.ratio * translated.frequency * mass):
+        lost.append(
+            f"settling: the engine's implicit step of {situation.dt:g} s adds {extra:.4g} N s/m of damping "
+            f"to {damping:.4g}"
+        )
+    return Translation(contact, made, tuple(lost), given, translated)
+
+
+def _compared(given: float, translated: float) -> Quantity:
+    return Quantity(given, translated, given == translated or abs(given - translated) <= AGREED * abs(given))

@@ -1,0 +1,26 @@
+"""Contact laws as values; each in a file of its own."""
+
+from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour, rebound
+from surefoot.contact.laws.soft.friction import ExactFriction, Friction, RegularisedFriction
+from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
+from surefoot.contact.laws.soft.law import ForceJacobian, Linearisation, SoftLaw
+from surefoot.contact.laws.soft.mujoco import MujocoLaw
+from surefoot.contact.laws.soft.spring_damper import SpringDamper
+from surefoot.contact.laws.soft.validation import validate_law
+
+__all__ = [
+    "Behaviour",
+    "ExactFriction",
+    "ForceJacobian",
+    "Friction",
+    "Hertz",
+    "HuntCrossley",
+    "Linearisation",
+    "MujocoLaw",
+    "RegularisedFriction",
+    "SoftLaw",
+    "SpringDamper",
+    "behaviour",
+    "rebound",
+    "validate_law",
+]

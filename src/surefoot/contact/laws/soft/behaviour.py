@@ -1,0 +1,112 @@
+"""What a mass does on a soft contact, in numbers that do not depend on how the law is written."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.spatial import GRAVITY
+
+SETTLED = 0.02
+"""Share of itself to which an oscillation has shrunk when it counts as settled."""
+LONGEST = 300.0
+"""Time that an impact is followed, in units of the contact's own; who has not left by then stays."""
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """A mass on a contact under its own weight.
+
+    Attributes
+    ----------
+    rest_depth
+        Overlap at rest [m].
+    restitution
+        Speed after over speed before an impact, weight included; 0 where the mass does not leave again.
+    frequency
+        Undamped frequency of small motions about rest [rad/s].
+    ratio
+        Their damping ratio.
+    settling_time
+        How long they take to shrink to 2 % [s].
+    """
+
+    rest_depth: float
+    restitution: float
+    frequency: float
+    ratio: float
+    settling_time: float
+
+
+def behaviour(law: SoftLaw, mass: float, speed: float = 1.0, gravity: float = GRAVITY) -> Behaviour:
+    """Return how a mass rests, bounces and settles on a contact.
+
+    Parameters
+    ----------
+    law
+        The contact.
+    mass
+        [kg].
+    speed
+        Impact speed for the restitution [m/s].
+    gravity
+        [m/s²].
+
+    Examples
+    --------
+    >>> from surefoot.contact.laws.soft.spring_damper import SpringDamper
+    >>> round(behaviour(SpringDamper(1e4, 20.0), mass=1.0).restitution, 3)
+    0.706
+    """
+    heavy = real_number("mass", mass, low=1e-12, high=1e12)
+    weight = heavy * real_number("gravity", gravity, low=1e-12, high=1e6)
+    depth = law.rest_depth(weight)
+    _, by_depth, by_rate = law.pressed(np.array(depth), np.array(0.0))
+    stiff, damped = float(by_depth), float(by_rate)
+    frequency = math.sqrt(stiff / heavy)
+    ratio = damped / (2.0 * heavy * frequency)
+    slow = ratio if ratio <= 1.0 else 1.0 / (ratio + math.sqrt(ratio**2 - 1.0))
+    settling = math.inf if slow == 0.0 else -math.log(SETTLED) / (slow * frequency)
+    return Behaviour(depth, rebound(law, heavy, speed, gravity), frequency, ratio, settling)
+
+
+def rebound(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -> float:
+    """Return the speed at which a mass leaves the contact over the speed at which it came; 0 if it stays.
+
+    The impact is integrated (LSODA, 1e-10), weight included.
+    """
+    from scipy.integrate import solve_ivp
+
+    fast = real_number("speed", speed, low=1e-9, high=1e9)
+
+    def motion(_: float, state: FloatArray) -> list[float]:
+        force = float(law.pressed(np.maximum(-state[0], 0.0), -state[1])[0])
+        return [float(state[1]), max(force, 0.0) / mass - gravity]
+
+    def apart(_: float, state: FloatArray) -> float:
+        return float(state[0])
+
+    def turning(_: float, state: FloatArray) -> float:
+        return float(state[1])
+
+    apart.terminal, apart.direction = True, 1.0  # type: ignore[attr-defined]
+    turning.terminal, turning.direction = 2, -1.0  # type: ignore[attr-defined]
+    depth = law.rest_depth(mass * gravity)
+    scale = max(math.sqrt(depth / gravity), depth / fast)
+    found = solve_ivp(
+        motion,
+        (0.0, LONGEST * scale),
+        [0.0, -fast],
+        method="LSODA",
+        events=[apart, turning],
+        rtol=1e-10,
+        atol=[1e-12 * max(depth, fast * 1e-6), 1e-12 * fast],
+        first_step=1e-6 * scale,
+    )
+    assert found.t_events is not None and found.y_events is not None  # noqa: PT018 - asked for
+    left = found.t_events[0].size > 0 and found.t_events[0][-1] > 0.0
+    return float(found.y_events[0][-1][1]) / fast if left else 0.0

@@ -1,0 +1,207 @@
+"""What every soft contact law is: a force from gap and velocity, its Jacobian, its energy."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.contact.laws.soft.friction import ExactFriction, Friction, as_friction
+from surefoot.errors import ProblemError
+
+
+class ForceJacobian(NamedTuple):
+    """Derivatives of a contact force.
+
+    Attributes
+    ----------
+    gap
+        (..., 3) of the force with respect to the gap [N/m].
+    velocity
+        (..., 3, 3) of the force with respect to the contact velocity [N s/m].
+    """
+
+    gap: FloatArray
+    velocity: FloatArray
+
+
+class Linearisation(NamedTuple):
+    """A soft contact over an implicit step: 0 <= λ ⟂ u + compliance λ + bias >= 0.
+
+    Attributes
+    ----------
+    compliance
+        What is added to the normal's diagonal of G [m/s per N s].
+    bias
+        What is added to the normal's free velocity [m/s].
+    """
+
+    compliance: FloatArray
+    bias: FloatArray
+
+
+@dataclass(frozen=True)
+class SoftLaw(ABC):
+    """A compliant contact: never a pull, no force across a gap, friction as a share of the normal force.
+
+    In contact axes (tangent, tangent, normal), forces on the robot, velocities of the robot's point relative
+    to the ground; the gap is negative where they overlap.
+
+    Attributes
+    ----------
+    friction
+        A `Friction`, or a coefficient for exact friction.
+    """
+
+    friction: Friction = field(default_factory=ExactFriction, kw_only=True)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "friction", as_friction(self.friction))
+
+    @abstractmethod
+    def pressed(self, depth: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the law's formula where bodies overlap, before a pull is cut off.
+
+        Parameters
+        ----------
+        depth
+            Overlap, >= 0 [m].
+        rate
+            Its rate of growth [m/s], of the same shape.
+
+        Returns
+        -------
+        The normal force [N], its derivative with respect to depth [N/m] and to rate [N s/m].
+        """
+
+    @abstractmethod
+    def stored(self, depth: FloatArray) -> FloatArray:
+        """Return the energy that overlap stores [J]; its derivative is the force at rest."""
+
+    def normal(self, gap: ArrayLike, speed: ArrayLike) -> FloatArray:
+        """Return the normal force [N] from the gap [m] and the separation speed [m/s], broadcast."""
+        return self._normal(gap, speed)[0]
+
+    def _normal(self, gap: ArrayLike, speed: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return force, d/dgap, d/dspeed; zero where there is a gap or the formula would pull."""
+        apart, parting = np.broadcast_arrays(finite_array("gap", gap), finite_array("speed", speed))
+        force, by_depth, by_rate = self.pressed(np.maximum(-apart, 0.0), -parting)
+        on = (apart < 0.0) & (force > 0.0)
+        return np.where(on, force, 0.0), np.where(on, -by_depth, 0.0), np.where(on, -by_rate, 0.0)
+
+    def force(self, gap: ArrayLike, velocity: ArrayLike) -> FloatArray:
+        """Return the contact force on the robot.
+
+        Parameters
+        ----------
+        gap
+            (...,) signed distance [m].
+        velocity
+            (..., 3) velocity of the robot's point relative to the ground [m/s].
+
+        Returns
+        -------
+        (..., 3) force in contact axes [N].
+        """
+        moving = _velocities(velocity)
+        normal = self.normal(gap, moving[..., 2])
+        tangential = normal[..., None] * self.friction.ratio(moving[..., :2])
+        return np.concatenate([tangential, normal[..., None]], axis=-1)
+
+    def jacobian(self, gap: ArrayLike, velocity: ArrayLike) -> ForceJacobian:
+        """Return the derivatives of `force`; at touchdown and at the onset of a pull those without contact.
+
+        Raises
+        ------
+        ProblemError
+            Where exact friction is at rest: there is no derivative.
+        """
+        moving = _velocities(velocity)
+        force, by_gap, by_speed = self._normal(gap, moving[..., 2])
+        sliding = np.broadcast_to(moving, (*force.shape, 3))[..., :2]
+        ratio = self.friction.ratio(sliding)
+        ones = np.ones((*force.shape, 1))
+        direction = np.concatenate([ratio, ones], axis=-1)
+        by_velocity = np.zeros((*force.shape, 3, 3))
+        on = force > 0.0
+        if on.any():
+            by_velocity[on, :2, :2] = force[on][:, None, None] * self.friction.slope(sliding[on])
+        by_velocity[..., :, 2] = direction * by_speed[..., None]
+        return ForceJacobian(direction * by_gap[..., None], by_velocity)
+
+    def energy(self, gap: ArrayLike) -> FloatArray:
+        """Return the stored energy [J] at a gap [m]."""
+        return self.stored(np.maximum(-finite_array("gap", gap), 0.0))
+
+    def linearised(self, gap: ArrayLike, speed: ArrayLike, dt: float) -> Linearisation:
+        """Return the row of a contact problem that stands for this law over an implicit step.
+
+        The impulse λ = dt f(gap + dt u, u) is linearised about the normal velocity `speed`; the linear
+        spring-damper is its own linearisation, others take a few Newton steps.
+
+        Parameters
+        ----------
+        gap
+            (...,) at the beginning of the step [m].
+        speed
+            (...,) about which normal velocity [m/s].
+        dt
+            Step [s].
+
+        Raises
+        ------
+        ProblemError
+            If the law has no slope there (a gap that stays open).
+        """
+        step = real_number("dt", dt, low=1e-12)
+        apart, parting = np.broadcast_arrays(finite_array("gap", gap), finite_array("speed", speed))
+        depth = -(apart + step * parting)
+        force, by_depth, by_rate = self.pressed(np.maximum(depth, 0.0), -parting)
+        force = force + by_depth * np.minimum(depth, 0.0)  # the formula goes on straight above the ground
+        slope = step * by_depth + by_rate  # of -force, per unit of the normal velocity
+        if not (slope > 0.0).all():
+            raise ProblemError(
+                f"the law is not stiffening at a predicted overlap of {float(depth.min()):.3g} m: it has no "
+                "linearisation there; predict a velocity that closes the gap"
+            )
+        return Linearisation(1.0 / (step * slope), -force / slope - parting)
+
+    def words(self, engine: str) -> dict[str, Any] | None:
+        """Return this law's parameters where it is an engine's own law, None otherwise."""
+        return None
+
+    def rest_depth(self, load: float) -> float:
+        """Return the overlap at which the law carries a load at rest [m].
+
+        Parameters
+        ----------
+        load
+            Normal force [N], > 0.
+        """
+        from scipy.optimize import brentq
+
+        weight = real_number("load", load, low=np.finfo(float).tiny, high=1e300)
+        high = 1e-9
+        while self._at_rest(high) < weight:
+            high *= 2.0
+            if high > 1e6:
+                raise ProblemError(f"no overlap below 1000 km carries {weight:g} N")
+        low = 0.0 if high == 1e-9 else high / 2.0
+        if self._at_rest(low) >= weight:
+            return low
+        return float(brentq(lambda depth: self._at_rest(depth) - weight, low, high, xtol=1e-300, rtol=1e-14))
+
+    def _at_rest(self, depth: float) -> float:
+        return float(self.pressed(np.array(depth), np.array(0.0))[0])
+
+
+def _velocities(velocity: ArrayLike) -> FloatArray:
+    """Return (..., 3) velocities."""
+    array = finite_array("velocity", velocity)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ProblemError(f"velocity must have shape (..., 3), got {array.shape}")
+    return array

@@ -1,0 +1,94 @@
+"""What a controller is: a robot's state in, one command out, at a fixed rate.
+
+`surefoot.simulation.run.run` drives whatever keeps to this protocol; see docs/add-a-controller.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.contact import Status
+from surefoot.log.channels import Channel
+
+
+class RobotState(NamedTuple):
+    """What a controller is told at one step.
+
+    Attributes
+    ----------
+    q, v
+        (nq,), (nv,) configuration and velocity, Pinocchio's order.
+    time
+        Since the run began [s].
+    contact
+        (n,) which feet feel the ground; None where nothing measures that.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    time: float = 0.0
+    contact: BoolArray | None = None
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a controller asks for at one step; a controller may return a subclass that tells more.
+
+    Attributes
+    ----------
+    torques
+        (joints,) within the effort limits [N m].
+    forces
+        (p, 3) the ground forces that it counts on, contact frames [N].
+    active
+        (p,) whether each contact point may push.
+    attained
+        Whether what it wants is possible within the cones, bounds and limits.
+    status
+        How the force distribution ended.
+    """
+
+    torques: FloatArray
+    forces: FloatArray
+    active: BoolArray
+    attained: bool
+    status: Status
+
+    def rows(self) -> dict[str, Any]:
+        """Return the values of the controller's own channels at this step, by name."""
+        return {}
+
+
+class Controller(Protocol):
+    """Turns states into commands at a fixed rate; subclass it to take what stands here ready-made.
+
+    Attributes
+    ----------
+    channels
+        What it adds to the log, beside what every command has; `Command.rows` gives the values.
+    facts
+        What the log should say about it: ``kind``, ``normal_min``, ``normal_max`` [N], ``mu_controller``, ...
+    """
+
+    channels: tuple[Channel, ...] = ()
+    facts: Mapping[str, Any] = {}
+
+    def reset(self) -> None:
+        """Forget the past: the next step is the first of a run."""
+        return
+
+    def step(self, state: RobotState) -> Command:
+        """Return the command for a state.
+
+        Never raises on a hard instance or a state that is not finite: the command is flagged by its
+        `attained` and `status`.
+        """
+        ...
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that `step` may call, and forget it again, so that no step of a run waits."""
+        self.step(state)
+        self.reset()

@@ -1,0 +1,75 @@
+"""The facts of a log: what is said once about a run, and what each must look like."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.errors import ProblemError
+
+
+@dataclass(frozen=True)
+class Fact:
+    """What is said once about a run.
+
+    Attributes
+    ----------
+    meaning
+        One line for people, with the unit.
+    shape
+        Empty for one value; else numbers and named sizes, see `surefoot.log.Channel`.
+    text
+        Whether it is text and not numbers.
+    positive
+        Whether it must be positive and finite.
+    """
+
+    meaning: str
+    shape: tuple[int | str, ...] = ()
+    text: bool = False
+    positive: bool = False
+
+    def checked(self, name: str, value: Any, sizes: Mapping[str, int]) -> Any:
+        """Return a value as text, float, list of texts, or array, or raise `ProblemError`."""
+        try:
+            array = np.asarray(value, dtype=None if self.text else np.float64)
+        except (TypeError, ValueError) as error:
+            raise ProblemError(f"the fact {name} must be numbers, got {value!r:.80}") from error
+        wanted = tuple(sizes.get(s) if isinstance(s, str) else s for s in self.shape)
+        fits = array.ndim == len(wanted) and all(
+            w in (None, have) and have > 0 for w, have in zip(wanted, array.shape, strict=True)
+        )
+        if self.text and (array.dtype.kind != "U" and array.size > 0):
+            raise ProblemError(f"the fact {name} must be text, got {value!r:.80}")
+        if not fits:
+            shape = f"({', '.join(map(str, self.shape))})"
+            raise ProblemError(f"the fact {name} must have shape {shape}, {sizes}, got {array.shape}")
+        if self.positive and not ((array > 0.0) & np.isfinite(array)).all():
+            raise ProblemError(f"the fact {name} must be positive and finite, got {value!r:.80}")
+        return array if self.shape and not self.text else array.tolist()
+
+
+FACTS: dict[str, Fact] = {
+    "robot": Fact("name", text=True),
+    "kind": Fact("what it did: stand, walk, ...", text=True),
+    "mass": Fact("of the robot [kg]", positive=True),
+    "dt": Fact("length of a step [s]", positive=True),
+    "feet": Fact("names of the feet", ("n",), text=True),
+    "joints": Fact("names of the joints", ("joints",), text=True),
+    "contact_foot": Fact("index of the foot of every contact point", ("p",)),
+    "contact_centres": Fact("contact points in their feet's frames [m]", ("p", 3)),
+    "effort_limits": Fact("largest joint torques [N m]", ("joints",)),
+    "duration": Fact("of the run as planned [s]"),
+    "outcome": Fact("how the run ended, see Ending", text=True),
+    "error": Fact("what ended the run or its recording", text=True),
+    "wall_time": Fact("real time of the run [s]"),
+    "normal_min": Fact("least normal force that the controller asks of a foot [N]"),
+    "normal_max": Fact("largest one [N]"),
+    "mu_controller": Fact("friction that the controller believes in"),
+    "gait": Fact("name of the gait", text=True),
+    "notes": Fact("what the controller changed in its command", ("lines",), text=True),
+}
+"""Facts that Surefoot writes and reads by name; a log may hold others."""

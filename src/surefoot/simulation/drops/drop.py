@@ -1,0 +1,126 @@
+"""Measure in an engine how a mass rests, bounces and settles on one contact."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.contact.laws.soft.behaviour import SETTLED, Behaviour
+from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
+
+RUNNERS: dict[str, str] = {
+    "mujoco": "surefoot.simulation.drops.mujoco_drop",
+    "drake": "surefoot.simulation.drops.drake_drop",
+    "drake-hunt-crossley": "surefoot.simulation.drops.drake_drop",
+}
+"""Engine -> module with `run` (see `surefoot.simulation.drops.mujoco_drop`), `present`, PACKAGE, EXTRA."""
+NUDGE = 0.02
+"""Share of the rest depth by which the mass is pressed down to see how it settles."""
+Runner = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Track:
+    """One run of a mass on a contact.
+
+    Attributes
+    ----------
+    gaps
+        (steps + 1,) distance to the ground, negative where they overlap [m].
+    speeds
+        (steps + 1,) upward velocity [m/s].
+    """
+
+    gaps: Any
+    speeds: Any
+
+
+def available_engines() -> list[str]:
+    """Return the engines of the table that can be run here."""
+    found = []
+    for name, home in RUNNERS.items():
+        module = importlib.import_module(home)
+        if module.present():
+            found.append(name)
+    return found
+
+
+def measure(
+    engine: str,
+    settings: dict[str, Any],
+    expected: Behaviour,
+    mass: float,
+    *,
+    speed: float = 1.0,
+    gravity: float = 9.81,
+    dt: float = 1e-5,
+) -> Behaviour:
+    """Run an engine and return how the mass rests, bounces and settles in it.
+
+    Parameters
+    ----------
+    engine
+        One of `RUNNERS`.
+    settings
+        The engine's contact parameters, `Translation.parameters`.
+    expected
+        What should come out: it decides how long the runs take, not what they say.
+    mass
+        [kg].
+    speed
+        Impact speed of the bounce [m/s].
+    gravity
+        [m/s²].
+    dt
+        The engine's step [s].
+
+    Raises
+    ------
+    ProblemError
+        For an engine that cannot be run.
+    MissingExtra
+        If it is not installed.
+    """
+    if engine not in RUNNERS:
+        raise ProblemError(unknown_name("engine that can be run", engine, RUNNERS))
+    module = importlib.import_module(RUNNERS[engine])
+    if not module.present():
+        raise MissingExtra(module.PACKAGE, module.EXTRA)
+
+    def run(gap: float, velocity: float, seconds: float, until: str = "") -> Track:
+        steps = max(4, math.ceil(seconds / dt))
+        return Track(*module.run(engine, settings, mass, gravity, gap, velocity, dt, steps, until))
+
+    settle = expected.settling_time if math.isfinite(expected.settling_time) else 20.0 / expected.frequency
+    rest = run(-expected.rest_depth, 0.0, 6.0 * settle)
+    depth = -float(rest.gaps[-1])
+    pressed = run(-(1.0 + NUDGE) * depth, 0.0, settle)
+    frequency, ratio = _modes(np.asarray(pressed.gaps) + depth, dt)
+    slow = ratio if ratio <= 1.0 else 1.0 / (ratio + math.sqrt(ratio**2 - 1.0))
+    settling = math.inf if slow <= 0.0 else -math.log(SETTLED) / (slow * frequency)
+    impact = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
+    left = impact.gaps[-1] > 0.0 and impact.speeds[-1] > 0.0
+    return Behaviour(depth, float(impact.speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
+
+
+def _modes(deviation: np.ndarray, dt: float) -> tuple[float, float]:
+    """Return undamped frequency and damping ratio of x'' + 2 ζ ω x' + ω² x = 0 that fits a record best.
+
+    The record is thinned so that one sample is a fair part of a period, else rounding hides the curvature.
+    """
+    count = deviation.size
+    stride = max(1, count // 400)
+    x = deviation[::stride]
+    past = np.column_stack([x[1:-1], x[:-2]])
+    a, b = np.linalg.lstsq(past, x[2:], rcond=None)[0]
+    roots = np.log(np.roots([1.0, -a, -b]).astype(complex)) / (stride * dt)
+    product = complex(roots[0] * roots[1])
+    if not (np.isfinite(roots).all() and product.real > 0.0):
+        raise SimulationError("settling of a mass", float(count * dt), dt, "slide", float(np.abs(x).max()))
+    frequency = math.sqrt(product.real)
+    return frequency, float(-(roots[0] + roots[1]).real / (2.0 * frequency))

@@ -1,0 +1,78 @@
+"""Who watches a run: called after every step, and with the log at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from surefoot.arrays import FloatArray
+from surefoot.control.controller import Command
+from surefoot.log import Log
+from surefoot.simulation.world import ContactReading
+
+
+class Moment(NamedTuple):
+    """One step of a run.
+
+    Attributes
+    ----------
+    time
+        At its start [s].
+    q, v
+        (nq,), (nv,) state at its start, Pinocchio's order.
+    torques
+        (joints,) that the motors gave [N m]; with faults, not those that were asked for.
+    push
+        (3,) external force on the base, world axes [N], or None.
+    mu
+        Friction of the ground.
+    controller_time
+        Wall time of the controller's step [s].
+    command
+        What the controller asked for.
+    reading
+        What the ground did.
+    """
+
+    time: float
+    q: FloatArray
+    v: FloatArray
+    torques: FloatArray
+    push: FloatArray | None
+    mu: float
+    controller_time: float
+    command: Command
+    reading: ContactReading
+
+
+class Observer(Protocol):
+    """Watches a run; subclass it to leave out what is not needed. What it raises ends the run."""
+
+    def step(self, moment: Moment) -> None:
+        """See a step that was made and logged."""
+        return
+
+    def end(self, log: Log) -> None:
+        """See the log of the run, however that ended."""
+        return
+
+
+class Progress(Observer):
+    """Tells how far a run is.
+
+    Parameters
+    ----------
+    tell
+        Called with the simulated time [s].
+    every
+        Simulated time between calls [s].
+    """
+
+    def __init__(self, tell: Callable[[float], None], every: float = 0.02) -> None:
+        self._tell, self._every, self._next = tell, every, 0.0
+
+    def step(self, moment: Moment) -> None:
+        """Tell the time, if it is due."""
+        if moment.time >= self._next:
+            self._tell(moment.time)
+            self._next = moment.time + self._every

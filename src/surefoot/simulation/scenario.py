@@ -1,0 +1,141 @@
+"""What happens to a robot in a run, as a value: disturbances, faults, where it starts, when it has fallen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.log import Ending
+from surefoot.robot import Robot
+from surefoot.simulation.faults import Faults
+from surefoot.simulation.walk_terrain import start_pose
+from surefoot.simulation.world import World
+from surefoot.spatial import rotation_from_quaternion
+from surefoot.terrain import Terrain
+
+START_SPEED = 0.01
+"""Standard deviation of the seeded disturbance of the base's velocity at the start [m/s]."""
+START_DEPTH = 1e-5
+"""A robot that starts this deep in the ground has no foot in the air by rounding [m]."""
+
+
+@dataclass(frozen=True)
+class Push:
+    """A (3,) force on the base in world axes [N], from `start` for `duration` [s]."""
+
+    start: float
+    force: tuple[float, float, float]
+    duration: float
+
+
+@dataclass(frozen=True)
+class Ice:
+    """The ground's friction becomes `mu` at `start` [s]."""
+
+    start: float
+    mu: float
+
+
+@dataclass(frozen=True)
+class Fall:
+    """When a robot counts as fallen.
+
+    Attributes
+    ----------
+    height
+        Its base is below this share of the height over the ground that it started with ...
+    tilt
+        ... or its vertical axis leans this far from the ground's normal [rad].
+    """
+
+    height: float = 0.4
+    tilt: float = math.radians(60.0)
+
+    def happened(self, q: FloatArray, height: float, terrain: Terrain) -> Ending | None:
+        """Return FELL or INVALID when the (nq,) state says so, else None.
+
+        Parameters
+        ----------
+        q
+            (nq,) configuration, Pinocchio's order.
+        height
+            Of the base over the ground at the start [m].
+        terrain
+            The ground.
+        """
+        if not np.isfinite(q).all():
+            return Ending.INVALID
+        up = rotation_from_quaternion(q[3:7])[:, 2]
+        low = q[2] - float(terrain.height(q[:2])) < self.height * height
+        return Ending.FELL if low or float(up @ terrain.normal(q[:2])) < math.cos(self.tilt) else None
+
+
+STANDING_FALL = Fall(0.5, math.radians(50.0))
+"""When a robot that should stand still counts as fallen."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What happens to the robot; what it carries belongs to the world, what it is told to the controller.
+
+    Attributes
+    ----------
+    duration
+        Length of the run [s].
+    mu
+        Friction of the ground at the start; takes the place of the world's own.
+    pushes, ice
+        What disturbs it.
+    seed
+        Seed of every random number of the run; None for no disturbance at the start.
+    faults
+        What is wrong with sensors and motors.
+    start
+        (nq,) configuration to start from; None for one that stands on the world's terrain.
+    depth
+        How deep in the ground it starts [m], see `START_DEPTH`.
+    fall
+        When it has fallen, and the run ends.
+    """
+
+    duration: float
+    mu: float
+    pushes: Sequence[Push] = ()
+    ice: Sequence[Ice] = ()
+    seed: int | None = None
+    faults: Faults | None = None
+    start: FloatArray | None = None
+    depth: float = 0.0
+    fall: Fall = Fall()
+
+    def steps(self, dt: float) -> int:
+        """Return the number of steps of length `dt` [s], at least one."""
+        return max(1, round(self.duration / dt))
+
+    def begin(self, world: World) -> tuple[FloatArray, FloatArray | None]:
+        """Return where a run in a world starts: (nq,) configuration and (nv,) velocity, None for rest."""
+        q = np.array(start_pose(world.robot, world.terrain) if self.start is None else self.start)
+        q[:3] -= self.depth * world.terrain.normal(q[:2])
+        return q, start_velocity(world.robot, self.seed)
+
+
+def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
+    """Return a small random velocity of the base, or None without a seed."""
+    if seed is None:
+        return None
+    v = np.zeros(robot.model.nv)
+    v[:3] = START_SPEED * np.random.default_rng(seed).normal(size=3)
+    return v
+
+
+def push_at(pushes: Sequence[Push], time: float) -> FloatArray | None:
+    """Return the sum of the pushes at a time, or None."""
+    total = None
+    for push in pushes:
+        if push.start - 1e-9 <= time < push.start + push.duration - 1e-9:
+            total = np.asarray(push.force) if total is None else total + np.asarray(push.force)
+    return total

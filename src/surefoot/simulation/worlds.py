@@ -1,0 +1,50 @@
+"""Worlds by name, one line each: what `--world` chooses from."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:  # the command line reads the names without loading a robot
+    from surefoot.robot import Robot
+    from surefoot.simulation.world import World
+    from surefoot.terrain import Terrain
+
+WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
+    "mujoco": ("surefoot.simulation.mujoco:MujocoWorld", ("mujoco",)),
+    "rigid": ("surefoot.simulation.rigid:RigidWorld", ()),
+}
+"""Name to the class (or "module:class", imported when asked for), and the packages that it needs."""
+
+
+def make_world(
+    name: str, robot: Robot, terrain: Terrain | None = None, mu: float = 0.6, **options: Any
+) -> World:
+    """Return a world of `WORLDS` with a robot on a terrain.
+
+    Parameters
+    ----------
+    name
+        A name of `WORLDS`.
+    robot, terrain, mu
+        Who stands where (None: flat ground), and the friction of the ground.
+    options
+        Of the world itself: `dt` [s], `payload` [kg] and its own.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
+    MissingExtra
+        If the world's engine is not installed.
+    """
+    if name not in WORLDS:
+        raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
+    made = WORLDS[name][0]
+    if isinstance(made, str):
+        module, _, title = made.partition(":")
+        made = getattr(importlib.import_module(module), title)
+    return made(robot, terrain, mu, **options)

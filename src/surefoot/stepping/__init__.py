@@ -1,0 +1,8 @@
+"""Contact detection and one step of a robot on the ground, as values and functions of the state."""
+
+from surefoot.stepping.detection import Contacts
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.state import Impact, State, Step
+from surefoot.stepping.stepper import Stepper
+
+__all__ = ["Contacts", "Impact", "State", "Step", "StepOptions", "Stepper"]

@@ -1,0 +1,179 @@
+"""The arithmetic of one rigid time step, compiled: factorise, assemble the contact problem, apply impulses.
+
+Free of any robot library: it takes the mass matrix and the spatial Jacobian as arrays.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.kernels import kernel
+from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
+
+
+@kernel
+def factorise(upper: FloatArray, L: FloatArray) -> None:
+    """Write the lower Cholesky factor of a matrix, given by its upper triangle, into L."""
+    for i in range(L.shape[0]):
+        for j in range(i + 1):
+            L[i, j] = upper[j, i]
+    cholesky(L)
+
+
+@kernel
+def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -> FloatArray:
+    """Return v + dt M⁻¹ effort, for (nv,) generalised forces of motors, push and gravity."""
+    out = effort.copy()
+    solve_lower(L, out)
+    solve_upper(L, out)
+    for i in range(out.size):
+        out[i] = v[i] + dt * out[i]
+    return out
+
+
+@kernel
+def largest(x: FloatArray) -> float:
+    """Return the largest magnitude in x (n,), infinity where an entry is not a number."""
+    out = 0.0
+    for i in range(x.size):
+        if not abs(x[i]) <= out:
+            out = abs(x[i]) if abs(x[i]) < np.inf else np.inf
+    return out
+
+
+@kernel
+def near_ground(
+    J: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, dt: float, reach: float
+) -> IntArray:
+    """Return the contacts that may touch within the step: closer than `reach` after moving freely."""
+    out = np.empty(gaps.size, dtype=np.int64)
+    count = 0
+    for c in range(gaps.size):
+        before = after = 0.0
+        for j in range(v.size):
+            before += J[3 * c + 2, j] * v[j]
+            after += J[3 * c + 2, j] * free[j]
+        if gaps[c] + dt * min(before, after) < reach:
+            out[count] = c
+            count += 1
+    return out[:count]
+
+
+@kernel
+def swerves(
+    J: FloatArray, v: FloatArray, leaving: FloatArray, impulses: FloatArray, foot: IntArray,
+    frames: FloatArray, least: float,
+) -> tuple[FloatArray, FloatArray] | None:  # fmt: skip
+    """Return the contact velocities (p, 3) before impulses, and half of what each changed by since the last.
+
+    `leaving` and `impulses` (p, 3) are the velocities right after the last impulses and those impulses;
+    contacts without swerve nothing. Those of one foot (p,) share their mean in world axes: single ones would
+    pull corners of a rigid sole apart. `frames` (p, 3, 3) are the contact frames. None below `least` [m/s].
+    """
+    arriving, out = np.empty(leaving.shape), np.zeros(leaving.shape)
+    largest = 0.0
+    for c in range(leaving.shape[0]):
+        for a in range(3):
+            total = 0.0
+            for j in range(v.size):
+                total += J[3 * c + a, j] * v[j]
+            arriving[c, a] = total
+    mean = np.empty(3)
+    for c in range(leaving.shape[0]):
+        if not impulses[c, 2] > 0.0:
+            continue
+        mean[:] = 0.0
+        count = 0
+        for d in range(leaving.shape[0]):
+            if foot[d] == foot[c] and impulses[d, 2] > 0.0:
+                count += 1
+                for a in range(3):
+                    change = 0.5 * (arriving[d, a] - leaving[d, a])
+                    for i in range(3):
+                        mean[i] += frames[d, i, a] * change
+        for a in range(3):
+            for i in range(3):
+                out[c, a] += frames[c, i, a] * mean[i] / count
+            largest = max(largest, abs(out[c, a]))
+    return (arriving, out) if largest > least else None
+
+
+@kernel
+def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -> tuple[float, float]:
+    """Return the work of impulses (p, 3) on the mean of both velocities, and the sum of the normal ones."""
+    work = push = 0.0
+    for c in range(impulses.shape[0]):
+        push += impulses[c, 2]
+        for a in range(3):
+            work += 0.5 * impulses[c, a] * (arriving[c, a] + leaving[c, a])
+    return work, push
+
+
+@kernel
+def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntArray) -> IntArray:
+    """Return the near contacts and those that the impulses of the others would now push into the ground."""
+    taken = np.zeros(gaps.size, dtype=np.bool_)
+    for c in near:
+        taken[c] = True
+    for c in range(gaps.size):
+        if gaps[c] + dt * velocities[c, 2] < -1e-9:
+            taken[c] = True
+    return np.flatnonzero(taken)
+
+
+@kernel
+def assemble(
+    J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray,
+    dt: float, restitution: float, rest_speed: float, pull: float,
+) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
+    """Return Y = L⁻¹ Jᵀ as rows (3k, nv), G = Y Yᵀ and g of the near contacts.
+
+    The law asks for u + shift, with the shift of the normal:
+
+    - gap / dt where the gap is open: the contact may close within the step, and stops there;
+    - e u⁻ where it would close faster than `rest_speed`: Newton's restitution;
+    - pull gap / dt in penetration: Baumgarte's (0 to leave the position alone).
+    """
+    k, n = near.size, v.size
+    Y, g = np.empty((3 * k, n)), np.empty(3 * k)
+    for i in range(k):
+        c = near[i]
+        before = 0.0
+        for a in range(3):
+            row = 3 * c + a
+            total = 0.0
+            for j in range(n):
+                Y[3 * i + a, j] = J[row, j]
+                total += J[row, j] * free[j]
+                if a == 2:
+                    before += J[row, j] * v[j]
+            g[3 * i + a] = total
+            solve_lower(L, Y[3 * i + a])
+        shift = (1.0 if gaps[c] > 0.0 else pull) * gaps[c] / dt
+        if restitution > 0.0 and before < -rest_speed and gaps[c] + dt * g[3 * i + 2] <= 0.0:
+            shift = min(shift, restitution * before)
+        g[3 * i + 2] += shift
+    G = np.empty((3 * k, 3 * k))
+    for i in range(3 * k):
+        for j in range(i + 1):
+            total = 0.0
+            for m in range(n):
+                total += Y[i, m] * Y[j, m]
+            G[i, j] = G[j, i] = total
+    return Y, G, g
+
+
+@kernel
+def apply_impulses(L: FloatArray, Y: FloatArray, impulses: FloatArray, free: FloatArray) -> FloatArray:
+    """Return v⁺ = free + L⁻ᵀ Yᵀ λ."""
+    out = np.zeros(free.size)
+    for i in range(impulses.size):
+        x = impulses[i]
+        if x != 0.0:
+            for j in range(out.size):
+                out[j] += Y[i, j] * x
+    solve_upper(L, out)
+    for j in range(out.size):
+        out[j] += free[j]
+    return out

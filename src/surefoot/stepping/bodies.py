@@ -1,0 +1,110 @@
+"""The moving bodies of a step: masses, forces of gravity and motors, motion without contacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.robot import Robot
+from surefoot.stepping import arithmetic
+from surefoot.stepping.detection import Detection
+from surefoot.stepping.motion import FreeMotion
+from surefoot.terrain import Terrain
+
+
+class Bodies:
+    """A copy of a robot's model, with its payload.
+
+    Parameters
+    ----------
+    robot
+        The robot.
+    terrain
+        What its feet may touch.
+    payload
+        Point mass fixed to the base's origin [kg].
+
+    Attributes
+    ----------
+    model, data
+        Pinocchio's.
+    contacts
+        Where the feet are to the ground.
+    flight, coasting
+        Free motion under gravity, and under no forces.
+    L
+        (nv, nv) lower factor of the mass matrix, as of the last `weigh`.
+    """
+
+    def __init__(self, robot: Robot, terrain: Terrain, payload: float) -> None:
+        import pinocchio
+
+        self.model = loaded_model(robot, payload)
+        self.contacts = Detection(self.model, robot.contact_points, terrain)
+        self.data = self.contacts.data
+        weightless = self.model.copy()
+        weightless.gravity.setZero()
+        self.flight = FreeMotion(self.model, robot.floating)
+        self.coasting = FreeMotion(weightless, robot.floating)
+        self.L = np.zeros((self.model.nv, self.model.nv))
+        self._floating, self._lever = robot.floating, robot.model.inertias[1].lever.copy()
+        self._crba, self._gravity = pinocchio.crba, pinocchio.computeGeneralizedGravity
+        self._integrate, self._energy = pinocchio.integrate, pinocchio.computeMechanicalEnergy
+
+    def weigh(self, q: FloatArray) -> None:
+        """Bring the factor of the mass matrix up to (nq,) q."""
+        arithmetic.factorise(self._crba(self.model, self.data, q), self.L)
+
+    def free_velocity(
+        self, q: FloatArray, v: FloatArray, effort: FloatArray, push: FloatArray | None, dt: float
+    ) -> FloatArray:
+        """Return the velocity (nv,) after all forces but the ground's for `dt`, at the q of `weigh`.
+
+        `effort` are the motors' generalised forces (nv,); `push` (3,) acts on the base's own centre of mass.
+        """
+        if push is not None and self._floating:
+            effort, local = effort.copy(), self.data.oMi[1].rotation.T @ push
+            effort[:3] += local
+            effort[3:6] += np.cross(self._lever, local)
+        return arithmetic.free_velocity(self.L, effort - self._gravity(self.model, self.data, q), v, dt)
+
+    def moved(self, q: FloatArray, step: FloatArray) -> FloatArray:
+        """Return the configuration (nq,) that lies a (nv,) step from q."""
+        return np.array(self._integrate(self.model, q, step))
+
+    def energy(self, q: FloatArray, v: FloatArray) -> float:
+        """Return kinetic plus potential energy [J], zero potential at z = 0."""
+        return float(self._energy(self.model, self.data, q, v))
+
+    def fastest_joint(self, v: FloatArray) -> tuple[str, float]:
+        """Return the name of the joint with the largest entry of (nv,) v, and that speed."""
+        fastest = int(np.argmax(np.abs(v))) if self.model.nv else 0
+        joint = next(
+            k for k in range(1, self.model.njoints) if fastest < self.model.idx_vs[k] + self.model.nvs[k]
+        )
+        return self.model.names[joint], float(abs(v[fastest]))
+
+
+def loaded_model(robot: Robot, payload: float) -> Any:
+    """Return a copy of the robot's model with a point mass [kg] at the base's origin."""
+    import pinocchio
+
+    model = robot.model.copy()
+    if payload > 0.0 and robot.floating:
+        load = pinocchio.Inertia(payload, np.zeros(3), 1e-3 * payload * np.eye(3))
+        model.inertias[1] = model.inertias[1] + load
+    return model
+
+
+def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
+    """Return a finite (size,) array; the fast way in for what is one already."""
+    if (
+        isinstance(value, np.ndarray)
+        and value.dtype == np.float64
+        and value.shape == (size,)
+        and arithmetic.largest(value) < np.inf
+    ):
+        return value
+    return finite_array(name, value, (size,))

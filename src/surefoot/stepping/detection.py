@@ -1,0 +1,100 @@
+"""Contact detection: how far a robot's contact points are from the ground, and what moves them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.numerics.points import contact_jacobian
+from surefoot.robot import ContactPoints
+from surefoot.terrain import Terrain
+from surefoot.terrain.frames import surface_frames
+
+
+class Contacts(NamedTuple):
+    """The p contact points of a robot at a configuration.
+
+    Attributes
+    ----------
+    gaps
+        (p,) distances to the ground [m], negative in penetration.
+    positions
+        (p, 3) the spheres' points nearest to the ground, world axes [m].
+    frames
+        (p, 3, 3) rotation_world_contact below every sphere.
+    J
+        (3p, nv) map from v to the points' velocities, rows in contact axes.
+    """
+
+    gaps: FloatArray
+    positions: FloatArray
+    frames: FloatArray
+    J: FloatArray
+
+    def velocities(self, v: FloatArray) -> FloatArray:
+        """Return the velocities (p, 3) of the points in contact axes for (nv,) v [m/s]."""
+        return np.asarray((self.J @ v).reshape(-1, 3))
+
+
+class Detection:
+    """Finds the contacts of a robot on a terrain; one per thread, since it keeps its work arrays.
+
+    A sphere on curved ground sees the tangent plane below its centre.
+
+    Parameters
+    ----------
+    model
+        A Pinocchio Model of one's own: it gets a frame for each contact point.
+    points
+        The robot's contact points.
+    terrain
+        What they stand on.
+    """
+
+    def __init__(self, model: Any, points: ContactPoints, terrain: Terrain) -> None:
+        import pinocchio
+
+        self._model, self._terrain = model, terrain
+        self._spheres = [
+            int(
+                model.addFrame(
+                    pinocchio.Frame(
+                        f"sphere:{name}",
+                        int(joint),
+                        pinocchio.SE3(np.eye(3), place),
+                        pinocchio.FrameType.OP_FRAME,
+                    )
+                )
+            )
+            for name, joint, place in zip(points.names, points.joints, points.places, strict=True)
+        ]
+        self.data = model.createData()
+        self._jacobians, self._placed = pinocchio.computeJointJacobians, pinocchio.updateFramePlacement
+        n = len(points)
+        self._support, self._own, self._radii = points.support, np.arange(n), points.radii[:, None]
+        self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
+        self._J = np.zeros((3 * n, model.nv))
+        self._plane = terrain.frame([0.0, 0.0])[:, 2] if terrain.planar else None
+        self._above = points.radii
+        if terrain.planar:
+            self._frames[:] = terrain.frame([0.0, 0.0])
+            # a plane's distance from the origin, along its normal
+            self._above = points.radii + float(terrain.height([0.0, 0.0])) * self._frames[:1, 2, 2]
+
+    def at(self, q: FloatArray) -> Contacts:
+        """Return the contacts at (nq,) q; `frames` and `J` are work arrays, valid until the next call."""
+        model, data = self._model, self.data
+        self._jacobians(model, data, q)
+        centres = self._centres
+        for k, sphere in enumerate(self._spheres):
+            centres[k] = self._placed(model, data, sphere).translation
+        if self._plane is not None:
+            gaps = np.asarray(centres @ self._plane - self._above)
+        else:
+            gaps = np.asarray(self._terrain.gap(centres) - self._above)
+            surface_frames(self._terrain.normal(centres[:, :2]), self._frames)
+        positions = np.asarray(centres - self._radii * self._frames[:, :, 2])
+        contact_jacobian(data.J, self._support, self._own, positions, self._frames, self._J)
+        return Contacts(gaps, positions, self._frames, self._J)

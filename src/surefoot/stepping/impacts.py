@@ -1,0 +1,142 @@
+"""The exchange of impulses with the ground: the contact problem of a step, and how often it is solved.
+
+The laws hold for the mean velocity of a contact until the next impulses. Of one that holds on, half of what
+its velocity changed by since the last impulses is expected to come again: so impulses work on a mean velocity
+that obeys the laws, to second order.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact import ContactProblem, ContactSolution
+from surefoot.solvers import solve
+from surefoot.spatial import GRAVITY
+from surefoot.stepping import arithmetic
+from surefoot.stepping.detection import Contacts
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.state import Impact
+
+PULL = 0.2
+"""Share of a penetration that Baumgarte's term takes back per step."""
+SWERVE = 1e-6
+"""Change of a contact's velocity from impulses to impulses that is worth a guess [m/s]."""
+GAIN = 1e-3
+"""Energy that this guess may make in a step, as a share of what their load gains in a fall over dt."""
+FASTEST = 1e12
+"""Velocities beyond this count as lost [m/s, rad/s]."""
+
+
+class LostMotion(Exception):
+    """A number that stopped being finite; `Stepper` says when and in which joint."""
+
+
+class Tally:
+    """Counts the contact problems of one step that were left unsolved, and keeps the worst residual."""
+
+    def __init__(self) -> None:
+        self.unsolved, self.worst = 0, 0.0
+
+    def add(self, solution: ContactSolution) -> None:
+        """Count one solution."""
+        self.unsolved += not solution.solved
+        self.worst = max(self.worst, solution.residuals.velocity_error)
+
+
+class Meeting(NamedTuple):
+    """Feet that are about to exchange impulses with the ground.
+
+    Attributes
+    ----------
+    q, before, free
+        See `Impact`.
+    contacts
+        At q.
+    foot
+        (p,) index of every contact point's foot.
+    L
+        (nv, nv) lower factor of the mass matrix at q.
+    horizon
+        Time to the next impulses [s].
+    mu
+        Friction of the ground.
+    options, tally
+        How problems are solved, and who counts them.
+    """
+
+    q: FloatArray
+    before: FloatArray
+    free: FloatArray
+    contacts: Contacts
+    foot: IntArray
+    L: FloatArray
+    horizon: float
+    mu: float
+    options: StepOptions
+    tally: Tally
+
+    def collide(self, near: IntArray, last: FloatArray, leaving: FloatArray) -> Impact:
+        """Return the exchange of impulses.
+
+        Parameters
+        ----------
+        near
+            (k,) contacts that may touch.
+        last, leaving
+            (p, 3) impulses of the step before, and contact velocities right after them.
+        """
+        J, feet = self.contacts.J, (self.foot, self.contacts.frames)
+        guess = arithmetic.swerves(J, self.before, leaving, last, *feet, SWERVE)
+        if guess is None:
+            return self._with_missed(near, last, None)
+        arriving, swerve = guess
+        impact = self._with_missed(near, last, swerve)
+        work, push = arithmetic.mean_work(impact.impulses, arriving, impact.leaving)
+        if work <= GAIN * push * GRAVITY * self.options.dt:
+            return impact
+        # the guess would make energy: the mean velocity over the impulses themselves takes its place
+        guess = arithmetic.swerves(J, self.before, -arriving, last, *feet, 0.0)
+        return self._with_missed(near, last, None if guess is None else guess[1])
+
+    def _with_missed(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
+        """Solve the contact problem; contacts that the impulses push into the ground join in."""
+        while True:
+            impact = self._exchange(near, warm, swerve)
+            gaps = self.contacts.gaps
+            more = arithmetic.with_missed(impact.velocities, gaps, self.horizon, near)
+            if more.size == near.size:
+                return impact
+            near, warm = more, impact.impulses
+
+    def _exchange(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
+        """Return the impulses of the near contacts, all others without, and what they lead to."""
+        options, impulses, solution = self.options, np.zeros(warm.shape), None
+        after, rows = self.free, None
+        if near.size:
+            rows, G, g = arithmetic.assemble(
+                self.contacts.J, self.L, self.before, self.free, self.contacts.gaps, near, self.horizon,
+                options.restitution, 2.0 * options.dt * GRAVITY,
+                PULL if options.stabilisation == "baumgarte" else 0.0,
+            )  # fmt: skip
+            if swerve is not None:
+                g += swerve[near].ravel()
+            problem = finite_problem(G, g, self.mu, options.law)
+            solution = solve(problem, options.solver, options.tol, warm_start=warm[near])
+            self.tally.add(solution)
+            impulses[near] = solution.forces
+            after = arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), self.free)
+            if not arithmetic.largest(after) < FASTEST:
+                raise LostMotion("velocity under the ground's impulses")
+        leaving = self.contacts.velocities(after)
+        means = leaving if swerve is None else leaving + swerve
+        return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)
+
+
+def finite_problem(G: FloatArray, g: FloatArray, mu: float, law: str = "coulomb") -> ContactProblem:
+    """Return the contact problem, of finite numbers."""
+    if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
+        raise LostMotion("contact problem")
+    return ContactProblem(G, g, mu, law=law)

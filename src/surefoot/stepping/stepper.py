@@ -1,0 +1,264 @@
+"""One step of a robot with hard contacts and exact Coulomb friction, as a function of the state.
+
+Near the ground a step is free motion for half of it, all forces at once, free motion for the other half::
+
+    (q, v) moves dt/2 under no forces;    v⁺ = v + M⁻¹ (dt (τ - g) + Jᵀ λ),    u = J v⁺;    (q, v⁺) moves dt/2
+
+with M, J and gravity g at the middle, and with (λ, u) obeying Signorini, Coulomb and maximum dissipation
+exactly (`surefoot.solve`), after Moreau and Jean [1]_. Motion under no forces, with all that whirling limbs
+do to each other, is integrated to a tolerance (`motion`): it keeps momentum and kinetic energy. Forces
+change momentum by just what they carry, and kinetic energy by their work on the mean of v and v⁺. A robot at
+rest does not move. Far from the ground the whole step is free motion under gravity and torques.
+
+The order in dt is two where forces are smooth, one where contacts close, open or turn with a flat sole.
+
+An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit the ground before the next
+impulses stops at the surface and does not go below it. Impulses never do positive work where the restitution
+is zero and positions are not pulled by velocities.
+
+Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
+the ground; a sphere on curved ground sees the tangent plane below its centre.
+
+References
+----------
+.. [1] J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", 1988; M. Jean, "The
+   non-smooth contact dynamics method", CMAME 177, 1999.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.errors import SimulationError
+from surefoot.robot import Robot
+from surefoot.solvers import solve
+from surefoot.stepping import arithmetic
+from surefoot.stepping.bodies import Bodies, finite_vector
+from surefoot.stepping.detection import Contacts
+from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
+from surefoot.stepping.motion import Ahead, FreeMotion
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.state import Memory, State, Step
+from surefoot.terrain import FlatTerrain, Terrain
+
+REACH = 1e-3
+"""Contacts that free motion brings closer than this enter the contact problem [m]."""
+SLOP = 1e-6
+"""Penetration that the projection leaves alone [m]."""
+PROJECTIONS = 3
+"""Most projections of one step; each is a Newton step on the gaps."""
+
+
+class Stepper:
+    """Takes steps of a robot or a body on a terrain: a state goes in, a `Step` with the next one comes out.
+
+    The result depends on the arguments alone, so that a step can be taken twice, from elsewhere, or to try
+    something; the object only keeps models and work arrays (one per thread).
+
+    Parameters
+    ----------
+    robot
+        From `load_robot`, or a body of `simulation.bodies`.
+    terrain
+        None for flat ground.
+    options
+        None for the defaults of `StepOptions`.
+    payload
+        Point mass fixed to the base's origin [kg].
+
+    Raises
+    ------
+    ProblemError
+        For a payload that is negative or not a number.
+
+    Examples
+    --------
+    >>> from surefoot.robot import load_robot
+    >>> stepper = Stepper(load_robot("go2"))
+    >>> state = stepper.start()
+    >>> step = stepper.step(state, np.zeros(12))
+    >>> step.state.steps, step.forces.shape, step.problem.law
+    (1, (4, 3), 'coulomb')
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        terrain: Terrain | None = None,
+        options: StepOptions | None = None,
+        payload: float = 0.0,
+    ) -> None:
+        self.robot, self.options = robot, options or StepOptions()
+        self.terrain = FlatTerrain() if terrain is None else terrain
+        self.bodies = Bodies(robot, self.terrain, real_number("payload", payload, low=0.0))
+        self._foot = robot.contact_points.foot
+        self._still = np.zeros(self.bodies.model.nv)
+        self._seen: tuple[FloatArray, Contacts] | None = None
+
+    def start(self, q: FloatArray | None = None, v: FloatArray | None = None) -> State:
+        """Return the state at (nq,) q (None: nominal) and (nv,) v (None: at rest), without history."""
+        nv = self.bodies.model.nv
+        rest = np.zeros(nv) if v is None else finite_array("v", v, (nv,))
+        return State(self.robot.configuration(q), rest)
+
+    def contacts(self, state: State) -> Contacts:
+        """Return the contact points at a state.
+
+        Raises
+        ------
+        SimulationError
+            Where a gap is not finite.
+        """
+        try:
+            seen = self._detect(state.q)
+        except LostMotion as lost:
+            raise self._told(lost, state) from None
+        return Contacts(seen.gaps.copy(), seen.positions.copy(), seen.frames.copy(), seen.J.copy())
+
+    def energy(self, state: State) -> float:
+        """Return kinetic plus potential energy [J], zero potential at z = 0."""
+        return self.bodies.energy(state.q, state.v)
+
+    def step(
+        self, state: State, torques: FloatArray, push: FloatArray | None = None, mu: float = 0.6
+    ) -> Step:
+        """Return the step of `dt` under (joints,) torques [N m] and a (3,) push on the base [N], world axes.
+
+        The push goes through the centre of mass of the base's own link. `mu` is the friction of the ground.
+
+        Raises
+        ------
+        ProblemError
+            For torques or a push of the wrong shape, or not finite.
+        SimulationError
+            Where the motion cannot be resolved or stops being finite.
+        """
+        effort = np.zeros(self.bodies.model.nv)
+        effort[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
+        if push is not None:
+            push = finite_vector("push", push, 3)
+        try:
+            flown = self._fly(state, effort) if push is None and _airborne(state) else None
+            return flown or self._meet_ground(state, effort, push, mu)
+        except LostMotion as lost:
+            raise self._told(lost, state) from None
+
+    def _fly(self, state: State, effort: FloatArray) -> Step | None:
+        """Return the step through the air; None if a foot may touch the ground."""
+        dt, v, still = self.options.dt, state.v, self._still
+        start = self._detect(state.q)
+        if arithmetic.near_ground(start.J, v, v, start.gaps, 2.0 * dt, REACH).size:
+            return None
+        velocities = start.velocities(v)
+        q, v, _ = _moved(self.bodies.flight, state.q, v, dt, effort)
+        end = self._detect(q)
+        if arithmetic.near_ground(end.J, v, still, end.gaps, 0.5 * dt, 0.0).size:
+            return None
+        nothing = np.zeros(velocities.shape)
+        after = State(q, v, state.steps + 1, Memory(nothing, velocities, True))
+        return Step(after, dt, nothing, velocities, start.gaps, start.positions, None, 0, 0.0)
+
+    def _meet_ground(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
+        """Return the step with the forces of gravity, motors, push and ground in its middle."""
+        bodies, dt, tally = self.bodies, self.options.dt, Tally()
+        v, last, leaving, arrival = self._arrived(state, mu, tally)
+        # free motion up to the middle
+        rate = state.rate if v is state.v else None
+        q, before, _ = _moved(bodies.coasting, state.q, v, 0.5 * dt, rate=rate)
+        contacts = self._detect(q)
+        bodies.weigh(q)
+        if self.options.stabilisation == "projection":
+            q, contacts = self._projected(q, contacts)
+        # all forces but the ground's
+        free = bodies.free_velocity(q, before, effort, push, dt)
+        if not arithmetic.largest(free) < FASTEST:
+            raise LostMotion("velocity under the given torques")
+        # the ground's
+        near = arithmetic.near_ground(contacts.J, before, free, contacts.gaps, dt, REACH)
+        meeting = Meeting(q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
+        impact = meeting.collide(near, last, leaving)
+        impulses = impact.impulses if arrival is None else impact.impulses + arrival
+        # free motion to the end
+        q, v, rate = _moved(bodies.coasting, q, impact.after, 0.5 * dt)
+        memory = Memory(impulses, impact.leaving, not near.size, rate, q, v)
+        return Step(
+            State(q, v, state.steps + 1, memory), dt, impulses, impact.velocities, contacts.gaps,
+            contacts.positions, impact, tally.unsolved, tally.worst,
+        )  # fmt: skip
+
+    def _arrived(
+        self, state: State, mu: float, tally: Tally
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray | None]:
+        """Return v, the last impulses, the velocities after them (p, 3), and impulses of a start's own.
+
+        Of a state without history, what would hit the ground before the first impulses is stopped first.
+        """
+        if state.memory is not None:
+            return state.v, state.memory.impulses, state.memory.leaving, None
+        nothing, soon = np.zeros((len(self._foot), 3)), 0.5 * self.options.dt
+        contacts = self._detect(state.q)
+        near = arithmetic.near_ground(contacts.J, state.v, self._still, contacts.gaps, soon, 0.0)
+        if not near.size:
+            return state.v, nothing, nothing, None
+        self.bodies.weigh(state.q)
+        meeting = Meeting(
+            state.q, state.v, state.v, contacts, self._foot, self.bodies.L, soon, mu, self.options, tally
+        )
+        impact = meeting.collide(near, nothing, nothing)
+        return impact.after, nothing, impact.leaving, impact.impulses
+
+    def _projected(self, q: FloatArray, contacts: Contacts) -> tuple[FloatArray, Contacts]:
+        """Return q and contacts moved out of the ground where they are in it by more than `SLOP`.
+
+        Minimises ||dq||_M subject to gap + J_n dq >= 0: a frictionless contact problem in positions.
+        """
+        bodies, still = self.bodies, self._still
+        for _ in range(PROJECTIONS):
+            if contacts.gaps.min(initial=0.0) >= -SLOP:
+                break
+            near = np.flatnonzero(contacts.gaps < REACH)
+            rows, G, g = arithmetic.assemble(
+                contacts.J, bodies.L, still, still, contacts.gaps, near, 1.0, 0.0, np.inf, 1.0
+            )
+            pushes = solve(finite_problem(G, g, 0.0), self.options.solver, 1e-6).forces
+            q = bodies.moved(q, arithmetic.apply_impulses(bodies.L, rows, pushes.ravel(), still))
+            contacts = self._detect(q)
+            bodies.weigh(q)
+        return q, contacts
+
+    def _detect(self, q: FloatArray) -> Contacts:
+        """Return the contacts at q, in work arrays; those of the last call where it was the same q."""
+        if self._seen is not None and self._seen[0] is q:
+            return self._seen[1]
+        self._seen = None
+        contacts = self.bodies.contacts.at(q)
+        if not arithmetic.largest(contacts.gaps) < np.inf:
+            raise LostMotion("gap between feet and ground")
+        self._seen = q, contacts
+        return contacts
+
+    def _told(self, lost: LostMotion, state: State) -> SimulationError:
+        """Return the error for a state that cannot go on; it names the joint that moved fastest before."""
+        joint, speed = self.bodies.fastest_joint(state.v)
+        return SimulationError(str(lost), state.steps * self.options.dt, self.options.dt, joint, speed)
+
+
+def _airborne(state: State) -> bool:
+    """Return whether the step may go through the air: nothing was near the ground so far."""
+    return state.memory is None or state.memory.airborne
+
+
+def _moved(
+    motion: FreeMotion,
+    q: FloatArray,
+    v: FloatArray,
+    seconds: float,
+    effort: FloatArray | None = None,
+    rate: FloatArray | None = None,
+) -> Ahead:
+    """Return where a motion without contacts leads."""
+    ahead = motion.advance(q, v, seconds, effort, rate)
+    if ahead is None or not arithmetic.largest(ahead.q) < np.inf:
+        raise LostMotion("motion")
+    return ahead

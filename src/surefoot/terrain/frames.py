@@ -1,0 +1,25 @@
+"""Contact frames of many surface normals at once, compiled."""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import kernel
+
+
+@kernel
+def surface_frames(normals: FloatArray, frames: FloatArray) -> None:
+    """Write `spatial.rotation_from_normal` of each unit normal (n, 3) into frames (n, 3, 3)."""
+    for c in range(normals.shape[0]):
+        n = normals[c]
+        k = 0
+        if 1.0 - n[0] * n[0] < 1e-12:  # the heading x is along the normal: the axis least aligned with it
+            k = 1 if abs(n[1]) <= abs(n[2]) else 2
+        length = math.sqrt(1.0 - n[k] * n[k])
+        for i in range(3):
+            frames[c, i, 0] = ((1.0 if i == k else 0.0) - n[k] * n[i]) / length
+            frames[c, i, 2] = n[i]
+        for i in range(3):
+            a, b = (i + 1) % 3, (i + 2) % 3
+            frames[c, i, 1] = n[a] * frames[c, b, 0] - n[b] * frames[c, a, 0]

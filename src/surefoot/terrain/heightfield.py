@@ -1,0 +1,179 @@
+"""Measured or random ground: heights on a grid, smooth in between."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.errors import ProblemError
+from surefoot.kernels import kernel
+from surefoot.terrain.shapes import Grid
+from surefoot.terrain.terrain import Terrain
+
+
+class HeightfieldTerrain(Terrain):
+    """Ground from heights on a regular grid.
+
+    Between the grid's points the height is a bicubic (Catmull-Rom) surface: it goes through every point
+    and its normals are continuous, so that a foot does not see a kink at every cell. Outside the grid the
+    ground goes on level from its border.
+
+    Parameters
+    ----------
+    heights
+        (nx, ny) heights [m], nx and ny >= 2; the first index goes along x.
+    spacing
+        Distance between grid points [m], > 0.
+    origin
+        (2,) place of heights[0, 0] [m]; None centres the grid on the world's origin.
+
+    Raises
+    ------
+    ProblemError
+        For heights that are not a finite (nx, ny) grid, or a spacing that is not positive.
+
+    Examples
+    --------
+    >>> ground = HeightfieldTerrain([[0.0, 0.0], [0.1, 0.1]], spacing=1.0, origin=[0, 0])
+    >>> ground.height([[0.0, 0.5], [1.0, 0.2]])
+    array([0. , 0.1])
+    """
+
+    def __init__(self, heights: ArrayLike, spacing: float, origin: ArrayLike | None = None) -> None:
+        self.heights = finite_array("heights", heights, (None, None))
+        if min(self.heights.shape) < 2:
+            raise ProblemError(f"heights must be at least 2 x 2, got {self.heights.shape}")
+        self.spacing = real_number("spacing", spacing, low=0.0)
+        if not 0.0 < self.spacing < math.inf:
+            raise ProblemError(f"spacing must be positive and finite [m], got {self.spacing:g}")
+        half = 0.5 * self.spacing * (np.array(self.heights.shape) - 1.0)
+        self.origin = -half if origin is None else finite_array("origin", origin, (2,))
+        self._extended = _extend(self.heights)
+
+    def __repr__(self) -> str:
+        nx, ny = self.heights.shape
+        return f"HeightfieldTerrain({nx} x {ny}, spacing={self.spacing:g})"
+
+    @classmethod
+    def rough(
+        cls,
+        amplitude: float = 0.05,
+        wavelength: float = 0.5,
+        size: float = 6.0,
+        spacing: float = 0.05,
+        seed: int = 0,
+    ) -> HeightfieldTerrain:
+        """Return random, smooth, rough ground around the world's origin.
+
+        A sum of waves in random directions with wavelengths from `wavelength` to four times that, and
+        height 0 at the origin. The same seed gives the same ground.
+
+        Parameters
+        ----------
+        amplitude
+            Standard deviation of the height [m].
+        wavelength
+            Shortest wavelength [m]; at least four grid cells, so that the grid can follow it.
+        size
+            Side of the square [m].
+        spacing
+            Distance between grid points [m].
+        seed
+            Of NumPy's default generator.
+        """
+        real_number("amplitude", amplitude, low=0.0, high=100.0)
+        step = real_number("spacing", spacing, low=1e-6)
+        if real_number("wavelength", wavelength) < 4.0 * step:
+            raise ProblemError(
+                f"wavelength must be at least four spacings, got {wavelength:g} < {4 * step:g}"
+            )
+        count = round(real_number("size", size, low=2.0 * step, high=1e4 * step) / step) + 1
+        at = step * (np.arange(count) - 0.5 * (count - 1))
+        x, y = np.meshgrid(at, at, indexing="ij")
+        rng = np.random.default_rng(seed)
+        waves = 32
+        length = wavelength * 4.0 ** rng.random(waves)
+        turn, phase = 2.0 * np.pi * rng.random((2, waves))
+        kx, ky = 2.0 * np.pi / length * np.array([np.cos(turn), np.sin(turn)])
+        weight = amplitude * math.sqrt(2.0 / waves)
+        heights = np.zeros_like(x)
+        for k in range(waves):
+            heights += weight * (np.sin(kx[k] * x + ky[k] * y + phase[k]) - math.sin(phase[k]))
+        return cls(heights, step)
+
+    def height(self, xy: ArrayLike) -> FloatArray:
+        """Return the ground height at (..., 2) places [m]: (...)."""
+        return self._surface(np.asarray(xy, dtype=np.float64))[0]
+
+    def gradient(self, xy: ArrayLike) -> FloatArray:
+        """Return the slope along x and y at (..., 2) places: (..., 2), the surface's own."""
+        return self._surface(np.asarray(xy, dtype=np.float64))[1]
+
+    def shapes(self) -> tuple[Grid]:
+        """Return the smooth surface over the grid."""
+        return (Grid(self.height, self.origin, self.spacing * (np.array(self.heights.shape) - 1.0)),)
+
+    @property
+    def highest_step(self) -> float:
+        """Height between the lowest and the highest point of the grid [m]."""
+        return float(np.ptp(self.heights))
+
+    def _surface(self, xy: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return heights (...) and gradients (..., 2)."""
+        flat = np.ascontiguousarray(xy).reshape(-1, 2)
+        heights, slopes = bicubic(self._extended, self.origin, self.spacing, flat)
+        return heights.reshape(xy.shape[:-1]), slopes.reshape(xy.shape)
+
+
+def _extend(heights: FloatArray) -> FloatArray:
+    """Return the heights with one more line on every side, continued straight."""
+    out = np.pad(heights, 1, mode="edge")
+    for axis in (0, 1):
+        h = np.moveaxis(out, axis, 0)  # a view
+        h[0], h[-1] = 2.0 * h[1] - h[2], 2.0 * h[-2] - h[-3]
+    return out
+
+
+@kernel
+def catmull_rom(u: float, weights: FloatArray, slopes: FloatArray) -> None:
+    """Fill the four weights and their derivatives at u in [0, 1]."""
+    weights[0], slopes[0] = 0.5 * u * (-1.0 + u * (2.0 - u)), 0.5 * (-1.0 + u * (4.0 - 3.0 * u))
+    weights[1], slopes[1] = 1.0 + 0.5 * u * u * (3.0 * u - 5.0), 0.5 * u * (9.0 * u - 10.0)
+    weights[2], slopes[2] = 0.5 * u * (1.0 + u * (4.0 - 3.0 * u)), 0.5 * (1.0 + u * (8.0 - 9.0 * u))
+    weights[3], slopes[3] = 0.5 * u * u * (u - 1.0), 0.5 * u * (3.0 * u - 2.0)
+
+
+@kernel
+def bicubic(
+    extended: FloatArray, origin: FloatArray, spacing: float, xy: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return heights (k,) and gradients (k, 2) of a grid that has one more line on every side, at (k, 2)."""
+    count = xy.shape[0]
+    heights, slopes = np.zeros(count), np.zeros((count, 2))
+    weights, rates = np.empty((2, 4)), np.empty((2, 4))
+    cell = np.empty(2, dtype=np.int64)
+    for k in range(count):
+        inside = True
+        for a in range(2):
+            last = extended.shape[a] - 3.0
+            wanted = (xy[k, a] - origin[a]) / spacing
+            if not 0.0 < wanted < last:
+                inside = False
+            at = min(max(wanted, 0.0), last)
+            low = min(math.floor(at), last - 1.0)
+            if not low >= 0.0:  # a place that is not a number
+                low, at = 0.0, math.nan
+            cell[a] = int(low)
+            catmull_rom(at - low, weights[a], rates[a])
+        for i in range(4):
+            for j in range(4):
+                h = extended[cell[0] + i, cell[1] + j]
+                heights[k] += weights[0, i] * weights[1, j] * h
+                slopes[k, 0] += rates[0, i] * weights[1, j] * h / spacing
+                slopes[k, 1] += weights[0, i] * rates[1, j] * h / spacing
+        if not inside:
+            slopes[k] = 0.0
+    return heights, slopes

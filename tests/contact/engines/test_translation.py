@@ -1,0 +1,144 @@
+"""Translations against the engines' published formulas, against themselves there and back, and bad input."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from surefoot.contact.engines import ENGINES, combination_rules, combine_friction, translate
+from surefoot.contact.engines.drake import DrakeContact
+from surefoot.contact.engines.mujoco import MujocoContact
+from surefoot.contact.engines.ode import OdeContact
+from surefoot.contact.engines.reading import read_contact
+from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SpringDamper
+from surefoot.errors import ProblemError
+
+SOLE = {"area": 0.01, "thickness": 0.01}
+LINEAR = ("physical", "drake", "physx", "isaaclab", "ode", "bullet")
+
+
+@pytest.mark.parametrize(("first", "second"), list(itertools.product(LINEAR, LINEAR)))
+def test_linear_engines_there_and_back(first: str, second: str) -> None:
+    law = SpringDamper(2e4, 40.0)
+    there = translate(law, first, 4.0)
+    back = translate(translate(there.contact, second, 4.0).contact, "physical", 4.0)
+    assert back.parameters["stiffness"] == pytest.approx(2e4, rel=1e-12)
+    assert back.parameters["damping"] == pytest.approx(40.0, rel=1e-12)
+    assert all(q.agrees for q in there.agreement.values())
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(
+    "law", [SpringDamper(2e4, 40.0), Hertz.sphere(0.02, 1e7, dissipation=0.3), MujocoLaw(mass=4.0)],
+    ids=["linear", "hertz", "mujoco"],
+)  # fmt: skip
+def test_what_disagrees_is_said(engine: str, law: SpringDamper) -> None:
+    found = translate(law, engine, 4.0, **SOLE)
+    for name, quantity in found.agreement.items():
+        said = any(line.startswith(name.replace("_", " ") + ":") for line in found.lost)
+        assert said or quantity.agrees
+        if quantity.agrees and quantity.given:
+            assert quantity.translated == pytest.approx(quantity.given, rel=0.011)
+
+
+def test_published_formulas() -> None:
+    ode = translate(SpringDamper(5e3, 15.0), "ode", 2.0, dt=2e-3).contact
+    assert isinstance(ode, OdeContact)  # manual: ERP = h k / (h k + d), CFM = 1 / (h k + d)
+    assert (ode.soft_erp, ode.soft_cfm) == (pytest.approx(10.0 / 25.0), pytest.approx(1.0 / 25.0))
+    drake = translate(SpringDamper(5e3, 15.0), "drake", 2.0).contact
+    assert isinstance(drake, DrakeContact)
+    assert (drake.point_stiffness, drake.relaxation_time) == (pytest.approx(5e3), pytest.approx(3e-3))
+    layer = translate(HuntCrossley(3e4, 0.2), "drake-hydroelastic", 2.0, **SOLE).parameters
+    assert layer["hydroelastic_modulus"] == pytest.approx(3e4)  # k = E A / H
+    assert layer["hunt_crossley_dissipation"] == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("keep", ["motion", "rest"])
+def test_mujocos_two_stiffnesses(keep: str) -> None:
+    """Default parameters rest as if ten times stiffer than they move: d of the weight is free."""
+    found = translate(MujocoContact(), "physical", 4.0, keep=keep)
+    agreed = {name for name, q in found.agreement.items() if q.agrees}
+    assert ("rest_depth" in agreed) == (keep == "rest")
+    assert ("frequency" in agreed) == (keep == "motion")
+    assert found.given.rest_depth == pytest.approx(0.367182e-3, rel=1e-5)
+
+
+def test_mujoco_large_impedance_keeps_motion() -> None:
+    found = translate(SpringDamper(2e4, 40.0), "mujoco", 4.0, impedance=0.9)
+    assert found.agreement["frequency"].agrees
+    assert found.agreement["settling_time"].agrees
+    assert found.translated.rest_depth == pytest.approx(0.1 * found.given.rest_depth)
+    assert any("rest depth" in line for line in found.lost)
+
+
+def test_refsafe_is_counted() -> None:
+    stiff, safe = (MujocoLaw((0.002, 1.0), mass=1.0, dt=dt) for dt in (0.0, 0.005))
+    assert safe.stiffness_and_damping == MujocoLaw((0.01, 1.0), mass=1.0).stiffness_and_damping
+    assert stiff.stiffness_and_damping != safe.stiffness_and_damping
+
+
+def test_sap_softens_what_its_step_cannot_resolve() -> None:
+    found = translate(SpringDamper(1e9, 0.0), "drake", 1.0, dt=1e-3)
+    assert found.translated.rest_depth > 10.0 * found.given.rest_depth
+    assert any(line.startswith("rest depth") for line in found.lost)
+
+
+def test_friction_rules() -> None:
+    assert set(combination_rules()) >= {"mujoco", "drake", "physx", "bullet", "ode"}
+    assert combine_friction("drake", 0.5, 1.0) == pytest.approx(2.0 / 3.0)
+    assert combine_friction("drake", 0.0, 0.0) == 0.0
+    assert combine_friction("mujoco", 0.2, 0.9) == 0.9
+    assert combine_friction("physx-min", 0.2, 0.9) == 0.2
+    assert combine_friction("bullet", 5.0, 9.0) == 10.0
+    with pytest.raises(ProblemError, match="valid names: bullet, drake"):
+        combine_friction("havok", 0.5, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("source", "values", "words"),
+    [
+        ("nobody", {}, "valid names: bullet"),
+        ("physical", {"stiffness": 1.0}, "needs damping"),
+        ("physical", {"stiffness": 1.0, "dumping": 2.0}, "valid names: damping, stiffness"),
+        ("mujoco", {"solref": 1.0}, "solref"),
+        ("hertz", {"radius": 0.02}, "needs modulus"),
+        ("physical", {"stiffness": -1.0, "damping": 0.0}, "stiffness"),
+        ("physical", {"stiffness": np.nan, "damping": 0.0}, "stiffness"),
+    ],
+)
+def test_unreadable_contacts(source: str, values: dict[str, float], words: str) -> None:
+    with pytest.raises(ProblemError, match=words):
+        read_contact(source, values, mass=1.0, speed=1.0)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"to": "havok"},
+        {"mass": 0.0},
+        {"mass": np.nan},
+        {"keep": "all"},
+        {"impedance": 1.0},
+        {"dt": -1.0},
+        {"speed": 0.0},
+    ],
+)
+def test_wrong_questions(options: dict[str, object]) -> None:
+    asked = {"to": "mujoco", "mass": 1.0} | options
+    with pytest.raises(ProblemError):
+        translate(SpringDamper(1e4, 1.0), **asked)  # type: ignore[arg-type]
+    if "dt" in options:
+        return
+    with pytest.raises(ProblemError):
+        translate(SpringDamper(1e4, 1.0), "drake-hydroelastic", 1.0)  # no sole
+
+
+def test_restitution_instead_of_damping() -> None:
+    law = read_contact("physical", {"stiffness": 1e4, "restitution": 0.5}, mass=2.0, speed=1.0)
+    assert isinstance(law, SpringDamper)
+    assert law.restitution(2.0) == pytest.approx(0.5)
+    law = read_contact("hunt-crossley", {"stiffness": 1e4, "restitution": 0.5}, mass=2.0, speed=3.0)
+    assert isinstance(law, HuntCrossley)
+    assert law.restitution(3.0) == pytest.approx(0.5)

@@ -1,0 +1,224 @@
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from surefoot.errors import ProblemError, WriteError
+from surefoot.log import CHANNELS, Log, Recorder, npz, parts, read_log
+from surefoot.log import recorder as recorder_module
+from surefoot.log.recorder import CHUNK_BYTES
+
+ROWS = [CHANNELS[name].sized(nq=19, p=4) for name in ("time", "q", "forces", "active", "grasp_map")]
+NAMES = [channel.name for channel in ROWS]
+ROW_BYTES = 8 * (1 + 19 + 12 + 72) + 4
+CHUNK = CHUNK_BYTES // ROW_BYTES
+
+
+def values(k: int) -> dict[str, Any]:
+    return {
+        "time": 1e-3 * k,
+        "q": np.arange(19) + k,
+        "forces": np.full((4, 3), -k),
+        "active": np.arange(4) == k % 4,
+        "grasp_map": np.full((6, 12), 0.5 * k),
+    }
+
+
+def fill(recorder: Recorder, count: int) -> None:
+    for _ in range(count):
+        at, row = recorder.slot(), values(recorder.count)
+        for name, value in row.items():
+            recorder.arrays[name][at] = value
+        recorder.count += 1
+
+
+def check(log: Log, count: int) -> None:
+    assert len(log) == count
+    for k in (0, count // 3, CHUNK - 1, CHUNK, count - 1):
+        if k < count:
+            for name, value in values(k).items():
+                np.testing.assert_array_equal(log[name][k], value)
+    assert {name: len(array) for name, array in log.arrays.items()} == dict.fromkeys(NAMES, count)
+
+
+@pytest.mark.parametrize("count", [1, CHUNK, CHUNK + 1, 2 * CHUNK, 3 * CHUNK + 7])
+def test_streamed_rows_come_back(count: int, tmp_path: Path) -> None:
+    recorder = Recorder(count, ROWS, tmp_path / "parts", {"robot": "box"})
+    fill(recorder, count)
+    log = recorder.finish({"outcome": "done"})
+    check(log, count)
+    assert log.facts == {"robot": "box", "outcome": "done"}
+    again = read_log(tmp_path / "parts")
+    check(again, count)
+    assert again.facts == log.facts
+    path = log.save(tmp_path / "log.npz")
+    assert not (tmp_path / "parts").exists()
+    check(read_log(path), count)
+    check(log, count)
+
+
+@pytest.mark.parametrize("streamed", [True, False])
+def test_a_long_log_is_mapped_and_saved_the_same(
+    streamed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (npz, recorder_module):
+        monkeypatch.setattr(module, "MEMORY", 2 * CHUNK_BYTES)
+    count = 5 * CHUNK + 3
+    recorder = Recorder(count, ROWS, tmp_path / "parts" if streamed else None)
+    fill(recorder, count)
+    log = recorder.finish({})
+    assert isinstance(log["q"], np.memmap)
+    check(log, count)
+    again = read_log(log.save(tmp_path / "log.npz"))
+    assert isinstance(again["q"], np.memmap)
+    check(again, count)
+    pieces = list(again.chunks(1000))
+    assert sum(map(len, pieces)) == count
+    np.testing.assert_array_equal(np.concatenate([p["q"] for p in pieces]), log["q"])
+
+
+def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
+    recorder = Recorder(10**9, ROWS, tmp_path / "parts")
+    fill(recorder, 10)
+    tracemalloc.start()
+    try:
+        fill(recorder, 20 * CHUNK)
+        assert tracemalloc.get_traced_memory()[1] < 0.1 * CHUNK_BYTES
+    finally:
+        tracemalloc.stop()
+        recorder.abandon()
+    assert len(read_log(tmp_path / "parts")) == 20 * CHUNK + 10
+
+
+def test_a_run_without_a_row_leaves_nothing(tmp_path: Path) -> None:
+    Recorder(10, ROWS, tmp_path / "parts").abandon()
+    assert not (tmp_path / "parts").exists()
+
+
+def test_nothing_that_exists_is_touched(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "q.npy").write_text("mine")
+    with pytest.raises(ProblemError, match="parts exists already"):
+        Recorder(10, ROWS, tmp_path / "parts")
+    assert (tmp_path / "parts" / "q.npy").read_text() == "mine"
+    recorder = Recorder(10, ROWS, tmp_path / "run")
+    fill(recorder, 3)
+    (tmp_path / "run" / "notes.txt").write_text("mine")
+    (tmp_path / "log.npz").write_text("mine")
+    log = recorder.finish({})
+    with pytest.raises(ProblemError, match=r"log.npz exists already"):
+        log.save(tmp_path / "log.npz")
+    assert (tmp_path / "log.npz").read_text() == "mine"
+    log.save(tmp_path / "other.npz")
+    assert [p.name for p in (tmp_path / "run").iterdir()] == ["notes.txt"]
+
+
+KILLED = f"""
+import os, sys
+from pathlib import Path
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from test_recorder import CHUNK, ROWS, Recorder, fill
+recorder = Recorder(10**6, ROWS, Path(sys.argv[1]), {{"robot": "box"}})
+fill(recorder, 3 * CHUNK + 5)
+os.kill(os.getpid(), {int(signal.SIGKILL)})
+"""
+
+
+def test_a_killed_run_leaves_a_log(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "parts")], check=False)
+    assert done.returncode == -signal.SIGKILL
+    log = read_log(tmp_path / "parts")
+    check(log, 3 * CHUNK)
+    assert log.facts == {"robot": "box"}
+    for name in NAMES:  # plain files for everybody
+        assert len(np.load(tmp_path / "parts" / f"{name}.npy")) == 3 * CHUNK
+
+
+@pytest.mark.parametrize("call", range(11, 21))
+def test_an_interrupted_write_is_made_again(
+    call: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    original, calls = parts._write_at, 0
+
+    def write(file: Any, offset: int, data: Any) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == call:
+            original(file, offset, bytes(data)[: len(data) // 2])
+            raise KeyboardInterrupt
+        original(file, offset, data)
+
+    recorder = Recorder(10**6, ROWS, tmp_path / "parts")
+    fill(recorder, CHUNK)
+    monkeypatch.setattr(parts, "_write_at", write)
+    calls = 10
+    with pytest.raises(KeyboardInterrupt):
+        fill(recorder, 1)
+    check(recorder.finish({}), CHUNK)
+
+
+def test_a_full_disk_keeps_what_fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    original, room = parts._write_at, 3 * CHUNK * 8 * 72
+
+    def write(file: Any, offset: int, data: Any) -> None:
+        if offset + len(data) > room:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        original(file, offset, data)
+
+    monkeypatch.setattr(parts, "_write_at", write)
+    recorder = Recorder(10**6, ROWS, tmp_path / "parts", {"outcome": "interrupted"})
+    with pytest.raises(WriteError, match=r"cannot write .*parts: No space left on device"):
+        fill(recorder, 9 * CHUNK)
+    count = recorder.count
+    assert count == 3 * CHUNK
+    check(recorder.finish({"outcome": "stopped"}), count)  # a small one still has all of it
+    check(read_log(tmp_path / "parts"), 2 * CHUNK)
+
+
+LIMITED = f"""
+import resource, sys
+from pathlib import Path
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from test_recorder import CHUNK, ROWS, Recorder, WriteError, fill
+resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))
+recorder = Recorder(10**6, ROWS, Path(sys.argv[1]) / "parts")
+try:
+    fill(recorder, 4 * CHUNK)
+except WriteError as error:
+    print(error)
+log = recorder.finish({{}})
+log.arrays["q"] = 1.0 * __import__("numpy").random.default_rng(1).normal(size=(len(log), 99))
+try:
+    log.save(Path(sys.argv[1]) / "log.npz")
+except WriteError as error:
+    print(error)
+"""
+
+
+def test_a_limit_on_files_is_one_line(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, str(tmp_path)], check=True, capture_output=True, text=True
+    )
+    first, second = done.stdout.splitlines()
+    assert first.endswith("parts: File too large")
+    assert second.endswith(f"log.npz: File too large; its rows are in {tmp_path / 'parts'}")
+    assert [p.name for p in tmp_path.iterdir()] == ["parts"]
+    check(read_log(tmp_path / "parts"), CHUNK)
+
+
+def test_what_is_no_log_is_told(tmp_path: Path) -> None:
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    (tmp_path / "text.npz").write_text("no log")
+    (tmp_path / "empty").mkdir()
+    for name in ("array.npy", "text.npz", "empty", "missing.npz"):
+        with pytest.raises(ProblemError, match="not a Surefoot log"):
+            read_log(tmp_path / name)

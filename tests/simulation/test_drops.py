@@ -1,0 +1,97 @@
+"""Translations run in the engines that are here: what was promised is what the engine does."""
+
+from __future__ import annotations
+
+import pytest
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.engines import translate
+from surefoot.contact.engines.mujoco import MujocoContact
+from surefoot.contact.laws.soft import Hertz, HuntCrossley, MujocoLaw, SoftLaw, SpringDamper, behaviour
+from surefoot.errors import ProblemError, SurefootError
+from surefoot.simulation.drops import available_engines, measure
+
+LAWS = {
+    "bouncy": (SpringDamper(2e4, 40.0), 4.0),
+    "damped": (SpringDamper(5e3, 300.0), 2.0),
+    "hertz": (Hertz.sphere(0.02, 1e6, dissipation=0.3), 1.0),
+    "stiff": (SpringDamper(3e5, 500.0), 10.0),
+}
+
+
+def _drake() -> bool:
+    try:
+        return "drake" in available_engines()
+    except SurefootError:
+        return False
+
+
+@pytest.mark.parametrize(("law", "mass"), LAWS.values(), ids=LAWS.keys())
+def test_mujoco_does_what_the_translation_says(law: SoftLaw, mass: float) -> None:
+    pytest.importorskip("mujoco")
+    dt = 2e-5
+    found = translate(law, "mujoco", mass, dt=dt)
+    got = measure("mujoco", found.parameters, found.translated, mass, dt=dt)
+    assert got.rest_depth == pytest.approx(found.translated.rest_depth, rel=1e-6)
+    assert got.restitution == pytest.approx(found.translated.restitution, rel=0.01, abs=1e-3)
+    assert got.frequency == pytest.approx(found.translated.frequency, rel=0.01)
+    assert got.settling_time == pytest.approx(found.translated.settling_time, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        MujocoContact(),
+        MujocoContact((0.02, 0.4)),
+        MujocoContact((-3000.0, -20.0), (0.3, 0.95, 0.003, 0.3, 3.0)),
+        MujocoContact((0.004, 1.0), (0.97, 0.99)),
+    ],
+    ids=["default", "bouncy", "direct", "stiff"],
+)
+def test_the_law_is_mujocos_own(contact: MujocoContact) -> None:
+    pytest.importorskip("mujoco")
+    found = translate(contact, "mujoco", 3.0, dt=2e-5)
+    assert isinstance(found.law, MujocoLaw)
+    got = measure("mujoco", found.parameters, found.translated, 3.0, dt=2e-5)
+    assert got.rest_depth == pytest.approx(found.translated.rest_depth, rel=1e-6)
+    assert got.restitution == pytest.approx(found.translated.restitution, rel=0.01, abs=1e-3)
+    if contact.solimp[0] == contact.solimp[1]:  # elsewhere 2 % of the depth is no small motion
+        assert got.frequency == pytest.approx(found.translated.frequency, rel=0.01)
+
+
+class ImplicitStep(SoftLaw):
+    """A law as an implicit step of dt makes it: the overlap at the step's end counts."""
+
+    def __init__(self, law: SoftLaw, dt: float) -> None:
+        super().__init__()
+        self.__dict__.update(law=law, dt=dt)
+
+    def pressed(self, depth: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        force, by_depth, by_rate = self.law.pressed(depth, rate)
+        return force + self.dt * by_depth * rate, by_depth, by_rate + self.dt * by_depth
+
+    def stored(self, depth: FloatArray) -> FloatArray:
+        return self.law.stored(depth)
+
+
+@pytest.mark.skipif(not _drake(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it")
+@pytest.mark.parametrize("engine", ["drake", "drake-hunt-crossley"])
+@pytest.mark.parametrize(
+    "law", [SpringDamper(2e4, 40.0), HuntCrossley(2e4, 0.4)], ids=["linear", "hunt-crossley"]
+)
+def test_drake_does_what_the_translation_says(engine: str, law: SoftLaw) -> None:
+    dt, mass = 5e-5, 4.0
+    found = translate(law, engine, mass, dt=dt)
+    got = measure(engine, found.parameters, found.translated, mass, dt=dt)
+    expected = behaviour(ImplicitStep(found.law, dt), mass)
+    assert got.rest_depth == pytest.approx(found.translated.rest_depth, rel=1e-6)
+    assert got.restitution == pytest.approx(expected.restitution, rel=2e-3)
+    assert got.restitution == pytest.approx(found.translated.restitution, rel=0.01)
+    assert got.frequency == pytest.approx(found.translated.frequency, rel=0.01)
+    assert got.settling_time == pytest.approx(expected.settling_time, rel=0.01)
+
+
+def test_engines_that_cannot_be_run_are_named() -> None:
+    found = translate(SpringDamper(1e4, 10.0), "ode", 1.0)
+    with pytest.raises(ProblemError, match="valid names: drake, drake-hunt-crossley, mujoco"):
+        measure("ode", found.parameters, found.translated, 1.0)

@@ -1,0 +1,182 @@
+"""One loop for every controller: what it hands over, who watches, how it ends, and that it repeats."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.control.controller import Command, RobotState
+from surefoot.control.standing_plan import Lift
+from surefoot.log import Ending, read_log
+from surefoot.simulation.faults import Faults
+from surefoot.simulation.observers import Moment, Observer, Progress
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Fall
+
+
+class Watcher(Observer):
+    """Keeps every moment, and the log."""
+
+    def __init__(self) -> None:
+        self.moments: list[Moment] = []
+        self.log: sf.Log | None = None
+
+    def step(self, moment: Moment) -> None:
+        self.moments.append(moment)
+
+    def end(self, log: sf.Log) -> None:
+        self.log = log
+
+
+class Told(sf.StandingController):
+    """A standing controller that keeps what it is told, and can be made to fail."""
+
+    states: list[RobotState]
+    fails: Any = None
+
+    def step(self, state: RobotState) -> Any:
+        if not hasattr(self, "states"):
+            self.states = []
+        self.states.append(state)
+        if self.fails is not None and state.time > 0.05:
+            return self.fails(super().step(state))
+        return super().step(state)
+
+
+def standing(robot: sf.Robot, terrain: sf.Terrain | None = None, **more: Any) -> Told:
+    ground = terrain or sf.FlatTerrain()
+    q = sf.place(robot, ground)
+    plan = sf.StandingPlan(robot, ground, q, more.pop("lifts", ()))
+    return Told(robot, plan, ground, q, **more)
+
+
+@pytest.fixture(scope="module")
+def robot() -> sf.Robot:
+    return sf.load_robot("go2")
+
+
+def same(one: sf.Log, two: sf.Log) -> None:
+    assert one.facts["outcome"] == two.facts["outcome"]
+    for name in one.arrays:
+        if name != "controller_time":
+            np.testing.assert_array_equal(one[name], two[name], err_msg=name)
+
+
+@pytest.mark.parametrize("kind", ["stand", "walk"])
+def test_a_second_run_of_the_same_controller_is_the_first_again(kind: str, robot: sf.Robot) -> None:
+    scenario = sf.Scenario(
+        0.9, 0.6, [sf.Push(0.5, (0.0, 80.0, 0.0), 0.1)], [sf.Ice(0.6, 0.3)], 5, Faults(noise=0.3, delay=0.002)
+    )
+    controller: Any = sf.WalkingController(robot, sf.VelocityCommand.constant(0.5, 0.0, 0.3))
+    if kind == "stand":
+        controller = standing(robot, lifts=[Lift("FL", 0.4, 0.7)])
+    logs = [sf.run(sf.MujocoWorld(robot, mu=0.6), controller, scenario) for _ in range(2)]
+    same(*logs)
+    assert logs[0].facts["kind"] == kind
+    assert len(logs[0]) == 900
+
+
+def test_the_controller_is_told_the_state_the_time_and_the_feet(robot: sf.Robot) -> None:
+    controller, watcher, ticks = standing(robot), Watcher(), []
+    lifted = np.array([0.0, 0.0, 0.01] + [0.0] * (robot.model.nq - 3))
+    scenario = sf.Scenario(0.2, 0.6, start=sf.place(robot) + lifted)
+    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario, [watcher, Progress(ticks.append)])
+    told = controller.states[-200:]
+    assert [state.time for state in told] == pytest.approx(log["time"])
+    np.testing.assert_array_equal([state.q for state in told], log["q"])
+    np.testing.assert_array_equal([state.v for state in told], log["v"])
+    felt = np.array([state.contact for state in told])
+    assert not felt[:5].any()  # it starts a centimetre above the ground
+    assert felt[-1].all()
+    np.testing.assert_array_equal(felt[1:], log["forces"][:-1, :, 2] > 0.02 * log.facts["mass"] * 9.81)
+    assert watcher.log is log
+    assert [m.time for m in watcher.moments] == pytest.approx(log["time"])
+    np.testing.assert_array_equal([m.reading.forces for m in watcher.moments], log["forces"])
+    np.testing.assert_array_equal([m.command.torques for m in watcher.moments], log["torques"])
+    assert ticks == pytest.approx(0.02 * np.arange(10), abs=1.1e-3)
+
+
+def test_a_lost_state_a_fall_and_an_error_end_a_run_each_in_its_way(
+    robot: sf.Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its warnings
+    scenario, watcher = sf.Scenario(0.6, 0.6), Watcher()
+
+    def lose(command: Command) -> Command:
+        command.torques[:] = 1e12
+        return command
+
+    def spoil(command: Command) -> Command:
+        command.torques[3] = np.nan
+        return command
+
+    def limp(command: Command) -> Command:
+        command.torques[:] = 0.0
+        return command
+
+    def fail(command: Command) -> Command:
+        raise ArithmeticError("by zero")
+
+    controller = standing(robot)
+    controller.fails = lose
+    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario, [watcher])
+    assert log.facts["outcome"] == Ending.INVALID
+    assert "became non-finite" in log.facts["error"]
+    assert 50 <= len(log) < 60
+    assert watcher.log is log
+    controller.fails = spoil
+    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario)
+    assert (log.facts["outcome"], log.facts["error"]) == (Ending.INVALID, "torques[3] is NaN")
+    assert len(log) == 51
+    controller.fails = limp
+    log = run(sf.MujocoWorld(robot, mu=0.6), controller, scenario)
+    assert log.facts["outcome"] == Ending.FELL
+    assert len(log) < 600
+    controller.fails = fail
+    with pytest.raises(ArithmeticError):
+        run(sf.MujocoWorld(robot, mu=0.6), controller, scenario, folder=tmp_path / "rows")
+    assert len(read_log(tmp_path / "rows")) == 51  # what was made before is kept
+
+
+def test_an_observer_can_stop_a_run(robot: sf.Robot) -> None:
+    class Enough(Observer):
+        def step(self, moment: Moment) -> None:
+            if moment.time > 0.0295:
+                raise KeyboardInterrupt
+
+    log = run(sf.MujocoWorld(robot, mu=0.6), standing(robot), sf.Scenario(0.6, 0.6), [Enough()])
+    assert log.facts["outcome"] == Ending.INTERRUPTED
+    assert len(log) == 31
+
+
+@pytest.mark.parametrize("degrees", [0.0, 25.0])
+def test_a_fall_is_seen_from_the_ground_below(degrees: float, robot: sf.Robot) -> None:
+    slope, fall = sf.SlopeTerrain(degrees), Fall(0.5, np.radians(40.0))
+    q = sf.place(robot, slope)
+    height = float(q[2] - slope.height(q[:2]))
+    assert fall.happened(q, height, slope) is None
+    far = q.copy()
+    far[0] += 3.0
+    assert (fall.happened(far, height, slope) is Ending.FELL) == (
+        degrees > 0.0
+    )  # the slope has risen above it
+    far[2] += float(slope.height(far[:2]) - slope.height(q[:2]))
+    assert fall.happened(far, height, slope) is None
+    assert fall.happened(far * np.nan, height, slope) is Ending.INVALID
+
+
+def test_it_starts_where_the_scenario_says_and_as_deep(robot: sf.Robot) -> None:
+    slope = sf.SlopeTerrain(10.0)
+    world = sf.RigidWorld(robot, slope, 0.6)
+    q, v = sf.Scenario(1.0, 0.6, depth=1e-3).begin(world)
+    assert v is None
+    np.testing.assert_allclose(q[:3], sf.place(robot, slope)[:3] - 1e-3 * slope.normal(q[:2]), atol=1e-15)
+    start = robot.nominal
+    q, v = sf.Scenario(1.0, 0.6, seed=2, start=start).begin(world)
+    np.testing.assert_array_equal(q, start)
+    assert v is not None
+    assert 0.0 < np.abs(v[:3]).max() < 0.05

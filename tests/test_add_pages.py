@@ -1,0 +1,90 @@
+"""What the pages "add a ..." show from outside the package works as it stands there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.audit import log_laws
+from surefoot.control import gait_library
+from surefoot.control.controller import RobotState
+from surefoot.log import CHANNELS, formats
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+
+
+@pytest.fixture(autouse=True)
+def tables(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Leave the package's tables, and the working folder, as they were."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(formats, "FORMATS", dict(formats.FORMATS))
+    monkeypatch.setitem(gait_library.PATTERNS, 4, dict(gait_library.PATTERNS[4]))
+
+
+def shown(page: str) -> dict[str, Any]:
+    """Run the Python that a page shows and return its names."""
+    blocks = re.findall(r"^```python\n(.*?)^```$", (DOCS / page).read_text(), re.DOTALL | re.MULTILINE)
+    names: dict[str, Any] = {"__name__": "page"}
+    for block in blocks:
+        exec(compile(block, page, "exec"), names)
+    return names
+
+
+def test_a_controller_from_outside_stands_and_tells_its_own_channel() -> None:
+    names = shown("add-a-controller.md")
+    log, controller, robot = names["log"], names["JointHold"], names["robot"]
+    assert log.facts["outcome"] == "done"
+    assert log.facts["kind"] == "hold"
+    assert log["joint_error"].shape == (1000, robot.joints)
+    np.testing.assert_allclose(log["joint_error"], names["q"][7:] - log["q"][:, 7:], atol=1e-15)
+    assert log["push"].any()
+    again = sf.read_log(log.save(Path("hold.npz")))  # the channel's definition goes with the file
+    assert again.channels["joint_error"].unit == "rad"
+    np.testing.assert_array_equal(again["joint_error"], log["joint_error"])
+    bad = controller(robot, names["q"]).step(RobotState(names["q"] * np.nan, np.zeros(18)))
+    assert not bad.attained
+    assert bad.status is sf.Status.INVALID
+    assert (bad.torques == 0.0).all()
+
+
+def test_a_controller_whose_rows_are_not_its_channels_is_told_so() -> None:
+    names = shown("add-a-controller.md")
+    robot, held = names["robot"], names["JointHold"](names["robot"], names["q"])
+    held.channels = ()
+    with pytest.raises(sf.ProblemError, match=r"rows for joint_error, its controller has the channels none"):
+        sf.run(sf.MujocoWorld(robot), held, names["scenario"])
+    held.channels = (CHANNELS["forces"],)
+    with pytest.raises(sf.ProblemError, match="'forces' is one that every log has"):
+        sf.run(sf.MujocoWorld(robot), held, names["scenario"])
+
+
+def test_a_log_format_from_outside_comes_back_to_the_last_bit() -> None:
+    names = shown("add-a-log-format.md")
+    log, again = names["log"], names["again"]
+    assert set(again.arrays) == set(log.arrays)
+    for name in log.arrays:
+        np.testing.assert_array_equal(again[name], log[name])
+    assert again.facts["feet"] == log.facts["feet"]
+    assert log_laws(again).broken(157.8) == []
+    with pytest.raises(sf.ProblemError, match="exists already"):
+        log.save("stand.csv")
+    Path("broken.csv").write_text("no facts\n")
+    with pytest.raises(sf.ProblemError, match=r"broken.csv is not a Surefoot log \(csv\)"):
+        sf.read_log("broken.csv")
+    with pytest.raises(sf.ProblemError, match=r"should end in one of \.csv, \.npz, \.parts"):
+        sf.read_log("log.bag")
+
+
+def test_a_gait_from_outside_walks() -> None:
+    names = shown("add-a-gait.md")
+    summary, log = names["summary"], names["log"]
+    assert summary.gait == "amble"
+    assert summary.success
+    assert summary.laws_broken == []
+    planned = log["planned"][1000:].mean(axis=0)  # after the start, whole cycles of half a second
+    np.testing.assert_allclose(planned, 0.6, atol=0.02)
