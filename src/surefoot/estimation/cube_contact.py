@@ -10,8 +10,8 @@ f = max(0, k p + d p') of a spring and damper at the end of a step of length t, 
 
     0 <= f  ⟂  u_n + f / (k t + d) + k gap / (k t + d) >= 0,
 
-and Hunt and Crossley's f = k p (1 + d p') is linearised about the velocity of the last pass, from above, where
-Newton's method on a convex force converges without overshooting. Both share the Coulomb cone.
+and Hunt and Crossley's f = k p (1 + d p') is linearised about the velocity of the last pass, from above,
+where Newton's method on a convex force converges without overshooting. Both share the Coulomb cone.
 """
 
 from __future__ import annotations
@@ -20,16 +20,17 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.auto import solve_compiled
+from surefoot.solvers.compiled import UNSOLVED, WARM, solve_compiled
 
-MU, RESTITUTION, HALF, RADIUS, GYRATION, GRAVITY, LAW, STIFFNESS, DAMPING, SIZE = 0, 1, 2, 3, 4, 5, 8, 9, 10, 11
-"""Where a cube's model keeps what; gravity takes three numbers, stiffness and damping are per unit of mass."""
+MU, RESTITUTION, HALF, RADIUS, GYRATION, GRAVITY, LAW, STIFFNESS, DAMPING = 0, 1, 2, 3, 4, 5, 8, 9, 10
+SIZE = 11
+"""Where a model keeps what, and its length; gravity takes three, stiffness and damping are per mass."""
 RIGID, SPRING_DAMPER, HUNT_CROSSLEY = 0, 1, 2
 """Values of LAW."""
 CLOSED = 2e-5
 """Gap up to which a corner touches [m]."""
 RISE = 0.1
-"""Share of a penetration that a closed corner takes back per step, at most at the speed `RISE_SPEED` [m/s]."""
+"""Share of a penetration that a closed corner takes back per step, at most at `RISE_SPEED` [m/s]."""
 RISE_SPEED = 0.02
 TOLERANCE, ITERATIONS = 1e-8, 400
 """Of a contact problem."""
@@ -56,12 +57,12 @@ def place(state: FloatArray, model: FloatArray, arms: FloatArray, gaps: FloatArr
 @inline_kernel
 def rise(v: FloatArray, arms: FloatArray, k: int) -> float:
     """Return the normal velocity of a corner; v is (6,), linear and angular."""
-    return v[2] + v[3] * arms[k, 1] - v[4] * arms[k, 0]
+    return float(v[2] + v[3] * arms[k, 1] - v[4] * arms[k, 0])
 
 
 @inline_kernel
 def _fill(model: FloatArray, arms: FloatArray, near: IntArray, v: FloatArray, packed: FloatArray) -> None:
-    """Fill G = 1 + [r]× (m / I) [r]×ᵀ and the free velocities g of the near corners."""
+    """Fill G = 1 + [r]× (m / I) [r]×ᵀ of the near corners, and below it their free velocities g."""
     share = 1.0 / model[GYRATION]
     m = packed.shape[1]
     for i in range(m // 3):
@@ -106,7 +107,7 @@ def _shift(
     model: FloatArray, gaps: FloatArray, arms: FloatArray, near: IntArray, t: float, before: FloatArray,
     calm: float, packed: FloatArray,
 ) -> None:  # fmt: skip
-    """Add the rigid law's bias: what leaves must leave with -e times the speed of arrival, or keep the gap."""
+    """Add the rigid law's bias: leave with -e times the speed of arrival, or keep the gap."""
     m = packed.shape[1]
     for i in range(m // 3):
         gap, arrival = gaps[near[i]], rise(before, arms, near[i])
@@ -142,11 +143,11 @@ def exchange(
     v
         (6,) free velocity, gravity included; the impulses are added to it.
     last
-        (8, 4) impulses of all corners in the last step, a guess, and its length; overwritten with the new ones.
+        (8, 4) impulses of all corners in the last step (a guess) and its length; the new ones are kept.
     """
     n = near.size
     m = 3 * n
-    packed, buffer, speeds = np.zeros((m + 3, m)), np.zeros((2 * n + 3, 3)), np.empty(n)
+    packed, buffer, speeds = np.zeros((m + 2, m)), np.zeros((2 * n + 3, 3)), np.empty(n)
     for i in range(n):
         packed[m + 1, i], packed[m + 1, n + i], packed[m + 1, 2 * n + i] = model[MU], 0.0, np.inf
         speeds[i] = rise(v, arms, near[i])
@@ -158,16 +159,20 @@ def exchange(
             _shift(model, gaps, arms, near, t, before, calm, packed)
         else:
             _soften(model, gaps, near, t, speeds, packed)
-        done = solve_compiled(packed, TOLERANCE, ITERATIONS, 0, warm or number > 0, buffer)
+        done = solve_compiled(
+            packed[:m], packed[m:], TOLERANCE, ITERATIONS, WARM if warm or number > 0 else 0, buffer
+        )
         change = 0.0
-        for i in range(n):  # G as it was softened holds the compliance: the corner's own speed is less by that
+        for i in range(
+            n
+        ):  # G as it was softened holds the compliance: the corner's own speed is less by that
             s = _speed(arms, near, buffer, model, v, i)
             change, speeds[i] = max(change, abs(s - speeds[i])), s
         if change < SAME:
             break
     _apply(model, arms, near, buffer, v)
     _remember(near, buffer, t, last)
-    return done >= 0
+    return done < UNSOLVED
 
 
 @inline_kernel
@@ -195,7 +200,9 @@ def _remember(near: IntArray, buffer: FloatArray, t: float, last: FloatArray) ->
 
 
 @inline_kernel
-def _turn(model: FloatArray, arms: FloatArray, near: IntArray, buffer: FloatArray, i: int) -> tuple[float, float, float]:
+def _turn(
+    model: FloatArray, arms: FloatArray, near: IntArray, buffer: FloatArray, i: int
+) -> tuple[float, float, float]:
     """Return the change of angular velocity by the impulse of near corner i."""
     k, share = near[i], 1.0 / model[GYRATION]
     x, y, z = buffer[i, 0], buffer[i, 1], buffer[i, 2]

@@ -31,7 +31,11 @@ PARAMETERS = {
     ),
 }
 """Contact laws by name, and what each of them leaves open. Stiffness and damping are those of one corner."""
-_NUMBER = {"rigid": layout.RIGID, "spring-damper": layout.SPRING_DAMPER, "hunt-crossley": layout.HUNT_CROSSLEY}
+_NUMBER = {
+    "rigid": layout.RIGID,
+    "spring-damper": layout.SPRING_DAMPER,
+    "hunt-crossley": layout.HUNT_CROSSLEY,
+}
 
 
 def law_names() -> tuple[str, ...]:
@@ -111,7 +115,11 @@ class CubeModel:
         cube, model = scene.cube, np.zeros(layout.SIZE)
         if not self.corner_radius < cube.half_side:
             raise ProblemError(f"corner_radius must be below {cube.half_side:g}, got {self.corner_radius:g}")
-        model[layout.MU], model[layout.HALF], model[layout.RADIUS] = values[0], cube.half_side, self.corner_radius
+        model[layout.MU], model[layout.HALF], model[layout.RADIUS] = (
+            values[0],
+            cube.half_side,
+            self.corner_radius,
+        )
         model[layout.GYRATION] = cube.inertia / cube.mass
         down = np.array([0.0, 0.0, -scene.gravity])
         model[layout.GRAVITY : layout.GRAVITY + 3] = scene.plane.rotation.inv().apply(down)

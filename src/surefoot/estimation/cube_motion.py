@@ -1,8 +1,8 @@
 """A cube in flight and on a plane: many tosses in one compiled call.
 
 Free motion is exact: a parabola, and a turn about a fixed axis (the inertia is the same about every axis, so
-that ω x Iω vanishes). Under the rigid law a step ends where a corner arrives, so that impacts happen where they
-happen and not at the next whole step; soft laws take whole steps.
+that ω x Iω vanishes). Under the rigid law a step ends where a corner arrives, so that impacts happen on
+the plane and not at the next whole step; soft laws take whole steps.
 """
 
 from __future__ import annotations
@@ -40,13 +40,11 @@ def fly(state: FloatArray, v: FloatArray, bend: FloatArray, t: float) -> None:
 @inline_kernel
 def _lowest(state: FloatArray, model: FloatArray) -> float:
     """Return a bound from below on the gaps of all corners, whatever the orientation."""
-    return state[2] - 1.7320508075688772 * model[HALF]
+    return float(state[2] - 1.7320508075688772 * model[HALF])
 
 
 @inline_kernel
-def _near(
-    gaps: FloatArray, arms: FloatArray, v: FloatArray, t: float, rigid: bool, near: IntArray
-) -> int:
+def _near(gaps: FloatArray, arms: FloatArray, v: FloatArray, t: float, rigid: bool, near: IntArray) -> int:
     """List the corners that touch (rigid), or would overlap at the end of the step (soft)."""
     count = 0
     for k in range(8):

@@ -88,7 +88,7 @@ def fit_free_flight(tosses: Tosses, frames: IntArray, gravity: float) -> FreeFli
     """Fit the free flight of every toss, (B,) frames of each."""
     starts = np.empty((len(tosses), 13))
     used = np.where(frames >= FEWEST, frames, 0)
-    squares, freedoms = np.zeros(2), 0
+    variances = []
     for k, first in enumerate(tosses.starts[:-1]):
         if used[k] == 0:
             row = tosses.states[first]
@@ -99,9 +99,9 @@ def fit_free_flight(tosses: Tosses, frames: IntArray, gravity: float) -> FreeFli
         t = np.arange(used[k]) * tosses.dt
         starts[k], residuals = _fit(rows, t, gravity)
         if used[k] >= ENOUGH:
-            squares += residuals
-            freedoms += 3 * (int(used[k]) - 2)
-    noise = np.sqrt(squares / freedoms) if freedoms else squares
+            variances.append(residuals / (3.0 * (int(used[k]) - 2)))
+    # the median toss: a few tosses lose a fiducial for a frame
+    noise = np.sqrt(np.median(variances, axis=0)) if variances else np.zeros(2)
     return FreeFlight(starts, used, float(noise[0]), float(noise[1]))
 
 

@@ -94,7 +94,7 @@ def corners(tosses: Tosses) -> FloatArray:
 
 
 def ground_points(tosses: Tosses) -> GroundPoints:
-    """Return a point of the ground from each toss: the face it rests on, or the lowest that its corners went."""
+    """Return a point of the ground from each toss: the face it rests on, or its lowest corner."""
     ends = tosses.starts[1:] - 1
     last = tosses.states[ends]
     R = Rotation.from_quat(last[:, 3:7]).as_matrix()
@@ -113,7 +113,9 @@ def ground_points(tosses: Tosses) -> GroundPoints:
         places = corners(tosses)
         which = places[:, :, 2].argmin(axis=1)
         low = places[np.arange(len(places)), which]
-        rows = [a + int(low[a:b, 2].argmin()) for a, b in zip(tosses.starts[:-1], tosses.starts[1:], strict=True)]
+        rows = [
+            a + int(low[a:b, 2].argmin()) for a, b in zip(tosses.starts[:-1], tosses.starts[1:], strict=True)
+        ]
         points, use = low[rows], np.ones(len(tosses), dtype=bool)
     return _without_outliers(GroundPoints(points, use, resting))
 

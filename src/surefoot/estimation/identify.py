@@ -1,7 +1,7 @@
 """`identify`: what recorded tosses say about friction, restitution, stiffness and the ground, with intervals.
 
 In order: the ground from where the cube came to rest, gravity and the first state of every toss from free
-flight, and then the contact law by `toss_search`, which simulates the tosses from their first states to their ends.
+flight, and then the contact law by `toss_search`, which simulates the tosses from first state to end.
 Every interval is a bootstrap over tosses, the same resamples for all of them.
 """
 
@@ -28,7 +28,7 @@ from surefoot.estimation.free_flight import (
 from surefoot.estimation.ground_plane import Plane, ground_points
 from surefoot.estimation.toss_errors import TossErrors, resample, toss_errors
 from surefoot.estimation.toss_model import Scene, TossModel
-from surefoot.estimation.toss_search import search
+from surefoot.estimation.toss_search import search, spread_evenly
 from surefoot.estimation.tosses import Tosses, read_tosses
 from surefoot.spatial import GRAVITY
 
@@ -57,7 +57,7 @@ class TossFit:
     model
         Name of the contact law or simulator.
     parameters
-        Every fitted number by name: those of the law, then ground [m], tilt_x and tilt_y [deg], gravity [m/s²].
+        By name: those of the law, then ground [m], tilt_x and tilt_y [deg], gravity [m/s²].
     train, test
         Errors on the tosses it was fitted to, and on the others (None without any).
     train_poses, test_poses
@@ -112,7 +112,9 @@ def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
     height, *slope = points.planes(every)[0]
     plane = Plane(float(height), np.array(slope))
     if not points.resting:
-        notes.append("few tosses come to rest: the ground is taken from the lowest places that corners reached")
+        notes.append(
+            "few tosses come to rest: the ground is taken from the lowest places that corners reached"
+        )
     frames = flying_frames(tosses, plane)
     terms = gravity_terms(tosses, frames)
     gravity, gravities = float(gravity_of(terms, every)[0]), gravity_of(terms, draws)
@@ -136,6 +138,7 @@ def identify(
     law: str | TossModel = "rigid",
     *,
     test: Tosses | str | Path | None = None,
+    most: int | None = None,
     resamples: int = 1000,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
@@ -150,6 +153,9 @@ def identify(
         "rigid", "spring-damper" or "hunt-crossley"; or any `TossModel`, such as a rival simulator.
     test
         Other tosses of the same cube on the same ground, which the fit does not see.
+    most
+        Tosses that the law is fitted to, evenly spread, for a slow simulator; None for all. The
+        ground, gravity and the errors are of all of them in any case.
     resamples
         Bootstrap samples of tosses behind the 95 % intervals.
     seed
@@ -182,8 +188,14 @@ def identify(
         if progress is not None:
             progress(count)
 
-    best = search(model, tosses, scene, draws, seed, tick)
     notes = list(found.notes)
+    which = spread_evenly(tosses, len(tosses) if most is None else whole_number("most", most, low=LEAST))
+    if which.size < len(tosses):
+        notes.append(f"{model.name}: fitted to {which.size} of {len(tosses)} tosses")
+        chosen = resample(which.size, resamples, seed)
+        best = search(model, tosses.subset(which), scene.subset(which), chosen, seed, tick)
+    else:
+        best = search(model, tosses, scene, draws, seed, tick)
     if not best.settled:
         notes.append(f"{model.name}: the search did not settle; take the intervals as too narrow")
     poses = model.rollout(best.values, scene)

@@ -1,7 +1,7 @@
 """A quadratic through the losses of many tosses at a few points, and where it is least.
 
 The loss of one toss jumps: a corner lands earlier and another face comes to lie on the ground. Their mean is
-smooth only over distances at which many tosses have jumped, so no derivative at a point is of use; a quadratic
+smooth only over distances at which many tosses have jumped. No derivative at a point is of use; a quadratic
 fitted by least squares over a box is. It is linear in the losses, which makes the bootstrap free: one
 fit per toss, then sums over resampled tosses.
 """
@@ -85,4 +85,4 @@ class ResponseSurface:
                     self.high[i], self.low[i],
                 )  # fmt: skip
                 z[:, i] = np.where(bowl, np.clip(inside, self.low[i], self.high[i]), ends)
-        return self.centre + self.half * z
+        return np.asarray(self.centre + self.half * z)

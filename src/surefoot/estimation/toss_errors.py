@@ -36,7 +36,7 @@ class TossErrors:
 
 def toss_errors(tosses: Tosses, poses: FloatArray) -> TossErrors:
     """Return the errors of (N, 7) poses, row by row those of the tosses."""
-    good = np.isfinite(poses).all(axis=1)
+    good = np.asarray(np.all(np.isfinite(poses), axis=1))
     poses = np.where(good[:, None], poses, tosses.states[:, :7])
     away = np.linalg.norm(poses[:, :3] - tosses.states[:, :3], axis=1)
     turn = Rotation.from_quat(poses[:, 3:]) * Rotation.from_quat(tosses.states[:, 3:7]).inv()

@@ -1,4 +1,4 @@
-"""What a simulator must offer to be fitted to tosses: parameters with ranges, and poses for values of them."""
+"""What a simulator must offer to be fitted to tosses: parameters, and poses for values of them."""
 
 from __future__ import annotations
 

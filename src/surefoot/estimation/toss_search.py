@@ -4,7 +4,7 @@ The loss of a toss is the mean distance of its corners in sides, e, made robust 
 median error for c: a square for tosses that fit, the distance itself for those that end on another face. In
 a box a few points (Sobol) carry a `ResponseSurface`; its minimum is the next centre. A box stops
 shrinking where its half-width is a few standard errors, from the bootstrap over tosses: inside it there is
-nothing left to find. A few dozen tosses lead the way, all of them finish. The model is a black box, so that every
+nothing left to find. A few dozen tosses lead the way, all of them finish. The model is a black box: every
 simulator gets the same search.
 """
 
@@ -22,7 +22,6 @@ from surefoot.estimation.toss_errors import resample, toss_errors
 from surefoot.estimation.toss_model import Scene, TossModel
 from surefoot.estimation.tosses import Tosses
 
-DEBUG=True
 FEW = 96
 """Tosses that lead the way."""
 FIRST = 8
@@ -86,16 +85,21 @@ class Trials:
 
     def surface(self, centre: FloatArray, half: FloatArray) -> ResponseSurface:
         """Return the response surface over a box, from all points in or just outside of it."""
-        use = (np.abs(self.points - centre) <= 1.25 * half).all(axis=1)
+        use = self._near(centre, half)
         return ResponseSurface(self.points[use], self.losses(use), centre, half)
 
     def inside(self, centre: FloatArray, half: FloatArray) -> int:
         """Return how many points a surface over a box has."""
-        return int((np.abs(self.points - centre) <= 1.25 * half).all(axis=1).sum())
+        return int(self._near(centre, half).sum())
+
+    def _near(self, centre: FloatArray, half: FloatArray) -> BoolArray:
+        return np.asarray(np.all(np.abs(self.points - centre) <= 1.25 * half, axis=1))
 
     def best(self) -> FloatArray:
         """Return the point of least mean loss."""
-        return np.asarray(self.points[int(np.argmin(self.losses(np.ones(len(self.points), bool)).mean(axis=1)))])
+        return np.asarray(
+            self.points[int(np.argmin(self.losses(np.ones(len(self.points), bool)).mean(axis=1)))]
+        )
 
 
 def values_of(model: TossModel, share: FloatArray) -> FloatArray:
@@ -111,13 +115,18 @@ def _design(centre: FloatArray, half: FloatArray, count: int, seed: int) -> Floa
     return np.asarray(low + (high - low) * unit)
 
 
-def _leaders(tosses: Tosses) -> IntArray:
-    """Return the indices of a few tosses, evenly spread."""
-    return np.unique(np.linspace(0, len(tosses) - 1, min(FEW, len(tosses))).round().astype(np.int64))
+def spread_evenly(tosses: Tosses, count: int) -> IntArray:
+    """Return the indices of so many tosses, evenly spread, or of all."""
+    return np.unique(np.linspace(0, len(tosses) - 1, min(count, len(tosses))).round().astype(np.int64))
 
 
 def search(
-    model: TossModel, tosses: Tosses, scene: Scene, draws: FloatArray, seed: int, tick: Callable[[float], None]
+    model: TossModel,
+    tosses: Tosses,
+    scene: Scene,
+    draws: FloatArray,
+    seed: int,
+    tick: Callable[[float], None],
 ) -> Found:
     """Fit a model's parameters.
 
@@ -133,7 +142,7 @@ def search(
         Told how many tosses have been simulated, after each point.
     """
     d = len(model.parameters)
-    few = _leaders(tosses)
+    few = spread_evenly(tosses, FEW)
     trials = Trials(model, tosses.subset(few), scene.subset(few))
     trials.add(_design(np.full(d, 0.5), np.full(d, 0.5), FIRST * (d + 1), seed), tick)
     centre, half, done = trials.best(), np.full(d, FIRST_HALF), len(trials.points) * few.size
@@ -151,7 +160,6 @@ def search(
         z = (least - centre) / half
         bound = (least <= 1e-9) | (least >= 1.0 - 1e-9)
         edge = (np.abs(z) > EDGE) & ~bound
-        if DEBUG: print(number,leading,count,values_of(model,least),half,spread,edge,trials.losses(np.ones(len(trials.points),bool)).mean(1).min())
         target = np.maximum(REACH * spread, np.where(bound, AT_BOUND, FINEST))
         wide = half > CLOSE * target
         if not (edge | wide).any():
@@ -163,7 +171,10 @@ def search(
             half = target / SHRINK
         centre, half = least, np.where(edge, half, np.clip(target, SHRINK * half, half))
     return Found(
-        values_of(model, least), values_of(model, surface.minimisers(weights, seed)), done / len(tosses), settled
+        values_of(model, least),
+        values_of(model, surface.minimisers(weights, seed)),
+        done / len(tosses),
+        settled,
     )
 
 

@@ -1,9 +1,9 @@
 """Recorded tosses of a cube: the value, and its file.
 
-A file is an .npz without pickles: `states` (N, 13), the tosses one after the other, each row position of the
-centre [m], quaternion (x, y, z, w) from body to world, velocity [m/s] in world axes and angular velocity [rad/s]
-in body axes; `starts` (B + 1,), the first row of each toss, and the end; `dt`, the time between rows [s]. `ids`
-(B,), and the cube's `half_side` [m], `mass` [kg] and `inertia` [kg m²] may be there too.
+A file is an .npz without pickles: `states` (N, 13), the tosses one after the other, each row position of
+the centre [m], quaternion (x, y, z, w) from body to world, velocity [m/s] in world axes and angular velocity
+[rad/s] in body axes; `starts` (B + 1,), the first row of each toss, and the end; `dt`, the time between rows
+[s]. `ids` (B,), and the cube's `half_side` [m], `mass` [kg] and `inertia` [kg m²] may be there too.
 """
 
 from __future__ import annotations
@@ -105,7 +105,8 @@ class Tosses:
             row = int(np.argmax(off))
             toss = int(np.searchsorted(starts, row, side="right")) - 1
             raise ProblemError(
-                f"the quaternion of toss {toss}, row {row - starts[toss]}, must have length 1, got {size[row]:g}"
+                f"the quaternion of toss {toss}, row {row - starts[toss]}, must have length 1, "
+                f"got {size[row]:g}"
             )
         states[:, 3:7] /= size[:, None]
         set_(self, "states", states)
@@ -144,7 +145,9 @@ class Tosses:
 def _indices(name: str, value: Any) -> IntArray:
     array = np.asarray(value)
     if array.ndim != 1 or not (array.size == 0 or np.issubdtype(array.dtype, np.integer)):
-        raise ProblemError(f"{name} must be a list of whole numbers, got {array.dtype} of shape {array.shape}")
+        raise ProblemError(
+            f"{name} must be a list of whole numbers, got {array.dtype} of shape {array.shape}"
+        )
     return array.astype(np.int64)
 
 

@@ -1,10 +1,11 @@
-"""Made-up tosses of a cube, with what is to be found known: recordings for tests, docs and users without any."""
+"""Made-up tosses of a cube, with what is to be found known: recordings for tests, docs and trials."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
@@ -23,8 +24,9 @@ HEIGHT = (0.11, 0.16)
 
 
 def random_tosses(
-    count: int, values: FloatArray, *, law: str = "rigid", ground: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    seed: int = 0, frames: int = 110, dt: float = 1.0 / 148.0, noise: float = 1.0, steps: int | None = None,
+    count: int, values: ArrayLike, *, law: str = "rigid",
+    ground: tuple[float, float, float] = (0.0, 0.0, 0.0), seed: int = 0, frames: int = 110,
+    dt: float = 1.0 / 148.0, noise: float = 1.0, steps: int | None = None,
 ) -> Tosses:  # fmt: skip
     """Return made-up tosses of a cube 0.105 m wide.
 
