@@ -113,6 +113,7 @@ from .terrain import PitTerrain as PitTerrain
 from .terrain import SlopeTerrain as SlopeTerrain
 from .terrain import StairsTerrain as StairsTerrain
 from .terrain import Terrain as Terrain
+from .terrain import rough_ground as rough_ground
 from .viz.video import Renderer as Renderer
 from .viz.video import RenderError as RenderError
 from .viz.video import cone_lines as cone_lines

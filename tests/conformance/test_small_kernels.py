@@ -21,16 +21,16 @@ def test_block_determinant() -> None:
 
 
 def test_vectors_fit() -> None:
-    g, laws = np.zeros(6), np.array([[0.5, 0.0], [0.0, 1.0], [np.inf, 1.0]])
-    assert blocks.vectors_fit(g, laws)
-    assert not blocks.vectors_fit(g[:5], laws)
-    for value in (np.nan, np.inf):
-        assert not blocks.vectors_fit(np.array([0.0, value, 0, 0, 0, 0]), laws)
-    out = [(0, -0.1), (0, np.inf), (0, np.nan), (1, -1.0), (1, 2.0), (1, np.nan), (2, 0.5), (2, np.nan)]
-    for row, value in out:
-        wrong = laws.copy()
-        wrong[row, 1] = value
-        assert not blocks.vectors_fit(g, wrong)
+    fine = np.array([np.zeros(6), [0.5, 0.0, 0.0, 1.0, np.inf, 1.0]])
+    assert blocks.vectors_fit(fine)
+    wrong = [(0, 1, np.nan), (0, 1, np.inf)]
+    wrong += [(1, 1, -0.1), (1, 1, np.inf), (1, 1, np.nan)]  # mu
+    wrong += [(1, 3, -1.0), (1, 3, 2.0), (1, 3, np.nan)]  # normal_min
+    wrong += [(1, 5, 0.5), (1, 5, np.nan)]  # normal_max
+    for row, column, value in wrong:
+        vectors = fine.copy()
+        vectors[row, column] = value
+        assert not blocks.vectors_fit(vectors)
 
 
 def test_contacts_without_speed_rest_at_their_least_force() -> None:
