@@ -202,7 +202,7 @@ def _identify() -> None:
     start = np.zeros((1, 13))
     start[0, 2], start[0, 6] = 0.06, 1.0
     scene = Scene(start, np.array([20]), 0.01, Plane(0.0, np.zeros(2)), 9.81, Cube())
-    CubeModel().rollout(np.array([0.2, 0.1]), scene)
+    CubeModel().rollout(np.array([0.2, 0.1, 0.0]), scene)
 
 
 def _command(*arguments: str) -> Callable[[], None]:

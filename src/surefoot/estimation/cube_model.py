@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from surefoot.arrays import FloatArray, real_number, whole_number
+from surefoot.arrays import FloatArray, whole_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation import cube_contact as layout
 from surefoot.estimation.cube_motion import simulate
@@ -18,7 +18,7 @@ LONGEST_STEP = 1e-3
 """Of a simulation [s]."""
 FRICTION = Parameter("mu", 0.02, 1.5, logarithmic=True)
 PARAMETERS = {
-    "rigid": (FRICTION, Parameter("restitution", 0.0, 0.9)),
+    "rigid": (FRICTION, Parameter("restitution", 0.0, 0.9), Parameter("rounding", 0.0, 0.2, "half sides")),
     "spring-damper": (
         FRICTION,
         Parameter("stiffness", 1e2, 1e6, "N/m", logarithmic=True),
@@ -30,7 +30,11 @@ PARAMETERS = {
         Parameter("dissipation", 1e-2, 1e2, "s/m", logarithmic=True),
     ),
 }
-"""Contact laws by name, and what each of them leaves open. Stiffness and damping are those of one corner."""
+"""Contact laws by name, and what each of them leaves open.
+
+Stiffness and damping are those of one corner. Rounding is the radius of the corners: a rigid cube has no
+other way of letting its corners go below the ground.
+"""
 _NUMBER = {
     "rigid": layout.RIGID,
     "spring-damper": layout.SPRING_DAMPER,
@@ -51,8 +55,6 @@ class CubeModel:
     ----------
     law
         One of `law_names()`.
-    corner_radius
-        Of the spheres that round the corners off [m]; 0 for sharp ones.
     steps
         Steps between frames; None for as many as keep a step within a millisecond.
 
@@ -63,13 +65,11 @@ class CubeModel:
     """
 
     law: str = "rigid"
-    corner_radius: float = 0.0
     steps: int | None = None
 
     def __post_init__(self) -> None:
         if self.law not in PARAMETERS:
             raise ProblemError(unknown_name("contact law", self.law, PARAMETERS))
-        real_number("corner_radius", self.corner_radius, low=0.0, high=1e3)
         if self.steps is not None:
             whole_number("steps", self.steps, low=1)
 
@@ -84,13 +84,7 @@ class CubeModel:
         return PARAMETERS[self.law]
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
-        """Return (sum of frames, 7) positions and quaternions.
-
-        Raises
-        ------
-        ProblemError
-            If the corners are rounder than the cube is wide.
-        """
+        """Return (sum of frames, 7) positions and quaternions."""
         model, axes = self._model(values, scene), scene.plane.rotation
         origin = np.array([0.0, 0.0, scene.plane.height - self._sink(values, scene)])
         starts = np.empty((len(scene.starts), 13))
@@ -113,19 +107,13 @@ class CubeModel:
     def _model(self, values: FloatArray, scene: Scene) -> FloatArray:
         """Return the kernel's model, in the plane's axes and per unit of mass."""
         cube, model = scene.cube, np.zeros(layout.SIZE)
-        if not self.corner_radius < cube.half_side:
-            raise ProblemError(f"corner_radius must be below {cube.half_side:g}, got {self.corner_radius:g}")
-        model[layout.MU], model[layout.HALF], model[layout.RADIUS] = (
-            values[0],
-            cube.half_side,
-            self.corner_radius,
-        )
+        model[layout.MU], model[layout.HALF] = values[0], cube.half_side
         model[layout.GYRATION] = cube.inertia / cube.mass
         down = np.array([0.0, 0.0, -scene.gravity])
         model[layout.GRAVITY : layout.GRAVITY + 3] = scene.plane.rotation.inv().apply(down)
         model[layout.LAW] = _NUMBER[self.law]
         if self.law == "rigid":
-            model[layout.RESTITUTION] = values[1]
+            model[layout.RESTITUTION], model[layout.RADIUS] = values[1], values[2] * cube.half_side
         else:
             model[layout.STIFFNESS] = values[1] / cube.mass
             model[layout.DAMPING] = values[2] / (cube.mass if self.law == "spring-damper" else 1.0)

@@ -188,7 +188,7 @@ def identify(
         if progress is not None:
             progress(count)
 
-    notes = list(found.notes)
+    notes, fitted = list(found.notes), [p.name for p in model.parameters]
     which = spread_evenly(tosses, len(tosses) if most is None else whole_number("most", most, low=LEAST))
     if which.size < len(tosses):
         notes.append(f"{model.name}: fitted to {which.size} of {len(tosses)} tosses")
@@ -196,6 +196,10 @@ def identify(
         best = search(model, tosses.subset(which), scene.subset(which), chosen, seed, tick)
     else:
         best = search(model, tosses, scene, draws, seed, tick)
+    if "stiffness" in fitted:
+        notes.append(
+            f"{model.name}: the loss has several minima in stiffness and damping; the intervals are of this one"
+        )
     if not best.settled:
         notes.append(f"{model.name}: the search did not settle; take the intervals as too narrow")
     poses = model.rollout(best.values, scene)

@@ -24,7 +24,7 @@ from surefoot.estimation.tosses import Tosses
 
 FEW = 96
 """Tosses that lead the way."""
-FIRST = 8
+FIRST = 6
 """Points of the first look per parameter and one more."""
 FIRST_HALF, SHRINK = 0.2, 0.4
 """Half-width of the first box, as a share of the range, and by how much it shrinks at most."""
@@ -35,6 +35,9 @@ FINEST, AT_BOUND = 5e-4, 0.05
 EDGE = 0.9
 """A minimum farther out than this share of the box is at its edge: the box moves and keeps its size."""
 ROUNDS = 14
+"""Boxes that are tried in a row."""
+LOOKS, NARROW, LOOK_SEED = 3, 5e-3, 1000
+"""Looks around for another minimum, the least half-width of the coordinate that is held, and their seed."""
 FLOOR = 1e-3
 """Least median error [sides] that the robust loss takes."""
 TRIAL_RESAMPLES = 200
@@ -68,12 +71,14 @@ class Trials:
         self._model, self._tosses, self._scene = model, tosses, scene
         self.points: FloatArray = np.empty((0, len(model.parameters)))
         self.errors: FloatArray = np.empty((0, len(tosses)))
+        self.simulated = 0
 
     def add(self, points: FloatArray, tick: Callable[[float], None]) -> None:
         """Simulate all tosses at (n, d) points, as shares of the ranges."""
         for point in points:
             poses = self._model.rollout(values_of(self._model, point), self._scene)
             self.errors = np.vstack([self.errors, toss_errors(self._tosses, poses).corners])
+            self.simulated += len(self._tosses)
             tick(float(len(self._tosses)))
         self.points = np.vstack([self.points, points])
 
@@ -87,10 +92,6 @@ class Trials:
         """Return the response surface over a box, from all points in or just outside of it."""
         use = self._near(centre, half)
         return ResponseSurface(self.points[use], self.losses(use), centre, half)
-
-    def inside(self, centre: FloatArray, half: FloatArray) -> int:
-        """Return how many points a surface over a box has."""
-        return int(self._near(centre, half).sum())
 
     def _near(self, centre: FloatArray, half: FloatArray) -> BoolArray:
         return np.asarray(np.all(np.abs(self.points - centre) <= 1.25 * half, axis=1))
@@ -145,37 +146,87 @@ def search(
     few = spread_evenly(tosses, FEW)
     trials = Trials(model, tosses.subset(few), scene.subset(few))
     trials.add(_design(np.full(d, 0.5), np.full(d, 0.5), FIRST * (d + 1), seed), tick)
-    centre, half, done = trials.best(), np.full(d, FIRST_HALF), len(trials.points) * few.size
-    settled, leading = False, few.size < len(tosses)
+    box = Box(trials.best(), np.full(d, FIRST_HALF))
+    leading = few.size < len(tosses)
     weights = resample(few.size, TRIAL_RESAMPLES, seed) if leading else draws
-    for number in range(ROUNDS):
-        count = coefficients(d) + 3
-        if not leading:
-            count = max(count, 2 * coefficients(d) + 4 - trials.inside(centre, half))
-        trials.add(_design(centre, half, count, seed + number + 1), tick)
-        done += count * trials.errors.shape[1]
-        surface = trials.surface(centre, half)
-        least = surface.minimisers(np.ones((1, weights.shape[1])))[0]
-        spread = _spread(surface.minimisers(weights, seed))
-        z = (least - centre) / half
-        bound = (least <= 1e-9) | (least >= 1.0 - 1e-9)
-        edge = (np.abs(z) > EDGE) & ~bound
-        target = np.maximum(REACH * spread, np.where(bound, AT_BOUND, FINEST))
-        wide = half > CLOSE * target
-        if not (edge | wide).any():
-            settled = not leading
-            if settled:
-                break
-            trials, weights, leading = Trials(model, tosses, scene), draws, False
-            target = np.maximum(target * np.sqrt(few.size / len(tosses)) * 1.3, FINEST)
-            half = target / SHRINK
-        centre, half = least, np.where(edge, half, np.clip(target, SHRINK * half, half))
+    led = _settle(trials, box, weights, seed, tick, coefficients(d) + 3)
+    led = _look_around(trials, led, weights, seed, tick)
+    box = Box(led.least, led.target)
+    if leading:
+        narrower = led.target * np.sqrt(few.size / len(tosses)) * 1.3
+        box = Box(led.least, np.maximum(narrower, FINEST) / SHRINK)
+        simulated, weights = trials.simulated, draws
+        trials = Trials(model, tosses, scene)
+        trials.simulated = simulated
+    found = _settle(trials, box, weights, seed + ROUNDS, tick, coefficients(d) + 6)
     return Found(
-        values_of(model, least),
-        values_of(model, surface.minimisers(weights, seed)),
-        done / len(tosses),
-        settled,
+        values_of(model, found.least),
+        values_of(model, found.surface.minimisers(weights, seed)),
+        trials.simulated / len(tosses),
+        found.settled,
     )
+
+
+class Box(NamedTuple):
+    """Where points are tried: (d,) centre and half-width, as shares of the ranges."""
+
+    centre: FloatArray
+    half: FloatArray
+
+
+class Settled(NamedTuple):
+    """The last box of a search: its surface and minimum, the box it would like, whether it settled."""
+
+    surface: ResponseSurface
+    least: FloatArray
+    target: FloatArray
+    settled: bool
+
+
+def _look_around(
+    trials: Trials, led: Settled, weights: FloatArray, seed: int, tick: Callable[[float], None]
+) -> Settled:
+    """Return the best of the minima that a look at the whole ranges leads to.
+
+    The loss is a narrow valley: only near its best-known coordinate (friction, as a rule) do the others show
+    at all. That one is held within its interval, the others are tried from end to end.
+    """
+    d = led.least.size
+    for number in range(LOOKS):
+        half, known = np.ones(d), int(np.argmin(led.target))
+        half[known] = max(2.0 * led.target[known], NARROW)
+        trials.add(_design(led.least, half, FIRST * (d + 1), seed + LOOK_SEED + number), tick)
+        best = trials.best()
+        if (np.abs(best - led.least) <= CLOSE * led.target).all():
+            break
+        start = Box(best, np.where(np.arange(d) == known, 2.0 * half, FIRST_HALF))
+        other = _settle(trials, start, weights, seed + LOOK_SEED + ROUNDS, tick, coefficients(d) + 3)
+        trials.add(np.stack([led.least, other.least]), tick)
+        here, there = trials.losses(np.arange(len(trials.points)) >= len(trials.points) - 2).mean(axis=1)
+        if here <= there:
+            break
+        led = other
+    return led
+
+
+def _settle(
+    trials: Trials, box: Box, weights: FloatArray, seed: int, tick: Callable[[float], None], count: int
+) -> Settled:
+    """Move and shrink a box over one set of tosses until it holds the minimum and little else."""
+    for number in range(ROUNDS):
+        trials.add(_design(*box, count, seed + number + 1), tick)
+        surface = trials.surface(*box)
+        least = surface.minimisers(np.ones((1, weights.shape[1])))[0]
+        bound = (least <= 1e-9) | (least >= 1.0 - 1e-9)
+        edge = (np.abs(least - box.centre) > EDGE * box.half) & ~bound
+        spread = REACH * _spread(surface.minimisers(weights, seed))
+        target = np.maximum(spread, np.where(bound, AT_BOUND, FINEST))
+        settled = not (edge | (box.half > CLOSE * target)).any()
+        if settled:
+            break
+        narrower = np.clip(target, SHRINK * box.half, box.half)
+        box = Box(least, np.where(edge, box.half, narrower))
+    return Settled(surface, least, target, settled)
 
 
 def _spread(points: FloatArray) -> FloatArray:

@@ -167,7 +167,8 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
         If it is no such file; one line that names the file and what is wrong.
     """
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with Path(path).open("rb") as file:
+            archive = np.load(file, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):
                 raise ProblemError("it is a single array, not an .npz archive")
             missing = [name for name in ("states", "starts", "dt") if name not in archive.files]
