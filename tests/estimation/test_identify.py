@@ -40,7 +40,7 @@ def test_truth_is_found_within_tight_intervals(fit: sf.TossFit) -> None:
     truth |= {"ground": GROUND[0], "gravity": 9.81}
     truth |= {"tilt_x": np.degrees(np.arctan(GROUND[1])), "tilt_y": np.degrees(np.arctan(GROUND[2]))}
     widest = {
-        "mu": 0.02, "restitution": 0.05, "rounding": 0.05, "ground": 2e-4, "gravity": 0.05, "tilt_x": 0.05,
+        "mu": 0.02, "restitution": 0.1, "rounding": 0.1, "ground": 2e-4, "gravity": 0.05, "tilt_x": 0.05,
         "tilt_y": 0.05,
     }  # fmt: skip
     assert set(fit.parameters) == set(truth)
@@ -65,9 +65,7 @@ def test_noise_of_the_recording_is_measured(fit: sf.TossFit) -> None:
     assert fit.rotation_noise == pytest.approx(ROTATION_NOISE, rel=0.2)
 
 
-def test_the_same_seed_gives_the_same_fit_and_a_file_is_as_good(
-    tosses: Tosses, tmp_path: Path
-) -> None:
+def test_the_same_seed_gives_the_same_fit_and_a_file_is_as_good(tosses: Tosses, tmp_path: Path) -> None:
     path = sf.write_tosses(tosses, tmp_path / "tosses.npz")
     model = CubeModel(steps=1)
     first, again = (identify(t, model, most=8, resamples=50, seed=1) for t in (tosses, path))

@@ -198,7 +198,7 @@ def identify(
         best = search(model, tosses, scene, draws, seed, tick)
     if "stiffness" in fitted:
         notes.append(
-            f"{model.name}: the loss has several minima in stiffness and damping; the intervals are of this one"
+            f"{model.name}: several minima in stiffness and damping; the intervals are those of this one"
         )
     if not best.settled:
         notes.append(f"{model.name}: the search did not settle; take the intervals as too narrow")

@@ -21,6 +21,8 @@ from surefoot.errors import ProblemError, WriteError
 
 UNIT = 1e-3
 """How far a quaternion's length may be from one."""
+ROUNDED = 1e-14
+"""And how far it is by rounding alone."""
 SHORTEST = 4
 """Frames of the shortest toss that says anything."""
 
@@ -108,7 +110,8 @@ class Tosses:
                 f"the quaternion of toss {toss}, row {row - starts[toss]}, must have length 1, "
                 f"got {size[row]:g}"
             )
-        states[:, 3:7] /= size[:, None]
+        # what has been made of length one before stays as it is, to the last bit
+        states[:, 3:7] /= np.where(np.abs(size - 1.0) < ROUNDED, 1.0, size)[:, None]
         set_(self, "states", states)
         set_(self, "starts", starts)
         set_(self, "ids", ids)

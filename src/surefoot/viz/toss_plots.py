@@ -38,7 +38,6 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     errors = {name: _errors(fit) for name, fit in fits.items()}
     _draw_shares(axes[0, 0], {n: e.position for n, e in errors.items()}, "mean position error [width]")
     _draw_shares(axes[0, 1], {n: e.rotation for n, e in errors.items()}, "mean rotation error [deg]")
-    axes[0, 0].legend(fontsize=8, loc="lower right")
     tosses = train if test is None else test
     first = next(iter(fits.values()))
     poses = first.train_poses if test is None or first.test_poses is None else first.test_poses
@@ -47,10 +46,10 @@ def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit],
     rows = slice(int(tosses.starts[which]), int(tosses.starts[which + 1]))
     height = first["ground"].value
     _draw_toss(axes[1, 0], tosses, tosses.states[rows, :7], poses[rows], height)
-    _draw_heights(axes[1, 1], tosses.dt, tosses.states[rows], poses[rows], tosses.cube.width)
+    _draw_heights(axes[1, 1], tosses.dt, tosses.states[rows], poses[rows])
     share = "not seen by the fit" if test is not None else "fitted to"
     axes[0, 0].set_title(f"{len(tosses)} tosses {share}")
-    axes[1, 0].set_title(f"Toss {tosses.ids[which]}, of median error: grey recorded, blue simulated")
+    axes[1, 0].set_title(f"Toss {tosses.ids[which]}, of median error: recorded (grey), simulated")
     return save(figure, path)
 
 
@@ -95,7 +94,7 @@ def _draw_toss(axis: Any, tosses: Tosses, recorded: FloatArray, simulated: Float
     axis.set_aspect("equal", adjustable="datalim")
 
 
-def _draw_heights(axis: Any, dt: float, recorded: FloatArray, simulated: FloatArray, width: float) -> None:
+def _draw_heights(axis: Any, dt: float, recorded: FloatArray, simulated: FloatArray) -> None:
     """Draw place and height of the centre over time."""
     time = dt * np.arange(len(recorded))
     path = recorded[-1, :2] - recorded[0, :2]
@@ -106,5 +105,5 @@ def _draw_heights(axis: Any, dt: float, recorded: FloatArray, simulated: FloatAr
         distance = (poses[:, :2] - recorded[0, :2]) @ along
         axis.plot(time, distance, style, color=FOOT_COLOURS[0], label=f"along the path, {name}")
     axis.set(xlabel="time [s]", ylabel="centre [m]")
-    axis.set_title(f"The same toss over time (the cube is {width:.3g} m wide)")
+    axis.set_title("The same toss over time")
     axis.legend(fontsize=8)
