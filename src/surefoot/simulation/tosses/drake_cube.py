@@ -6,6 +6,7 @@ take. It runs in another process, so that its interpreter may be another: SUREFO
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import math
@@ -102,7 +103,8 @@ class DrakeCube:
         if self._worker is not None:
             for pipe in (self._worker.stdin, self._worker.stdout):
                 if pipe is not None:
-                    pipe.close()
+                    with contextlib.suppress(BrokenPipeError):  # it ended before it read all
+                        pipe.close()
             self._worker.wait(timeout=20)
             self._worker = None
 
