@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
@@ -79,10 +77,3 @@ def _with_velocities(poses: FloatArray, frames: int, dt: float) -> FloatArray:
     first = np.arange(0, len(poses), frames)
     states[first, 7:] = states[first + 1, 7:]
     return states
-
-
-def settled(tosses: Tosses) -> float:
-    """Return the share of tosses whose last two frames agree to a millimetre."""
-    ends = tosses.starts[1:] - 1
-    moved = np.linalg.norm(tosses.states[ends, :3] - tosses.states[ends - 1, :3], axis=1)
-    return float(np.mean(moved < 1e-3)) if len(tosses) else math.nan
