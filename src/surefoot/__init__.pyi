@@ -1,6 +1,10 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
 from . import laws as laws
+from .audit import AuditReport as AuditReport
+from .audit import LawBroken as LawBroken
+from .audit import assert_lawful as assert_lawful
+from .audit import audit_log as audit_log
 from .audit import summarise_stand as summarise_stand
 from .audit import summarise_walk as summarise_walk
 from .cones import Cone as Cone
@@ -64,6 +68,8 @@ from .errors import NoSolution as NoSolution
 from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
+from .estimation import ForceEstimate as ForceEstimate
+from .estimation import estimate_forces as estimate_forces
 from .log import Log as Log
 from .log import read_log as read_log
 from .robot import Robot as Robot
