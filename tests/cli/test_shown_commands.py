@@ -21,6 +21,7 @@ from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
 from surefoot.control.gait_files import write_gaits
 from surefoot.control.gait_library import named_gait
+from surefoot.problems.logged_runs import CleanRun
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.solvers import solver as solvers
 
@@ -89,6 +90,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         text = text.replace(f'"{foot}"', f'"{name}"')
     (place / "my.urdf").write_text(text)
     (place / "example-robot-data").symlink_to(robots_folder().parent)
+    CleanRun(duration=0.3).make().save(place / "log.npz")
+    log = CleanRun(duration=0.3).make()
+    log["forces"][100:200, 0] *= -1.0
+    log.save(place / "fallen.npz")
     return place
 
 

@@ -28,6 +28,8 @@ from surefoot.terrain import Terrain
 
 REACH = 3.0
 """Standard deviations within which an acceleration may be wrong."""
+EXACT = 1e-4
+"""The base has no motor: its rows are so much better known than a torque, apart from the acceleration."""
 RANK = 1e-9
 """Singular values below this share of the largest are not seen by the measurements."""
 
@@ -128,7 +130,7 @@ def estimate_forces(
     needed = needed - generalised_torque(robot, finite_array("tau", tau, (robot.joints,)))
     M = np.triu(pinocchio.crba(model, data, configuration))
     spread = shaking * np.linalg.norm(M + np.triu(M, 1).T, axis=1)
-    spread = np.hypot(spread, np.where(np.arange(model.nv) < robot.base_dof, 1e-9, noise))
+    spread = np.hypot(spread, np.where(np.arange(model.nv) < robot.base_dof, EXACT * noise, noise))
     J = contact_jacobian(robot, configuration, stance)
     forces, std, misfit = _least_squares(J.T / spread[:, None], needed / spread)
     rate = pinocchio.computeCentroidalMomentumTimeVariation(

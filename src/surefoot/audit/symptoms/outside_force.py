@@ -12,7 +12,7 @@ def _judge(e: Episode) -> Evidence | None:
     rest = e.rows.unexplained
     if rest is None or not e.has("motion"):
         return None
-    force = np.nanmean(rest.force[e.rows.core], axis=0)
+    force = np.nanmedian(rest.force[e.rows.core], axis=0)
     return Evidence(0.8, f"about ({force[0]:.3g}, {force[1]:.3g}, {force[2]:.3g}) N on the body, world axes")
 
 
