@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import runpy
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,15 @@ CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
 def test_links_and_commands(page: Path) -> None:
     assert CHECK["broken_links"](page) == []
     assert CHECK["wrong_commands"](page) == []
+
+
+@pytest.mark.parametrize("name", ["derivatives.md", "batches.md"])
+def test_shown_python_runs(name: str) -> None:
+    failed, tried = doctest.testfile(
+        str(ROOT / "docs" / name), module_relative=False, optionflags=doctest.NORMALIZE_WHITESPACE
+    )
+    assert tried > 5
+    assert failed == 0
 
 
 def test_the_check_finds_faults(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

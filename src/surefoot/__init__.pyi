@@ -7,6 +7,9 @@ from .audit import assert_lawful as assert_lawful
 from .audit import audit_log as audit_log
 from .audit import summarise_stand as summarise_stand
 from .audit import summarise_walk as summarise_walk
+from .batch import BatchSolution as BatchSolution
+from .batch import DifferentiableSolver as DifferentiableSolver
+from .batch import solve_batch as solve_batch
 from .cones import Cone as Cone
 from .cones import FrictionCone as FrictionCone
 from .cones import FrictionPyramid as FrictionPyramid
@@ -15,6 +18,7 @@ from .cones import ProductCone as ProductCone
 from .cones import WrenchCone as WrenchCone
 from .contact import LCP as LCP
 from .contact import ContactProblem as ContactProblem
+from .contact import ContactSet as ContactSet
 from .contact import ContactSolution as ContactSolution
 from .contact import InfeasibilityProof as InfeasibilityProof
 from .contact import Redundancy as Redundancy
@@ -22,6 +26,7 @@ from .contact import Residuals as Residuals
 from .contact import Status as Status
 from .contact import carry_over as carry_over
 from .contact import check_proof as check_proof
+from .contact import contacts as contacts
 from .contact import persisting as persisting
 from .contact import read_lcp as read_lcp
 from .contact import read_problem as read_problem
@@ -108,6 +113,7 @@ from .terrain import PitTerrain as PitTerrain
 from .terrain import SlopeTerrain as SlopeTerrain
 from .terrain import StairsTerrain as StairsTerrain
 from .terrain import Terrain as Terrain
+from .terrain import rough_ground as rough_ground
 from .viz.video import Renderer as Renderer
 from .viz.video import RenderError as RenderError
 from .viz.video import cone_lines as cone_lines

@@ -1,4 +1,4 @@
-"""Seeded faults: every kind is found with its foot, time and cause; a sample of `python -m benchmarks.audit`."""
+"""Seeded faults: every kind is found with its foot, time and cause. All: `python -m benchmarks.audit`."""
 
 from __future__ import annotations
 

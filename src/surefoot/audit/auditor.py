@@ -183,8 +183,8 @@ def _report(
         verdict = "cannot tell"
     symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
     return AuditReport(
-        verdict, violations, more, symptoms, coverage, friction.intervals(), (*setting.doubts, *setting.notes), len(log),
-        float(time[0]), float(time[-1]), setting.names, setting.weight, reason,
+        verdict, violations, more, symptoms, coverage, friction.intervals(),
+        (*setting.doubts, *setting.notes), len(log), float(time[0]), float(time[-1]), setting.names, setting.weight, reason,
     )  # fmt: skip
 
 

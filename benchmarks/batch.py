@@ -1,0 +1,184 @@
+"""Batches of four-contact problems of Go2: solves and gradients per second, and Pinocchio's ADMM in a loop.
+
+Run: python benchmarks/batch.py [--quick]. On a busy machine pin it (`taskset -c 0,1`); every figure is the
+best of its repeats. Cold starts, tolerance 1e-8; the worst velocity errors (`Residuals.velocity_error`) are
+printed too, and the gradients' error against the polished derivative.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import surefoot as sf
+from surefoot.arrays import FloatArray
+from surefoot.batch.loops import derive_range, solve_range
+from surefoot.robot.dynamics import delassus_dense
+from surefoot.robot.jacobians import contact_jacobian
+
+TOL, MU = 1e-8, 0.6
+
+
+def go2_problems(count: int, seed: int = 0) -> tuple[FloatArray, FloatArray]:
+    """G and g of Go2 on four feet, in random poses and moving at random: stick, slide and open mixed."""
+    robot, rng = sf.load_robot("go2"), np.random.default_rng(seed)
+    G, g = np.empty((count, 12, 12)), np.empty((count, 12))
+    for b in range(count):
+        q = robot.nominal.copy()
+        q[7:] += rng.uniform(-0.3, 0.3, 12)
+        v = rng.normal(size=18) * np.repeat([0.4, 0.6, 1.5], [3, 3, 12])
+        v[2] -= 0.4
+        stance = robot.stance(q)
+        G[b], g[b] = delassus_dense(robot, q, stance), contact_jacobian(robot, q, stance) @ v
+    return G, g
+
+
+def best(function: Callable[[], Any], repeats: int) -> float:
+    """Seconds of the fastest call."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def compiled_loop(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> dict[str, float]:
+    """Seconds per problem of the compiled loop on one thread."""
+    count = len(G)
+    laws = np.broadcast_to(np.array([[[MU], [0.0], [np.inf]]]), (1, 3, 4)).copy()
+    none, buffers = np.zeros((0, 4), dtype=np.bool_), np.empty((count, 11, 3))
+    done, out, good = np.empty(count, dtype=np.int64), np.empty_like(weights), np.ones(count, dtype=np.bool_)
+
+    def solve() -> None:
+        solve_range(G, g, laws, none, False, 1e-8, TOL, -1, False, buffers, done, 0, count)
+
+    def pull() -> None:
+        derive_range(G, laws, none, False, buffers, False, good, weights, out, good, 0, count)
+
+    def both() -> None:
+        solve()
+        pull()
+
+    return {
+        "compiled loop, solve": best(solve, repeats) / count,
+        "compiled loop, solve and vjp": best(both, repeats) / count,
+    }
+
+
+def through_python(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> dict[str, float]:
+    """Seconds per problem one at a time through Python, from a new G every call."""
+    solver = sf.DifferentiableSolver(4, MU, tol=TOL, warm_start=False)
+    pairs = [(np.ascontiguousarray(A), np.ascontiguousarray(a)) for A, a in zip(G, g, strict=True)]
+    f, u = weights[0, :4].copy(), weights[0, 4:].copy()
+
+    def solve() -> None:
+        for A, a in pairs:
+            solver.solve(A, a)
+
+    def both() -> None:
+        for A, a in pairs:
+            solver.vjp(A, solver.solve(A, a), f, u)
+
+    return {
+        "Python, solve": best(solve, repeats) / len(G),
+        "Python, solve and vjp": best(both, repeats) / len(G),
+    }
+
+
+def batches(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> dict[str, float]:
+    """Seconds per problem of `solve_batch`, on one and on all threads."""
+    out = {}
+    f, u = weights[:, :4], weights[:, 4:]
+    for threads in (1, None):
+        name = "solve_batch, one thread" if threads == 1 else "solve_batch, all threads"
+
+        def solve(threads: int | None = threads) -> None:
+            sf.solve_batch(G, g, MU, tol=TOL, threads=threads)
+
+        def both(threads: int | None = threads) -> None:
+            found = sf.solve_batch(G, g, MU, tol=TOL, threads=threads, derivative=True).derivative
+            assert found is not None
+            found.vjp(f, u)
+
+        out[name] = best(solve, repeats) / len(G)
+        out[f"{name}, with vjp"] = best(both, repeats) / len(G)
+    return out
+
+
+def pinocchio_loop(G: FloatArray, g: FloatArray, repeats: int) -> tuple[float, float]:
+    """Seconds per problem of Pinocchio's ADMM at the loosest tolerance that meets ours; its worst error."""
+    import pinocchio as pin
+
+    model, place = pin.Model(), pin.SE3.Identity()
+    model.addJoint(0, pin.JointModelFreeFlyer(), place, "body")
+    models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+    for _ in range(4):
+        contact = pin.PointContactConstraintModel(model, 0, place, 1, place)
+        contact.setFriction(MU)
+        models.append(pin.ConstraintModel(contact))
+    for item in models:
+        datas.append(item.createData())
+    solver, result = pin.ADMMConstraintSolver(12), pin.ADMMSolverResult()
+    options = pin.ADMMSolverSettings()
+    options.max_iterations, options.solve_ncp = 20_000, True
+    options.relative_feasibility_tol = options.relative_complementarity_tol = 0.0
+
+    def one(A: FloatArray, a: FloatArray) -> FloatArray:
+        solver.reset()
+        solver.solve(pin.DelassusOperatorDense(A), a, models, datas, options, result)
+        return np.asarray(result.retrieveConstraintImpulses()).reshape(-1, 3)
+
+    problems = [sf.ContactProblem(A, a, MU) for A, a in zip(G, g, strict=True)]
+    worst = np.inf
+    for tol in (1e-6, 1e-8, 1e-10, 1e-12):
+        options.absolute_feasibility_tol = options.absolute_complementarity_tol = tol
+        worst = max(sf.residuals(p, one(p.G, p.g)).velocity_error for p in problems)
+        if worst <= TOL:
+            break
+    return best(lambda: [one(A, a) for A, a in zip(G, g, strict=True)], repeats) / len(G), worst
+
+
+def gradient_error(G: FloatArray, g: FloatArray, weights: FloatArray) -> float:
+    """Largest relative error of the batch's gradients, against the polished derivative, away from kinks."""
+    found = sf.solve_batch(G, g, MU, tol=TOL, derivative=True).derivative
+    assert found is not None
+    back, worst = found.vjp(weights[:, :4], weights[:, 4:]), 0.0
+    for k in np.flatnonzero(found.distance > 1e-6):
+        d = sf.solve(sf.ContactProblem(G[k], g[k], MU)).derivative()
+        wanted = d.vjp(weights[k, :4], weights[k, 4:]).g
+        worst = max(worst, float(np.abs(back.g[k] - wanted).max() / np.abs(wanted).max()))
+    return worst
+
+
+def main(quick: bool = False) -> dict[str, float]:
+    """Print the table; return seconds per problem by name."""
+    count, repeats = (100, 5) if quick else (500, 60)
+    G, g = go2_problems(count)
+    weights = np.random.default_rng(1).normal(size=(count, 8, 3))
+    modes: Counter[str] = Counter()
+    for A, a in zip(G[:100], g[:100], strict=True):
+        modes.update(sf.solve(sf.ContactProblem(A, a, MU)).derivative().modes)
+    print(f"{count} problems of Go2 on four feet, modes {dict(modes)}")
+    few = sf.solve_batch(G, g, MU, tol=TOL)
+    times = compiled_loop(G, g, weights, repeats) | through_python(G, g, weights, max(repeats // 3, 3))
+    many = 4  # threads have something to do
+    tiled = np.tile(G, (many, 1, 1)), np.tile(g, (many, 1)), np.tile(weights, (many, 1, 1))
+    times |= batches(*tiled, repeats)
+    rival, error = pinocchio_loop(G[:50], g[:50], max(repeats // 10, 3))
+    times["Pinocchio ADMM, solve"] = rival
+    for name, seconds in times.items():
+        print(f"{name:36s} {1e6 * seconds:8.2f} µs  {1e-6 / seconds:8.3f} million/s")
+    print(f"worst velocity error: ours {few.residual.max():.1e}, Pinocchio {error:.1e}")
+    off = gradient_error(G[:200], g[:200], weights[:200])
+    print(f"largest relative error of a gradient as solved: {off:.1e}")
+    return times
+
+
+if __name__ == "__main__":
+    main("--quick" in sys.argv[1:])

@@ -1,0 +1,204 @@
+"""Derivatives of a batch of solutions: products with rates and weights, compiled and on threads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, finite_array
+from surefoot.batch.loops import derive_range, measure_range
+from surefoot.contact.derivative import KINK, ContactDerivative
+from surefoot.contact.laws import Law
+from surefoot.contact.problem import ContactProblem
+from surefoot.errors import ProblemError
+
+InRanges = Callable[[Callable[[int, int], None], int, int], None]
+
+
+@dataclass(frozen=True)
+class BatchTangents:
+    """Rates of forces and velocities (B, n, 3); zero where `valid` (B,) is False.
+
+    `regular` (B,) is False where contacts are redundant, see `ContactDerivative`.
+    """
+
+    forces: FloatArray
+    velocities: FloatArray
+    valid: BoolArray
+    regular: BoolArray
+
+
+@dataclass(frozen=True)
+class BatchCotangents:
+    """Gradients of one number for each problem; zero where `valid` (B,) is False.
+
+    Attributes
+    ----------
+    g
+        (B, 3n).
+    mu, normal_min, normal_max
+        (B, n).
+    valid, regular
+        (B,); `regular` is False where contacts are redundant, see `ContactDerivative`.
+    """
+
+    g: FloatArray
+    mu: FloatArray
+    normal_min: FloatArray
+    normal_max: FloatArray
+    valid: BoolArray
+    regular: BoolArray
+    _forces: FloatArray
+
+    @cached_property
+    def G(self) -> FloatArray:
+        """The gradient (B, 3n, 3n) with respect to G, symmetric; made when it is asked for."""
+        outer = self.g[:, :, None] * self._forces[:, None, :]
+        return np.asarray(0.5 * (outer + outer.transpose(0, 2, 1)))
+
+    @cached_property
+    def compliance(self) -> FloatArray:
+        """The gradient (B, 3n) with respect to the compliance."""
+        return self.g * self._forces
+
+
+class BatchDerivative:
+    """Derivatives of a batch's forces and velocities; `valid` (B,) is False where a problem is not SOLVED.
+
+    Taken at the forces as they were solved, without polish: the error is that of the solution times the
+    active system's condition (tol=1e-12 costs a Newton step more, and gives them to about 1e-12). `vjp`
+    belongs to the mode that each contact is in; `jvp` is one-sided where `distance` is below 1e-9, each such
+    problem by `ContactDerivative`.
+    """
+
+    def __init__(
+        self, G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, law: Law, buffers: FloatArray,
+        valid: BoolArray, threads: int, in_ranges: InRanges,
+    ) -> None:  # fmt: skip
+        self._G, self._g, self._laws, self._mask, self._law = G, g, laws, mask, law
+        self._buffers, self._threads, self._in_ranges = buffers, threads, in_ranges
+        self.valid = valid
+
+    @cached_property
+    def distance(self) -> FloatArray:
+        """(B,) distance to the nearest change of a mode, as a velocity over the largest of g."""
+        B = len(self._g)
+        found = np.full(B, np.inf)
+        self._in_ranges(
+            lambda a, b: measure_range(
+                self._G, self._g, self._laws, self._mask, self._law == "convex", self._buffers, found, a, b
+            ),
+            B, self._threads,
+        )  # fmt: skip
+        return found
+
+    def jvp(
+        self,
+        G: ArrayLike | None = None,
+        g: ArrayLike | None = None,
+        mu: ArrayLike | None = None,
+        normal_min: ArrayLike | None = None,
+        normal_max: ArrayLike | None = None,
+        compliance: ArrayLike | None = None,
+    ) -> BatchTangents:
+        """Return how forces and velocities move with G (B, 3n, 3n), g (B, 3n), and the rest.
+
+        mu, normal_min and normal_max: a number, (n,) or (B, n); compliance: a number, (3n,) or (B, 3n).
+
+        Raises
+        ------
+        ProblemError
+            If a shape is wrong or an entry is not finite.
+        """
+        (B, m), n = self._g.shape, self._g.shape[1] // 3
+        flat = self._flat
+        b = np.zeros((B, m))
+        rates = np.zeros((B, 2 * n, 3))
+        if G is not None:
+            dG = finite_array("G", G, (B, m, m))
+            b += 0.5 * np.einsum("bij,bj->bi", dG + dG.transpose(0, 2, 1), flat)
+        if g is not None:
+            b += finite_array("g", g, (B, m))
+        if compliance is not None:
+            b += _fit("compliance", compliance, B, m) * flat
+        rates[:, :n] = b.reshape(B, n, 3)
+        for column, (name, value) in enumerate(
+            (("mu", mu), ("normal_min", normal_min), ("normal_max", normal_max))
+        ):
+            if value is not None:
+                rates[:, n:, column] = _fit(name, value, B, n)
+        out, regular = self._run(True, rates)
+        for k in np.flatnonzero(self.valid & (self.distance <= KINK)):
+            self._one_sided(int(k), rates[k], out[k])
+        return BatchTangents(out[:, :n], out[:, n:], self.valid, regular)
+
+    def vjp(self, forces: ArrayLike | None = None, velocities: ArrayLike | None = None) -> BatchCotangents:
+        """Return the gradients of forces·f + velocities·u, problem by problem, for (B, n, 3) weights.
+
+        Raises
+        ------
+        ProblemError
+            If a shape is wrong or an entry is not finite.
+        """
+        (B, m), n = self._g.shape, self._g.shape[1] // 3
+        weights = np.zeros((B, 2 * n, 3))
+        if forces is not None:
+            weights[:, :n] = finite_array("forces", forces, (B, n, 3))
+        if velocities is not None:
+            weights[:, n:] = finite_array("velocities", velocities, (B, n, 3))
+        out, regular = self._run(False, weights)
+        mu, low, high = (np.ascontiguousarray(out[:, n:, a]) for a in range(3))
+        return BatchCotangents(out[:, :n].reshape(B, m), mu, low, high, self.valid, regular, self._flat)
+
+    @property
+    def _flat(self) -> FloatArray:
+        """The forces as (B, 3n)."""
+        B, m = self._g.shape
+        return np.where(self.valid[:, None], self._buffers[:, : m // 3].reshape(B, m), 0.0)
+
+    def _run(self, forward: bool, given: FloatArray) -> tuple[FloatArray, BoolArray]:
+        B = len(self._g)
+        out, regular = np.empty_like(given), np.ones(B, dtype=np.bool_)
+        self._in_ranges(
+            lambda a, b: derive_range(
+                self._G, self._laws, self._mask, self._law == "convex", self._buffers, forward, self.valid,
+                given, out, regular, a, b,
+            ),
+            B, self._threads,
+        )  # fmt: skip
+        return out, regular
+
+    def _one_sided(self, k: int, rates: FloatArray, out: FloatArray) -> None:
+        """Fill the one-sided derivative of problem k, which is at a kink."""
+        n = self._g.shape[1] // 3
+        here = self._mask[k] if len(self._mask) else np.ones(n, dtype=np.bool_)
+        rows = np.repeat(here, 3)
+        mu, low, high = self._laws[k if len(self._laws) > 1 else 0][:, here]
+        held = np.isinf(low)
+        problem = ContactProblem(
+            self._G[k][np.ix_(rows, rows)], self._g[k][rows], mu, np.where(held, 0.0, low), high, self._law,
+            bilateral=held,
+        )  # fmt: skip
+        d = ContactDerivative(
+            problem, self._buffers[k, :n][here], self._buffers[k, n : 2 * n][here], kink_tol=10.0 * KINK
+        )
+        bounds = rates[n:][here]
+        found = d.jvp(
+            g=rates[:n][here].ravel(), mu=bounds[:, 0], normal_min=bounds[:, 1], normal_max=bounds[:, 2]
+        )
+        out[:] = 0.0
+        out[:n][here], out[n:][here] = found.forces, found.velocities
+
+
+def _fit(name: str, value: ArrayLike, B: int, width: int) -> FloatArray:
+    """Return a rate that is a number, (width,) or (B, width)."""
+    array = finite_array(name, value)
+    if array.shape not in ((), (width,), (B, width)):
+        raise ProblemError(
+            f"{name} must be a number or have shape ({width},) or ({B}, {width}), got {array.shape}"
+        )
+    return array

@@ -1,0 +1,210 @@
+"""One contact problem and its gradient as compiled functions, for loops over many and for a caller's own.
+
+`solve_contacts`, `contact_vjp` and `contact_jvp` may be called from any function under `numba.njit`; they
+hold no state, allocate their own scratch, and release nothing. Up to 45 contacts on exact cones.
+
+The derivative is that of `contact.derivative`, at the forces as they are solved (not polished): its error is
+that of the solution times the condition. At a kink it belongs to the mode that the natural map is on.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.batch.active import (
+    AT_HIGH,
+    AT_LOW,
+    FREE,
+    HELD,
+    SLIDE,
+    add_product,
+    fill,
+    gather,
+    least_squares,
+    read_modes,
+    regular_pivots,
+    scatter,
+    unknowns,
+    unscale,
+)
+from surefoot.contact.blocks import checked_mirror
+from surefoot.kernels import kernel
+from surefoot.numerics.elimination import lu_solve
+from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, solve_compiled
+
+NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
+"""What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
+semidefinite as far as it looks."""
+
+
+@kernel
+def solve_contacts(
+    G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, asymmetry: float, tol: float, most: int,
+    warm: bool, buffer: FloatArray,
+) -> int:  # fmt: skip
+    """Solve one contact problem; return the iterations, bit by bit turned (negative) if it is not solved.
+
+    Parameters
+    ----------
+    G, g
+        (3n, 3n) Delassus operator with its compliance, and (3n,) free velocity, C-contiguous.
+    laws
+        (3, n): mu, normal_min (-inf for a bilateral contact) and normal_max.
+    convex
+        Whether the law is convex; else Coulomb's.
+    asymmetry
+        Largest |G - Gᵀ| over largest |G| that is taken for rounding (1e-8; 1e-5 for single precision).
+    tol, most
+        Wanted velocity error, and the bound on iterations (-1 for the methods' own).
+    warm
+        Whether the buffer holds forces to start from.
+    buffer
+        (2n + 3, 3) to be filled: forces, velocities, and the seven numbers of `Residuals`.
+    """
+    m = g.size
+    matrix, vectors = np.empty((m, m)), np.empty((2, m))
+    total = 0.0
+    for i in range(m):
+        for j in range(m):
+            matrix[i, j] = G[i, j]
+        vectors[0, i] = g[i]
+        total += g[i]
+    for a in range(3):
+        for k in range(m // 3):
+            vectors[1, a * (m // 3) + k] = laws[a, k]
+    scale, gap, _, _ = checked_mirror(matrix, asymmetry)
+    if not abs(total) + scale < np.inf:
+        return NOT_NUMBERS
+    if gap < 0.0 or gap > asymmetry * scale:
+        return DOUBTFUL
+    mode = (CONVEX if convex else 0) | (WARM if warm else 0)
+    done = solve_compiled(matrix, vectors, tol, most if most >= 0 else UNBOUNDED, mode, buffer)
+    return ~(done - UNSOLVED) if done >= UNSOLVED else done
+
+
+@kernel
+def contact_vjp(
+    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, weights: FloatArray, out: FloatArray
+) -> bool:
+    """Fill the gradient of a number whose gradient with respect to forces and velocities is given.
+
+    Parameters
+    ----------
+    G, laws, convex, buffer
+        As `solve_contacts` took and filled them.
+    weights
+        (2n, 3): of the forces, then of the velocities.
+    out
+        (2n, 3) to be filled: rows 0 to n - 1 with respect to g; row n + k with respect to contact k's mu,
+        normal_min and normal_max. That with respect to G is the symmetric part of out_g λᵀ, and with respect
+        to a compliance out_g λ, entry by entry.
+
+    Returns
+    -------
+    bool
+        Whether the active system is regular; for redundant contacts the gradient is along perturbations
+        that they can follow.
+    """
+    n = laws.shape[1]
+    m = 3 * n
+    mode, work = np.empty((n, 8)), np.empty((m + 4, m))
+    p, b, back = work[m], work[m + 1], work[m + 2]
+    size = read_modes(G, laws, convex, buffer, mode)
+    for k in range(n):
+        for a in range(3):
+            p[3 * k + a], back[3 * k + a] = weights[k, a], weights[n + k, a]
+    add_product(G, back, 1.0, p)
+    fill(G, laws, mode, True, convex, True, work)
+    gather(laws, mode, True, False, p, b)
+    regular = size == 0 or (lu_solve(work, b, size) and regular_pivots(work, size))
+    if not regular:
+        extra = work[m + 3]
+        fill(G, laws, mode, True, convex, True, work)
+        gather(laws, mode, True, False, p, b)
+        gather(laws, mode, convex, True, back, extra)
+        unscale(laws, mode, convex, extra)
+        least_squares(work, b, size, extra)
+    scatter(laws, mode, convex, True, b, back)
+    add_product(G, back, -1.0, p)
+    i = 0
+    for k in range(n):
+        h = 3 * k
+        out[k, 0], out[k, 1] = weights[n + k, 0] - back[h], weights[n + k, 1] - back[h + 1]
+        out[k, 2] = weights[n + k, 2] - back[h + 2]
+        normal, tangent, e_p = mode[k, 0], mode[k, 1], mode[k, 2] * p[h] + mode[k, 3] * p[h + 1]
+        own = mode[k, 7] * e_p if normal != HELD else 0.0
+        if convex and normal == FREE and tangent == SLIDE:
+            own += mode[k, 6] * b[i]
+        along = p[h + 2] + laws[0, k] * e_p
+        out[n + k, 0] = own
+        out[n + k, 1], out[n + k, 2] = along if normal == AT_LOW else 0.0, along if normal == AT_HIGH else 0.0
+        i += unknowns(normal, tangent)
+    return regular
+
+
+@kernel
+def contact_jvp(
+    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, rates: FloatArray, out: FloatArray
+) -> bool:
+    """Fill the rates of forces and velocities.
+
+    Parameters
+    ----------
+    G, laws, convex, buffer
+        As `solve_contacts` took and filled them.
+    rates
+        (2n, 3): rows 0 to n - 1 the rate of u at fixed forces, G' λ + g'; row n + k the rates of contact k's
+        mu, normal_min and normal_max.
+    out
+        (2n, 3) to be filled: the rates of the forces, then of the velocities.
+
+    Returns
+    -------
+    bool
+        Whether the active system is regular, see `contact_vjp`.
+    """
+    n = laws.shape[1]
+    m = 3 * n
+    mode, work = np.empty((n, 8)), np.empty((m + 5, m))
+    v, b, jump, extra, moved = work[m], work[m + 1], work[m + 2], work[m + 3], work[m + 4]
+    size = read_modes(G, laws, convex, buffer, mode)
+    for k in range(n):
+        h, mu, normal = 3 * k, laws[0, k], mode[k, 0]
+        bound = rates[n + k, 1] if normal == AT_LOW else (rates[n + k, 2] if normal == AT_HIGH else 0.0)
+        radius = mode[k, 7] * rates[n + k, 0] + mu * bound if normal != HELD else 0.0
+        jump[h], jump[h + 1], jump[h + 2] = radius * mode[k, 2], radius * mode[k, 3], bound
+        for a in range(3):
+            v[h + a] = rates[k, a]
+    add_product(G, jump, 1.0, v)
+    regular = size == 0
+    for attempt in range(2):
+        if regular:
+            break
+        fill(G, laws, mode, convex, True, False, work)
+        gather(laws, mode, convex, True, v, b)
+        i = 0
+        for k in range(n):
+            if convex and mode[k, 0] == FREE and mode[k, 1] == SLIDE:
+                b[i] -= mode[k, 6] * rates[n + k, 0]
+            i += unknowns(mode[k, 0], mode[k, 1])
+        if attempt == 0:
+            regular = lu_solve(work, b, size) and regular_pivots(work, size)
+        else:
+            for i in range(size):
+                extra[i] = 0.0
+            least_squares(work, b, size, extra)
+            unscale(laws, mode, convex, extra)
+    scatter(laws, mode, True, False, b, moved)
+    if not regular:
+        scatter(laws, mode, convex, True, extra, v)
+    for i in range(m):
+        jump[i] -= moved[i]
+        out[i // 3, i % 3] = jump[i]
+        b[i] = rates[i // 3, i % 3]
+        if not regular:
+            b[i] -= v[i]
+    add_product(G, jump, 1.0, b)
+    for i in range(m):
+        out[n + i // 3, i % 3] = b[i]
+    return regular

@@ -1,0 +1,166 @@
+"""Compiled loops over ranges of problems: each runs without the interpreter's lock, on one thread.
+
+A problem's contacts that are masked out are taken out of its matrix first, so mixed numbers of contacts cost
+no more than their own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.batch.active import FREE, HELD, SLIDE, STICK, read_modes
+from surefoot.batch.kernel import contact_jvp, contact_vjp, solve_contacts
+from surefoot.kernels import inline_kernel, releasing_kernel
+
+
+@inline_kernel
+def _count(mask: BoolArray, b: int, n: int) -> int:
+    """Return the number of contacts that are there; an empty mask has them all."""
+    if mask.shape[0] == 0:
+        return n
+    count = 0
+    for k in range(n):
+        count += 1 if mask[b, k] else 0
+    return count
+
+
+@inline_kernel
+def _contract(
+    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, b: int, few: int, A: FloatArray,
+    a: FloatArray, own: FloatArray,
+) -> None:  # fmt: skip
+    """Fill A, a and own with the parts of G, g and laws of the contacts that are there."""
+    n, i = laws.shape[1], 0
+    for k in range(n):
+        if not mask[b, k]:
+            continue
+        j = 0
+        for h in range(n):
+            if mask[b, h]:
+                for x in range(3):
+                    for y in range(3):
+                        A[3 * i + x, 3 * j + y] = G[3 * k + x, 3 * h + y]
+                j += 1
+        for x in range(3):
+            a[3 * i + x], own[x, i] = g[3 * k + x], laws[x, k]
+        i += 1
+
+
+@inline_kernel
+def _pick(mask: BoolArray, b: int, n: int, rows: int, full: FloatArray, part: FloatArray) -> None:
+    """Copy the contacts that are there from `rows` blocks of n rows of three to blocks of fewer."""
+    few = part.shape[0] // rows
+    for r in range(rows):
+        i = 0
+        for k in range(n):
+            if mask[b, k]:
+                for x in range(3):
+                    part[r * few + i, x] = full[r * n + k, x]
+                i += 1
+
+
+@inline_kernel
+def _put(mask: BoolArray, b: int, n: int, rows: int, few: int, part: FloatArray, full: FloatArray) -> None:
+    """Copy them back; contacts that are not there get zero."""
+    for r in range(rows):
+        i = 0
+        for k in range(n):
+            for x in range(3):
+                full[r * n + k, x] = part[r * few + i, x] if mask[b, k] else 0.0
+            i += 1 if mask[b, k] else 0
+
+
+@releasing_kernel
+def solve_range(
+    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, asymmetry: float,
+    tol: float, most: int, warm: bool, buffers: FloatArray, done: IntArray, start: int, stop: int,
+) -> None:  # fmt: skip
+    """Solve problems start to stop - 1; see `solve_contacts` for buffers (B, 2n + 3, 3) and done (B,)."""
+    n = laws.shape[2]
+    for b in range(start, stop):
+        own = laws[b if laws.shape[0] > 1 else 0]
+        few = _count(mask, b, n)
+        if few == n:
+            done[b] = solve_contacts(G[b], g[b], own, convex, asymmetry, tol, most, warm, buffers[b])
+            continue
+        if few == 0:
+            buffers[b, :, :] = 0.0
+            done[b] = 0
+            continue
+        A, a, rest = np.empty((3 * few, 3 * few)), np.empty(3 * few), np.empty((3, few))
+        part = np.empty((2 * few + 3, 3))
+        _contract(G[b], g[b], own, mask, b, few, A, a, rest)
+        _pick(mask, b, n, 1, buffers[b], part[:few])
+        done[b] = solve_contacts(A, a, rest, convex, asymmetry, tol, most, warm, part)
+        _put(mask, b, n, 2, few, part, buffers[b])
+        for r in range(3):
+            for x in range(3):
+                buffers[b, 2 * n + r, x] = part[2 * few + r, x]
+
+
+@releasing_kernel
+def derive_range(
+    G: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, buffers: FloatArray, forward: bool,
+    valid: BoolArray, given: FloatArray, out: FloatArray, regular: BoolArray, start: int, stop: int,
+) -> None:  # fmt: skip
+    """Fill the jvp (forward) or vjp (B, 2n, 3) of problems start to stop - 1; zero where not valid."""
+    n = laws.shape[2]
+    for b in range(start, stop):
+        if not valid[b]:
+            out[b, :, :] = 0.0
+            continue
+        own = laws[b if laws.shape[0] > 1 else 0]
+        few = _count(mask, b, n)
+        if few == n:
+            if forward:
+                regular[b] = contact_jvp(G[b], own, convex, buffers[b], given[b], out[b])
+            else:
+                regular[b] = contact_vjp(G[b], own, convex, buffers[b], given[b], out[b])
+            continue
+        if few == 0:
+            out[b, :, :] = 0.0
+            continue
+        A, a, rest = np.empty((3 * few, 3 * few)), np.empty(3 * few), np.empty((3, few))
+        part, ends = np.empty((2 * few + 3, 3)), np.empty((2, 2 * few, 3))
+        _contract(G[b], G[b, 0], own, mask, b, few, A, a, rest)
+        _pick(mask, b, n, 2, buffers[b], part[: 2 * few])
+        _pick(mask, b, n, 2, given[b], ends[0])
+        if forward:
+            regular[b] = contact_jvp(A, rest, convex, part, ends[0], ends[1])
+        else:
+            regular[b] = contact_vjp(A, rest, convex, part, ends[0], ends[1])
+        _put(mask, b, n, 2, few, ends[1], out[b])
+
+
+@releasing_kernel
+def measure_range(
+    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, buffers: FloatArray,
+    distance: FloatArray, start: int, stop: int,
+) -> None:  # fmt: skip
+    """Fill the distance of problems start to stop - 1 to the nearest change of a mode, over their speed."""
+    n = laws.shape[2]
+    mode = np.empty((n, 8))
+    for b in range(start, stop):
+        own = laws[b if laws.shape[0] > 1 else 0]
+        read_modes(G[b], own, convex, buffers[b], mode)
+        least, speed = np.inf, 0.0
+        for k in range(n):
+            if mask.shape[0] > 0 and not mask[b, k]:
+                continue
+            i, mu, low, high = 3 * k, own[0, k], own[1, k], own[2, k]
+            speed = max(speed, np.sqrt(g[b, i] ** 2 + g[b, i + 1] ** 2 + g[b, i + 2] ** 2))
+            normal, tangent, slip, z = mode[k, 0], mode[k, 1], mode[k, 6], mode[k, 7]
+            if normal == HELD:
+                continue
+            if normal == FREE:
+                least = min(least, min(z - low, high - z) * G[b, i + 2, i + 2])
+            else:
+                least = min(least, abs(buffers[b, n + k, 2] - (mu * slip if convex else 0.0)))
+            x, y = buffers[b, k, 0], buffers[b, k, 1]
+            if tangent == STICK:
+                weight = max(G[b, i, i], G[b, i + 1, i + 1])
+                least = min(least, (mu * z - np.sqrt(x * x + y * y)) * weight)
+            if tangent == SLIDE:
+                least = min(least, slip)
+        distance[b] = max(least, 0.0) / speed if speed > 0.0 else 0.0

@@ -1,0 +1,290 @@
+"""`solve_batch`: many contact problems of one size, on threads; see there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    finite_array,
+    real_array,
+    real_number,
+    whole_number,
+)
+from surefoot.batch.derivative import BatchDerivative
+from surefoot.batch.kernel import NOT_NUMBERS
+from surefoot.batch.loops import solve_range
+from surefoot.contact.laws import LAWS, Law
+from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solution import Status
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.solvers import solve
+from surefoot.solvers.compiled import COMPILED_CONTACTS
+
+SMALL = 128
+"""Problems up to which one thread does it: waking others takes longer."""
+SHARES = 8
+"""Pieces per thread that a batch is cut into, so that hard problems do not hold up the rest."""
+
+
+@dataclass(frozen=True)
+class BatchSolution:
+    """Solutions of a batch of problems, each with its own certificate.
+
+    Attributes
+    ----------
+    forces, velocities
+        (B, n, 3); zero for contacts that are masked out.
+    status
+        (B,) of `Status`.
+    residual
+        (B,) the first field of `Residuals`: velocity errors, relative.
+    iterations
+        (B,) sweeps and Newton steps.
+    derivative
+        With `derivative=True`; else None.
+    """
+
+    forces: FloatArray
+    velocities: FloatArray
+    status: Any
+    residual: FloatArray
+    iterations: IntArray
+    derivative: BatchDerivative | None
+
+    @cached_property
+    def solved(self) -> BoolArray:
+        """(B,) whether the status is SOLVED."""
+        return np.asarray(self.status == Status.SOLVED, dtype=np.bool_)
+
+
+def solve_batch(
+    G: ArrayLike,
+    g: ArrayLike,
+    mu: ArrayLike,
+    normal_min: ArrayLike = 0.0,
+    normal_max: ArrayLike = np.inf,
+    law: str = "coulomb",
+    *,
+    mask: ArrayLike | None = None,
+    bilateral: ArrayLike | None = None,
+    compliance: ArrayLike = 0.0,
+    tol: float = 1e-8,
+    max_iterations: int = 10_000,
+    warm_start: ArrayLike | None = None,
+    threads: int | None = None,
+    derivative: bool = False,
+    device: str = "cpu",
+) -> BatchSolution:
+    """Solve many contact problems with up to 45 contacts each, on exact cones.
+
+    Every problem is solved and certified as `ContactSolver` does it, independently of the others: the answers
+    do not depend on the number of threads.
+
+    Parameters
+    ----------
+    G, g
+        (B, 3n, 3n) Delassus operators and (B, 3n) free velocities. Single precision is accepted (and computed
+        in double; G may then be asymmetric by 1e-5 of its largest entry).
+    mu, normal_min, normal_max
+        A number, (n,) or (B, n); see `ContactProblem`.
+    law
+        "coulomb" or "convex".
+    mask
+        (B, n), True for the contacts that are there: problems of mixed sizes, padded to n.
+    bilateral
+        (n,) or (B, n) mask of contacts that hold in all directions.
+    compliance
+        Added to the diagonal of G: a number, (n,), (3n,) or (B, 3n).
+    tol, max_iterations
+        As for `ContactSolver`.
+    warm_start
+        (B, n, 3) forces to start from.
+    threads
+        None for as many as there are cores for this process.
+    derivative
+        Whether to keep what `BatchSolution.derivative` needs.
+    device
+        "cpu".
+
+    Raises
+    ------
+    ProblemError
+        If an argument is out of range, naming it; never for a problem that is hard or has no solution, and
+        not for one whose numbers are not finite: that one is INVALID.
+    """
+    if device != "cpu":
+        raise ProblemError(unknown_name("device", device, ("cpu",)))
+    if not isinstance(law, str) or law not in LAWS:
+        raise ProblemError(unknown_name("law", law, LAWS))
+    named = LAWS[law]
+    tol, most = real_number("tol", tol, low=0.0, high=1e300), whole_number("max_iterations", max_iterations)
+    threads = _cores() if threads is None else whole_number("threads", threads, low=1)
+    matrices, free, single = _read(G, g)
+    B, m = free.shape
+    n = m // 3
+    if n > COMPILED_CONTACTS:
+        raise ProblemError(f"a batch takes up to {COMPILED_CONTACTS} contacts a problem, got {n}")
+    laws = _read_laws(mu, normal_min, normal_max, bilateral, B, n)
+    present = _read_mask(mask, B, n)
+    diagonal = _read_compliance(compliance, B, n)
+    if diagonal is not None:
+        matrices = matrices.copy()
+        matrices[:, np.arange(m), np.arange(m)] += diagonal
+    buffers, done = np.empty((B, 2 * n + 3, 3)), np.empty(B, dtype=np.int64)
+    if warm_start is not None:
+        buffers[:, :n] = finite_array("warm_start", warm_start, (B, n, 3))
+    limit = SINGLE_ASYMMETRY if single else ASYMMETRY
+    in_ranges(
+        lambda start, stop: solve_range(
+            matrices, free, laws, present, named == "convex", limit, tol, most, warm_start is not None,
+            buffers, done, start, stop,
+        ),
+        B, threads,
+    )  # fmt: skip
+    status = np.full(B, Status.SOLVED, dtype=object)
+    for b in np.flatnonzero(done < 0).tolist():
+        own = laws[b if len(laws) > 1 else 0]
+        here = present[b] if len(present) else np.ones(n, dtype=np.bool_)
+        status[b] = _solve_rest(b, matrices[b], free[b], own, here, named, tol, most, done, buffers[b])
+    found = None
+    if derivative:
+        valid = np.asarray(status == Status.SOLVED, dtype=np.bool_)
+        found = BatchDerivative(matrices, free, laws, present, named, buffers, valid, threads, in_ranges)
+    return BatchSolution(
+        buffers[:, :n], buffers[:, n : 2 * n], status, buffers[:, 2 * n, 0], np.abs(done), found
+    )
+
+
+def _solve_rest(
+    b: int, G: FloatArray, g: FloatArray, laws: FloatArray, here: BoolArray, law: Law, tol: float, most: int,
+    done: IntArray, buffer: FloatArray,
+) -> Status:  # fmt: skip
+    """Solve by the general path what the compiled loop left; fill the buffer and return the status."""
+    n = len(here)
+    rows = np.repeat(here, 3)
+    used = int(~done[b]) if done[b] > NOT_NUMBERS - 1 and done[b] != NOT_NUMBERS else 0
+    A, a, (mu, low, high) = G[np.ix_(rows, rows)], g[rows], laws[:, here]
+    start = buffer[:n][here].copy()
+    buffer[:] = 0.0
+    if not (np.isfinite(A).all() and np.isfinite(a).all()):
+        done[b] = 0
+        buffer[2 * n :] = np.nan
+        return Status.INVALID
+    held = np.isinf(low)
+    try:
+        problem = ContactProblem(A, a, mu, np.where(held, 0.0, low), high, law, bilateral=held)
+    except ProblemError as error:
+        raise ProblemError(f"problem {b} of the batch: {error}") from error
+    guess = start if used > 0 and np.isfinite(start).all() else None
+    found = solve(problem, "auto", tol, max_iterations=max(most - used, 0), warm_start=guess)
+    buffer[:n][here], buffer[n : 2 * n][here] = found.forces, found.velocities
+    r = found.residuals
+    buffer[2 * n] = r.velocity_error, r.rounding, r.energy_gap
+    buffer[2 * n + 1] = r.cone_violation, r.penetration_velocity, r.complementarity
+    buffer[2 * n + 2] = r.dissipation, 0.0, 0.0
+    done[b] = used + found.iterations
+    return found.status
+
+
+def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> None:
+    """Run `work(start, stop)` over 0 to count, in pieces on threads."""
+    if threads == 1 or count <= SMALL:
+        work(0, count)
+        return
+    edges = np.linspace(0, count, min(threads * SHARES, count // 16) + 1).astype(int).tolist()
+    with ThreadPoolExecutor(threads) as pool:
+        for future in [pool.submit(work, a, b) for a, b in pairwise(edges)]:
+            future.result()
+
+
+def _cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _read(G: ArrayLike, g: ArrayLike) -> tuple[FloatArray, FloatArray, bool]:
+    """Return G (B, 3n, 3n) and g (B, 3n) as doubles, and whether G was of single precision."""
+    try:
+        given = np.asarray(G)
+        matrices = np.ascontiguousarray(given, dtype=np.float64)
+        free = np.ascontiguousarray(g, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(f"G and g must be arrays of numbers: {error}") from error
+    if free.ndim != 2 or free.shape[1] % 3 or free.shape[1] == 0:
+        raise ProblemError(f"g must have shape (B, 3n), got {free.shape}")
+    if matrices.shape != (*free.shape, free.shape[1]):
+        raise ProblemError(
+            f"G must have shape {(*free.shape, free.shape[1])} for this g, got {matrices.shape}"
+        )
+    return matrices, free, given.dtype == np.float32
+
+
+def _read_laws(
+    mu: ArrayLike, low: ArrayLike, high: ArrayLike, bilateral: ArrayLike | None, B: int, n: int
+) -> FloatArray:
+    """Return the laws (1, 3, n), or (B, 3, n) where they differ from problem to problem."""
+    read = [real_array(name, v) for name, v in (("mu", mu), ("normal_min", low), ("normal_max", high))]
+    for name, value in zip(("mu", "normal_min", "normal_max"), read, strict=True):
+        if value.shape not in ((), (n,), (B, n)):
+            raise ProblemError(
+                f"{name} must be a number or have shape ({n},) or ({B}, {n}), got {value.shape}"
+            )
+        if (value < 0.0).any() or (name != "normal_max" and np.isinf(value).any()):
+            raise ProblemError(
+                f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"
+            )
+    held = np.zeros(n, dtype=np.bool_) if bilateral is None else np.asarray(bilateral)
+    if held.dtype != np.bool_ or held.shape not in ((n,), (B, n)):
+        raise ProblemError(
+            f"bilateral must be a mask of shape ({n},) or ({B}, {n}), got {held.dtype} {held.shape}"
+        )
+    count = B if any(value.ndim == 2 for value in (*read, held)) else 1
+    laws = np.empty((count, 3, n))
+    for row, value in enumerate(read):
+        laws[:, row] = value
+    if (laws[:, 1] > laws[:, 2]).any():
+        raise ProblemError("normal_min must be <= normal_max")
+    if (held & ((laws[:, 1] != 0.0) | (laws[:, 2] != np.inf))).any():
+        raise ProblemError("a bilateral contact takes no normal bounds")
+    laws[:, 1][np.broadcast_to(held, (count, n))] = -np.inf
+    return laws
+
+
+def _read_mask(mask: ArrayLike | None, B: int, n: int) -> BoolArray:
+    """Return the mask (B, n); (0, n) where all contacts are there."""
+    if mask is None:
+        return np.zeros((0, n), dtype=np.bool_)
+    array = np.asarray(mask)
+    if array.dtype != np.bool_ or array.shape != (B, n):
+        raise ProblemError(f"mask must be a mask of shape ({B}, {n}), got {array.dtype} {array.shape}")
+    return np.ascontiguousarray(array)
+
+
+def _read_compliance(compliance: ArrayLike, B: int, n: int) -> FloatArray | None:
+    """Return R as (3n,) or (B, 3n), None where it is zero."""
+    array = finite_array("compliance", compliance)
+    if (array < 0.0).any():
+        raise ProblemError(f"compliance must be >= 0, got {array.min():g}")
+    if array.shape == (n,):
+        array = np.repeat(array, 3)
+    if array.shape not in ((), (3 * n,), (B, 3 * n)):
+        raise ProblemError(
+            f"compliance must be a number or have shape ({n},), ({3 * n},) or ({B}, {3 * n}), "
+            f"got {array.shape}"
+        )
+    return array if array.any() else None

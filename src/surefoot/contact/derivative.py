@@ -1,0 +1,362 @@
+"""The derivative of a solved contact problem: forces and velocities with respect to everything given.
+
+See `ContactDerivative`; the modes are in `derivative_modes`, what happens between them in
+`derivative_kinks`, the smoothed law in `derivative_path`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.contact.derivative_kinks import Choice, choices_of, directional
+from surefoot.contact.derivative_path import SmoothSystem, central_path
+from surefoot.contact.derivative_system import ActiveSystem, polished
+from surefoot.contact.problem import ContactProblem
+from surefoot.errors import ProblemError
+
+KINK = 1e-9
+"""Default distance from a change of mode within which a contact is a kink."""
+
+
+@dataclass(frozen=True)
+class Kink:
+    """A contact that is about to change its mode.
+
+    Attributes
+    ----------
+    contact
+        Its number.
+    distance
+        How far the change is, as a velocity (a force times w_k) over the problem's s_k; see
+        `contact.scales`. Dimensionless.
+    modes
+        The modes that meet there; the first is the one that `vjp` and dense blocks belong to.
+    """
+
+    contact: int
+    distance: float
+    modes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """What `ContactDerivative.jvp` returns.
+
+    Attributes
+    ----------
+    forces, velocities
+        (n, 3) rates of change.
+    removed
+        Norm of the part of the perturbation that redundant contacts cannot follow, and that was taken off
+        [unit of g]; zero where the active system is regular.
+    settled
+        False where no consistent choice of modes was found at kinks; the least inconsistent one is returned.
+    """
+
+    forces: FloatArray
+    velocities: FloatArray
+    removed: float = 0.0
+    settled: bool = True
+
+
+@dataclass(frozen=True)
+class Cotangents:
+    """What `ContactDerivative.vjp` returns: the gradient of one number with respect to what was given.
+
+    Attributes
+    ----------
+    G
+        (3n, 3n), symmetric.
+    g
+        (3n,).
+    mu, normal_min, normal_max
+        (n,).
+    compliance
+        (3n,).
+    """
+
+    G: FloatArray
+    g: FloatArray
+    mu: FloatArray
+    normal_min: FloatArray
+    normal_max: FloatArray
+    compliance: FloatArray
+
+
+class ContactDerivative:
+    """Derivatives of forces λ and velocities u = (G + R) λ + g of a solved problem.
+
+    Implicit: the solution is polished to rounding, and only the unknowns that are free in its modes enter a
+    linear system (3 for a contact that sticks, 2 for one that slides, none for one that is open).
+
+    Where redundant contacts make that system singular, the derivatives are those along perturbations that
+    keep its rank and keep g in its range: velocities and wrenches are determined, single forces are those of
+    least norm. What else a perturbation contains is taken off; `redundant` says that it may be.
+
+    At `kinks` there is no derivative, but one in every direction: `jvp` returns that, by finding the modes
+    that its direction leads to. `vjp` and the dense blocks belong to `modes`.
+
+    With `smoothing` > 0 it is the derivative at the point where λ_k·(u_k + Γ(u_k)) = smoothing for every
+    contact, which has no kinks and in which open contacts carry smoothing / u_n: `forces` and `velocities`
+    are that point. Its bias is the difference to the solution: of the order of the smoothing over the
+    contact's normal force (velocities) and over its normal velocity (forces), and of the root of smoothing
+    over ||G_kk||, or times it, at a kink.
+
+    Parameters
+    ----------
+    problem, forces, velocities
+        A solved problem; use `ContactSolution.derivative`.
+    smoothing
+        Normal force times normal velocity on the central path [W]; 0 for the law itself.
+    kink_tol
+        Distance below which a contact is a kink, see `Kink.distance`.
+
+    Attributes
+    ----------
+    problem
+        What was solved.
+    forces, velocities
+        (n, 3) where the derivative was taken: polished, or on the central path.
+    smoothing
+        As given.
+    kinks
+        `Kink`, nearest first; none with smoothing.
+    """
+
+    def __init__(
+        self,
+        problem: ContactProblem,
+        forces: FloatArray,
+        velocities: FloatArray,
+        smoothing: float = 0.0,
+        kink_tol: float = KINK,
+    ) -> None:
+        if problem.g.size != 3 * problem.contacts:
+            raise ProblemError("derivatives take contacts of three rows each")
+        self.problem, self.smoothing = problem, smoothing
+        self.kinks: tuple[Kink, ...] = ()
+        self._choices: list[Choice] = []
+        self._system: ActiveSystem | SmoothSystem
+        f, u, contacts, modes = polished(problem, forces, velocities)
+        if smoothing > 0.0:
+            self._system = central_path(problem, f, smoothing)
+            self.forces, self.velocities = self._system.forces, self._system.velocities
+            self.modes: tuple[str, ...] = ("smooth",) * problem.contacts
+            return
+        self.forces, self.velocities = f, u
+        self._contacts = contacts
+        self._choices = choices_of(problem, contacts, modes, kink_tol)
+        self._system = ActiveSystem(problem.G, [c.modes[0] for c in self._choices])
+        self.modes = tuple(
+            c.modes[0].name(contact) for c, contact in zip(self._choices, contacts, strict=True)
+        )
+        self.kinks = tuple(
+            sorted(
+                (
+                    Kink(k, c.distance, tuple(dict.fromkeys(m.name(contacts[k]) for m in c.modes)))
+                    for k, c in enumerate(self._choices)
+                    if c.distance <= kink_tol and len(c.modes) > 1
+                ),
+                key=lambda kink: kink.distance,
+            )
+        )
+
+    @property
+    def rank(self) -> int:
+        """The rank of the active system."""
+        return self._system.rank
+
+    @property
+    def size(self) -> int:
+        """The number of free unknowns."""
+        return self._system.size
+
+    @property
+    def redundant(self) -> bool:
+        """Whether the active system is singular, so that parts of perturbations may be taken off."""
+        return self.rank < self.size
+
+    @property
+    def condition(self) -> float:
+        """The condition of the active system, in the unknowns that it determines."""
+        return self._system.condition
+
+    @property
+    def velocities_determined(self) -> bool:
+        """Whether what the active system leaves open are forces only."""
+        return self._system.loose <= 1e-9
+
+    def jvp(
+        self,
+        G: ArrayLike | None = None,
+        g: ArrayLike | None = None,
+        mu: ArrayLike | None = None,
+        normal_min: ArrayLike | None = None,
+        normal_max: ArrayLike | None = None,
+        compliance: ArrayLike | None = None,
+    ) -> Tangents:
+        """Return how forces and velocities move if what was given does.
+
+        Parameters
+        ----------
+        G
+            (3n, 3n) rate of G; its symmetric part counts.
+        g
+            (3n,) rate of the free velocity.
+        mu, normal_min, normal_max
+            Rates, a number or (n,); at infinite bounds they change nothing, and with smoothing neither does a
+            normal_min of zero, the apex of its cone.
+        compliance
+            Rate of R, a number, (n,) or (3n,).
+
+        Raises
+        ------
+        ProblemError
+            If a shape is wrong or an entry is not finite.
+        """
+        n = self.problem.contacts
+        b = np.zeros(3 * n)
+        flat = self.forces.ravel()
+        if G is not None:
+            dG = finite_array("G", G, (3 * n, 3 * n))
+            b += 0.5 * (dG + dG.T) @ flat
+        if g is not None:
+            b += finite_array("g", g, (3 * n,))
+        if compliance is not None:
+            b += _per_row("compliance", compliance, n) * flat
+        rates = tuple(
+            _per_contact(name, value, n)
+            for name, value in (("mu", mu), ("normal_min", normal_min), ("normal_max", normal_max))
+        )
+        system = self._system
+        if isinstance(system, SmoothSystem):
+            f, u = system.tangents(b, *rates)
+            return Tangents(f, u)
+        modes, settled = [c.modes[0] for c in self._choices], True
+        if any(len(c.modes) > 1 for c in self._choices):
+            modes, settled = directional(self.problem.G, self._contacts, self._choices, b, rates)
+            system = ActiveSystem(self.problem.G, modes)
+        f, u, removed = move(system, b, rates)
+        return Tangents(f.reshape(-1, 3), u.reshape(-1, 3), removed, settled)
+
+    def vjp(self, forces: ArrayLike | None = None, velocities: ArrayLike | None = None) -> Cotangents:
+        """Return the gradient of forces·f + velocities·u, for (n, 3) weights.
+
+        Raises
+        ------
+        ProblemError
+            If a shape is wrong or an entry is not finite.
+        """
+        n = self.problem.contacts
+        f, u = (
+            np.zeros(3 * n) if value is None else finite_array(name, value, (n, 3)).ravel()
+            for name, value in (("forces", forces), ("velocities", velocities))
+        )
+        system = self._system
+        if isinstance(system, SmoothSystem):
+            b, mu, low, high = system.cotangents(f, u)
+        else:
+            p = f + self.problem.G @ u
+            q = system.solve_transposed(system.C.T @ p) + system.beyond(system.S.T @ u)
+            back = system.R.T @ q
+            b, jump = u - back, p - self.problem.G @ back
+            mu = system.jump_mu.T @ jump + system.target_mu.T @ q
+            low, high = system.jump_low.T @ jump, system.jump_high.T @ jump
+        outer = np.outer(b, self.forces.ravel())
+        return Cotangents(0.5 * (outer + outer.T), b, mu, low, high, b * self.forces.ravel())
+
+    @cached_property
+    def _dense(self) -> dict[str, tuple[FloatArray, FloatArray]]:
+        """Forces and velocities (3n, m) by what they are taken after: g, mu, normal_min, normal_max."""
+        n = self.problem.contacts
+        eye, none, thin = np.eye(3 * n), np.zeros((3 * n, n)), np.zeros((n, 3 * n))
+        system = self._system
+        if isinstance(system, SmoothSystem):
+            return system.blocks()
+        unit, zero = np.eye(n), np.zeros((n, n))
+        return {
+            "g": move(system, eye, (thin, thin, thin))[:2],
+            "mu": move(system, none, (unit, zero, zero))[:2],
+            "normal_min": move(system, none, (zero, unit, zero))[:2],
+            "normal_max": move(system, none, (zero, zero, unit))[:2],
+        }
+
+    def _block(self, name: str) -> FloatArray:
+        """Return the block of a name such as dforces_dmu; see `__getattr__`."""
+        what, _, after = name.removeprefix("d").partition("_d")
+        which = ("forces", "velocities").index(what)
+        flat = self.forces.ravel()
+        own = self._dense["g" if after in ("G", "compliance") else after][which]
+        if after == "compliance":
+            return own * flat
+        if after != "G":
+            return own
+        block = np.einsum("ia,b->iab", own, flat)
+        return np.asarray(0.5 * (block + block.transpose(0, 2, 1)))
+
+    def __getattr__(self, name: str) -> Any:
+        """Return a dense block.
+
+        `dforces_dg`, `dvelocities_dg`, and so on for mu, normal_min, normal_max (3n, n), compliance
+        (3n, 3n), and G (3n, 3n, 3n), whose contraction with a symmetric rate of G counts.
+        """
+        if name in BLOCKS:
+            return self._block(name)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *BLOCKS})
+
+    def __repr__(self) -> str:
+        return (
+            f"ContactDerivative(modes={self.modes}, kinks={self.kinks}, rank={self.rank} of {self.size}, "
+            f"smoothing={self.smoothing:g})"
+        )
+
+
+BLOCKS = tuple(
+    f"d{what}_d{after}"
+    for what in ("forces", "velocities")
+    for after in ("G", "g", "mu", "normal_min", "normal_max", "compliance")
+)
+
+
+def move(
+    system: ActiveSystem, b: FloatArray, rates: tuple[FloatArray, ...]
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return λ' and u', flat or column by column, and the norm of what was taken off."""
+    mu, low, high = rates
+    jump = system.jump_mu @ mu + system.jump_low @ low + system.jump_high @ high
+    q = system.target_mu @ mu - system.R @ (b + system.G @ jump)
+    off = system.beyond(q)
+    forces = system.C @ system.solve(q) + jump
+    velocities = system.G @ forces + b + system.S @ off
+    return forces, velocities, float(np.linalg.norm(off))
+
+
+def _per_contact(name: str, value: ArrayLike | None, n: int) -> FloatArray:
+    """Return a rate that is a number or (n,) as (n,)."""
+    if value is None:
+        return np.zeros(n)
+    array = finite_array(name, value)
+    if array.ndim == 0:
+        return np.full(n, float(array))
+    if array.shape != (n,):
+        raise ProblemError(f"{name} must be a number or have shape ({n},), got {array.shape}")
+    return array
+
+
+def _per_row(name: str, value: ArrayLike, n: int) -> FloatArray:
+    """Return a rate that is a number, (n,) or (3n,) as (3n,)."""
+    array = finite_array(name, value)
+    if array.shape == (3 * n,):
+        return array
+    if array.ndim and array.shape != (n,):
+        raise ProblemError(f"{name} must be a number or have shape ({n},) or ({3 * n},), got {array.shape}")
+    return np.repeat(_per_contact(name, array, n), 3)

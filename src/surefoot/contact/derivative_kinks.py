@@ -1,0 +1,345 @@
+"""One-sided derivatives where contacts change their modes.
+
+At a kink several modes hold the same state. In which of them a perturbation continues is a small
+complementarity problem in the rates: a contact at the edge of its cone stays there and slips, or sticks and
+leaves the edge; one that just touches takes load or lifts. Every choice of modes is a linear system, and the
+right one keeps the rates' signs. From the present modes offenders are changed until none is left, all of them
+or the worst; where that goes in circles, all choices are tried, as many as `CHOICES`.
+
+A contact without force and without velocity obeys the whole law in its rates: the direction in which it
+begins to slide is found by Newton steps.
+
+Source: the B-derivative of a complementarity problem, J.-S. Pang, Math. Oper. Res. 15(2), 1990.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.derivative_modes import (
+    EDGE,
+    FACE,
+    FREE,
+    HELD,
+    HIGH,
+    LOW,
+    SLIDE,
+    STICK,
+    Contact,
+    Mode,
+    Section,
+    piece,
+    slide_mode,
+)
+from surefoot.contact.derivative_system import ActiveSystem
+from surefoot.contact.problem import ContactProblem
+
+CONSISTENT = 1e-9
+"""Rates of the wrong sign below this share of the largest are zero."""
+TURNS, PIVOTS, CHOICES = 25, 100, 256
+"""Newton steps on directions of sliding, changes of one contact's mode, and choices tried in all."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The modes that a contact may continue in.
+
+    Attributes
+    ----------
+    modes
+        The present one first.
+    distance
+        The least misfit of a mode that is not the present one; see `Kink.distance`.
+    point
+        Whether neither a tangential force nor a slip gives the direction of sliding.
+    faces
+        Faces of a pyramid that the force lies on.
+    unit, tol
+        s_k [m/s] (1 where that is zero), and what is taken for zero in units of it.
+    """
+
+    modes: tuple[Mode, ...]
+    distance: float
+    point: bool
+    faces: tuple[int, ...]
+    unit: float
+    tol: float
+
+
+def choices_of(
+    problem: ContactProblem, contacts: Sequence[Contact], modes: Sequence[Mode], tol: float
+) -> list[Choice]:
+    """Return the choice of every contact, whose present modes are given."""
+    speeds = problem.scales[1]
+    units = np.where(speeds > 0.0, speeds, 1.0)
+    return [_choice(c, m, float(s), tol) for c, m, s in zip(contacts, modes, units, strict=True)]
+
+
+def _choice(contact: Contact, mode: Mode, unit: float, tol: float) -> Choice:
+    if mode.normal == HELD:
+        return Choice((mode,), np.inf, False, (), unit, tol)
+    force = contact.weight / unit
+    height, lift = float(contact.force[2]), abs(contact.lift) / unit
+    misfits = {FREE: lift, LOW: (height - contact.low) * force, HIGH: (contact.high - height) * force}
+    if mode.normal == FREE:
+        misfits[FREE] = 0.0
+    else:  # only where the bounds coincide may one take over from the other
+        other = HIGH if mode.normal == LOW else LOW
+        misfits[mode.normal], misfits[other] = 0.0, max(misfits[other], lift)
+    normals = [name for name, misfit in misfits.items() if misfit <= tol]
+    normals.sort(key=lambda name: name != mode.normal)
+    distance = min(misfit for name, misfit in misfits.items() if name != mode.normal)
+    ready = contact.radius * force > tol
+    slip = float(np.hypot(*contact.velocity[:2])) / unit
+    point = slip <= tol and not ready
+    pieces = _round_pieces(contact, mode, unit) if contact.section is None else _faces(contact, unit)
+    near = [key for key, misfit in pieces.items() if misfit <= tol or key == mode.key[1:]]
+    near.sort(key=lambda key: key != mode.key[1:])
+    if ready:
+        own = [misfit for key, misfit in pieces.items() if key != mode.key[1:]]
+        distance = min([distance, *own])
+    elif height * force > tol:  # no friction: which way it would act is open where nothing slips
+        distance = min(distance, slip)
+    found: list[Mode] = []
+    for normal in normals:
+        for tangent, index in near:
+            if tangent == SLIDE and point:  # in no direction: `directional` finds one for every rate
+                found.append(slide_mode(contact, normal, np.zeros(2), 0.0))
+            elif (normal, tangent, index) == mode.key and not (tangent == SLIDE and slip <= tol):
+                found.append(mode)
+            elif tangent == SLIDE:
+                found.append(slide_mode(contact, normal, *_heading(contact, ready)))
+            else:
+                found.append(piece(contact, normal, tangent, index))
+    active = () if contact.section is None else tuple(np.flatnonzero(_slacks(contact, unit) <= tol).tolist())
+    return Choice(tuple(found), distance, point, active, unit, tol)
+
+
+def _heading(contact: Contact, ready: bool) -> tuple[FloatArray, float]:
+    """Return the direction of sliding at a kink and how far the force follows it; see `slide_mode`."""
+    force, slip = contact.force[:2], contact.velocity[:2]
+    if ready:
+        size, speed = float(np.hypot(*force)), float(np.hypot(*slip))
+        reach = contact.radius * contact.weight
+        return (force / size if size > 0.0 else np.array([1.0, 0.0])), reach / (reach + speed)
+    speed = float(np.hypot(*slip))
+    return (-slip / speed if speed > 0.0 else np.array([1.0, 0.0])), 0.0
+
+
+def _round_pieces(contact: Contact, mode: Mode, unit: float) -> dict[tuple[str, int], float]:
+    """Return the misfit of sticking and sliding on a round cone."""
+    slip = float(np.hypot(*contact.velocity[:2])) / unit
+    room = (contact.radius - float(np.hypot(*contact.force[:2]))) * contact.weight / unit
+    pieces = {(STICK, 0): slip, (SLIDE, 0): max(room, 0.0)}
+    pieces[mode.key[1:]] = 0.0
+    return pieces
+
+
+def _slacks(contact: Contact, unit: float) -> FloatArray:
+    """Return the distance of the force to every face of the pyramid, as a velocity over the unit."""
+    section = contact.section
+    assert section is not None
+    gaps = contact.radius * section.apothem - section.normals @ contact.force[:2]
+    return np.asarray(gaps * contact.weight / unit)
+
+
+def _shares(section: Section, corner: int, vector: FloatArray) -> FloatArray:
+    """Return the (2,) shares of a vector in the normals of the two faces that meet in a corner."""
+    return np.asarray(np.linalg.solve(section.normals[[corner - 1, corner]].T, vector))
+
+
+def _faces(contact: Contact, unit: float) -> dict[tuple[str, int], float]:
+    """Return the misfit of sticking, of every face and of every edge of a pyramid."""
+    section, slacks = contact.section, _slacks(contact, unit)
+    assert section is not None
+    slip = contact.velocity[:2] / unit
+    pieces = {(STICK, 0): float(np.hypot(*slip))}
+    for i, m in enumerate(section.normals):
+        pieces[FACE, i] = max(float(slacks[i]), abs(float(slip @ [-m[1], m[0]])), float(slip @ m))
+        least = float(_shares(section, i, -slip).min())
+        pieces[EDGE, i] = max(float(slacks[i - 1]), float(slacks[i]), -least, 0.0)
+    return pieces
+
+
+def directional(
+    G: FloatArray,
+    contacts: Sequence[Contact],
+    choices: Sequence[Choice],
+    b: FloatArray,
+    rates: tuple[FloatArray, ...],
+) -> tuple[list[Mode], bool]:
+    """Return the modes in which a perturbation continues, and whether they are consistent.
+
+    `b` is the rate of u at fixed forces, `rates` those of mu, normal_min and normal_max.
+    """
+    open_ones = [k for k, c in enumerate(choices) if len(c.modes) > 1 or c.point]
+    picked = [0] * len(choices)
+    best: tuple[float, list[Mode]] | None = None
+    seen: set[tuple[int, ...]] = set()
+    rest = product(*(range(len(choices[k].modes)) for k in open_ones))
+    for step in range(PIVOTS + CHOICES):
+        seen.add(tuple(picked))
+        modes, faults = _judge(G, contacts, choices, picked, b, rates)
+        worst = max(faults, default=0.0)
+        if best is None or worst < best[0]:
+            best = worst, modes
+        if worst <= CONSISTENT:
+            return modes, True
+        trial = None if step >= PIVOTS else _changed(choices, picked, faults, seen)
+        if trial is None:
+            following = next(rest, None)
+            if following is None:
+                break
+            trial = [0] * len(choices)
+            for k, index in zip(open_ones, following, strict=True):
+                trial[k] = index
+        picked = trial
+    assert best is not None
+    return best[1], False
+
+
+def _changed(
+    choices: Sequence[Choice], picked: Sequence[int], faults: Sequence[float], seen: set[tuple[int, ...]]
+) -> list[int] | None:
+    """Return the choice with all offenders changed, or one, the worst first; None if all were seen."""
+    offenders = [k for k in np.argsort(faults)[::-1].tolist() if faults[k] > CONSISTENT]
+    for group in (offenders, *([k] for k in offenders)):
+        trial = list(picked)
+        for k in group:
+            trial[k] = (trial[k] + 1) % len(choices[k].modes)
+        if tuple(trial) not in seen:
+            return trial
+    return None
+
+
+def _judge(
+    G: FloatArray, contacts: Sequence[Contact], choices: Sequence[Choice], picked: Sequence[int],
+    b: FloatArray, rates: tuple[FloatArray, ...],
+) -> tuple[list[Mode], list[float]]:  # fmt: skip
+    """Solve for the rates in the picked modes; return the modes, turned, and every contact's fault."""
+    modes = [c.modes[i] for c, i in zip(choices, picked, strict=True)]
+    turning = [
+        k for k, (c, m) in enumerate(zip(choices, modes, strict=True)) if c.point and m.tangent == SLIDE
+    ]
+    for k in turning:  # first guess: against the rate without forces
+        w = -b[3 * k : 3 * k + 2]
+        size = float(np.hypot(*w))
+        if size > 0.0:
+            modes[k] = slide_mode(contacts[k], modes[k].normal, w / size, 1.0)
+    for _ in range(TURNS if turning else 1):
+        forces, velocities = _rates(ActiveSystem(G, modes), b, rates)
+        moved = 0.0
+        for k in turning:
+            w = forces[k, :2] - velocities[k, :2] / contacts[k].weight
+            size = float(np.hypot(*w))
+            if size > 0.0:
+                radius = max(_radius_rate(contacts[k], k, forces, rates), 0.0)
+                moved = max(moved, float(np.abs(w / size - modes[k].direction).max()))
+                modes[k] = slide_mode(contacts[k], modes[k].normal, w / size, min(radius / size, 1.0))
+        if moved <= 1e-15:
+            break
+    scale = max(
+        (float(np.abs(velocities).max(initial=0.0))),
+        *(c.weight * float(np.abs(f).max()) for c, f in zip(contacts, forces, strict=True)),
+        float(np.abs(b).max(initial=0.0)),
+    )
+    if not scale > 0.0:
+        return modes, [0.0] * len(modes)
+    faults = [
+        _fault(contacts[k], choices[k], modes[k], forces[k], velocities[k], k, rates, forces) / scale
+        for k in range(len(modes))
+    ]
+    return modes, faults
+
+
+def _rates(
+    system: ActiveSystem, b: FloatArray, rates: tuple[FloatArray, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Return the (n, 3) rates of forces and velocities."""
+    mu, low, high = rates
+    jump = system.jump_mu @ mu + system.jump_low @ low + system.jump_high @ high
+    q = system.target_mu @ mu - system.R @ (b + system.G @ jump)
+    forces = system.C @ system.solve(q) + jump
+    velocities = system.G @ forces + b + system.S @ system.beyond(q)
+    return forces.reshape(-1, 3), velocities.reshape(-1, 3)
+
+
+def _radius_rate(contact: Contact, k: int, forces: FloatArray, rates: tuple[FloatArray, ...]) -> float:
+    """Return the rate of mu λ_n."""
+    return float(rates[0][k] * contact.force[2] + contact.mu * forces[k, 2])
+
+
+def _fault(
+    contact: Contact, choice: Choice, mode: Mode, force: FloatArray, velocity: FloatArray, k: int,
+    rates: tuple[FloatArray, ...], forces: FloatArray,
+) -> float:  # fmt: skip
+    """Return by how much the rates of a contact have the wrong sign for its mode [m/s]."""
+    if mode.normal == HELD:
+        return 0.0
+    w, faults = contact.weight, [0.0]
+    normals = {m.normal for m in choice.modes}
+    if len(normals) > 1:
+        lift = _lift_rate(contact, choice, velocity, float(rates[0][k]))
+        if mode.normal == LOW:
+            faults.append(-lift)
+        elif mode.normal == HIGH:
+            faults.append(lift)
+        else:
+            faults += [w * float(rates[1][k] - force[2])] if LOW in normals else []
+            faults += [w * float(force[2] - rates[2][k])] if HIGH in normals else []
+    radius = _radius_rate(contact, k, forces, rates)
+    if contact.section is not None:
+        faults += _section_faults(contact, choice, mode, force, velocity, radius)
+    elif len({m.tangent for m in choice.modes}) > 1:
+        e = mode.direction if mode.tangent == SLIDE else _heading(contact, not choice.point)[0]
+        if mode.tangent == SLIDE:
+            faults.append(float(e @ velocity[:2]))
+            faults.append(-w * radius if choice.point else 0.0)
+        else:
+            along = float(np.hypot(*force[:2])) if choice.point else float(e @ force[:2])
+            faults.append(w * (along - radius))
+    return max(faults)
+
+
+def _lift_rate(contact: Contact, choice: Choice, velocity: FloatArray, mu_rate: float) -> float:
+    """Return the rate of `Contact.lift`, in the direction of the velocity's rate."""
+    if not contact.convex:
+        return float(velocity[2])
+    slip, rate = contact.velocity[:2], velocity[:2]
+    speed = float(np.hypot(*slip))
+    if contact.section is None:
+        if speed <= choice.tol * choice.unit:
+            return float(velocity[2] - contact.mu * np.hypot(*rate))
+        return float(velocity[2] - contact.mu * (slip @ rate) / speed - mu_rate * speed)
+    reach = -contact.section.corners @ slip
+    best = reach >= reach.max() - choice.tol * choice.unit
+    most = float(np.max(-(contact.section.corners @ rate)[best]))
+    return float(velocity[2]) - contact.mu * most - mu_rate * float(reach.max())
+
+
+def _section_faults(
+    contact: Contact, choice: Choice, mode: Mode, force: FloatArray, velocity: FloatArray, radius: float
+) -> list[float]:
+    """Return the faults of a contact on a pyramid: faces that are crossed, slip against a face."""
+    section = contact.section
+    assert section is not None
+    if len({m.key[1:] for m in choice.modes}) < 2:
+        return []
+    small = choice.tol * choice.unit
+    over = contact.weight * (section.normals @ force[:2] - section.apothem * radius)
+    own = {FACE: {mode.index}, EDGE: {mode.index, (mode.index - 1) % len(over)}, STICK: set()}[mode.tangent]
+    faults = [float(over[i]) for i in choice.faces if i not in own]
+    if mode.tangent == FACE:
+        m = section.normals[mode.index]
+        if -float(m @ contact.velocity[:2]) <= small:
+            faults.append(float(m @ velocity[:2]))
+    if mode.tangent == EDGE:
+        now = _shares(section, mode.index, -contact.velocity[:2])
+        rate = _shares(section, mode.index, -velocity[:2])
+        faults += [-float(r) for s, r in zip(now, rate, strict=True) if s <= small]
+    return faults

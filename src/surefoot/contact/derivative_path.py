@@ -1,0 +1,279 @@
+"""The smoothed law: a point on the central path, and the derivative there.
+
+Every contact's complementarity K ∋ λ ⟂ y ∈ K*, y = u + Γ(u), is replaced by its barrier's::
+
+    λ·y = κ,    mu² λ_n y_t + y_n λ_t = 0        (λ ∘ y = κ e in the cones' Jordan algebra)
+
+so a contact that is open carries κ / u_n and one that sticks creeps. Normal bounds add κ / (high - λ_n) and
+take κ / (λ_n - low) off y_n. Coulomb's shift mu ||u_t|| is rounded to mu sqrt(||u_t||² + ε²) with
+ε = κ w / s, of the order of the other errors; derivatives hold ε. A primal-dual interior point follows the
+path down to κ.
+
+Limits: exact cones; a normal_min of zero is the apex of its cone, and has no rate of its own. With redundant
+contacts the system's condition is about s² / (w κ): below 1e-8 of that energy the path may not be reached.
+
+Source: V. Acary, P. Armand, H. M. Nguyen, M. Shpakovych, "Second-order cone programming for frictional
+contact mechanics using interior point algorithm", Optim. Methods Softw. 39(3), 2024 (the shift and the path).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.contact.problem import ContactProblem
+from surefoot.errors import NoSolution, ProblemError
+
+STEPS = 200
+"""Newton steps to the path."""
+SHRINK, REACH = 0.3, 0.9
+"""How far κ falls at most in a step, and how much of the way to the cones' boundary is gone."""
+EXACT, NEAR = 1e-13, 1e-8
+"""Newton steps, relative to the largest force, after which the point is exact, and good enough where rounding
+keeps them from shrinking."""
+
+
+@dataclass
+class _Path:
+    """The equations of the path at a point: forces λ and slacks y (n, 3)."""
+
+    problem: ContactProblem
+    kappa: float
+    epsilon: FloatArray
+    held: BoolArray
+    off: BoolArray
+
+    @classmethod
+    def of(cls, problem: ContactProblem, kappa: float) -> _Path:
+        if problem.facets is not None:
+            raise ProblemError(
+                "smoothing takes exact cones; differentiate the pyramid with smoothing=0, or its cone"
+            )
+        fixed = (problem.normal_min == problem.normal_max) & (problem.normal_max > 0.0)
+        if fixed.any():
+            k = int(np.argmax(fixed))
+            raise ProblemError(f"smoothing needs normal_min < normal_max, got equal ones at contact {k}")
+        w, s = problem.scales[:2]
+        ratio = np.divide(kappa * w, s, out=np.full_like(w, np.inf), where=s > 0.0)
+        epsilon = np.minimum(np.sqrt(kappa * w), ratio) if problem.law == "coulomb" else np.zeros_like(w)
+        return cls(problem, kappa, epsilon, problem.normal_min == -np.inf, problem.normal_max == 0.0)
+
+    @property
+    def kept(self) -> BoolArray:
+        """Contacts that obey a cone: neither bilateral nor off."""
+        return ~(self.held | self.off)
+
+    def shifted(self, forces: FloatArray, velocities: FloatArray, kappa: float) -> FloatArray:
+        """Return u + Γ(u) and the bounds' terms: what y is to be."""
+        p, out = self.problem, velocities.copy()
+        if p.law == "coulomb":
+            out[:, 2] += p.mu * self._speed(velocities)
+        low, high = self._barriers(forces)
+        out[:, 2] += kappa * (high - low)
+        return out
+
+    def _speed(self, velocities: FloatArray) -> FloatArray:
+        return np.asarray(np.sqrt((velocities[:, :2] ** 2).sum(axis=1) + self.epsilon**2))
+
+    def _barriers(self, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return 1 / (λ_n - low) and 1 / (high - λ_n), zero where there is no such bound."""
+        p, n = self.problem, forces[:, 2]
+        low = np.divide(1.0, n - p.normal_min, out=np.zeros_like(n), where=self.kept & (p.normal_min > 0.0))
+        bounded = self.kept & np.isfinite(p.normal_max)
+        return low, np.divide(1.0, p.normal_max - n, out=np.zeros_like(n), where=bounded)
+
+    def parts(
+        self, forces: FloatArray, velocities: FloatArray, slacks: FloatArray, kappa: float
+    ) -> tuple[FloatArray, ...]:
+        """Return, per contact, ∂c/∂λ and ∂c/∂y (c: the path's left sides), ∂y/∂u, ∂y/∂λ, and c - κ e."""
+        p, n = self.problem, len(forces)
+        P, Q, U, B = (np.zeros((n, 3, 3)) for _ in range(4))
+        square = p.mu**2
+        c = np.zeros((n, 3))
+        P[:, 2], Q[:, 2] = slacks, forces
+        c[:, 2] = (forces * slacks).sum(axis=1) - kappa
+        for a in range(2):
+            P[:, a, a], P[:, a, 2] = slacks[:, 2], square * slacks[:, a]
+            Q[:, a, a], Q[:, a, 2] = square * forces[:, 2], forces[:, a]
+            c[:, a] = square * forces[:, 2] * slacks[:, a] + slacks[:, 2] * forces[:, a]
+        U[:] = np.eye(3)
+        if p.law == "coulomb":
+            speed = self._speed(velocities)
+            share = np.divide(p.mu, speed, out=np.zeros(n), where=speed > 0.0)
+            U[:, 2, :2] = share[:, None] * velocities[:, :2]
+        low, high = self._barriers(forces)
+        B[:, 2, 2] = kappa * (low**2 + high**2)
+        # bilateral: the velocity vanishes; off: the force does
+        P[self.held], Q[self.held], c[self.held] = 0.0, np.eye(3), slacks[self.held]
+        U[self.held], B[self.held] = np.eye(3), 0.0
+        P[self.off], Q[self.off], c[self.off] = np.eye(3), 0.0, forces[self.off]
+        return P, Q, U, B, c
+
+
+class SmoothSystem:
+    """The derivative of the path's point: M λ' = -(Q U b + E_mu mu' + ...), u' = G λ' + b.
+
+    The dense blocks are formed once and used both ways: jvp and vjp are adjoint whatever M's condition.
+    """
+
+    def __init__(self, path: _Path, forces: FloatArray, slacks: FloatArray) -> None:
+        p, kappa = path.problem, path.kappa
+        n = p.contacts
+        self.forces, self.velocities = forces, p.velocity(forces)
+        P, Q, U, B, _ = path.parts(forces, self.velocities, slacks, kappa)
+        QU = _block_diagonal(Q @ U)
+        M = _block_diagonal(P + Q @ B) + QU @ p.G
+        up = np.zeros((3, n, 3))
+        low, high = path._barriers(forces)
+        if p.law == "coulomb":
+            up[0, :, 2] = path._speed(self.velocities)
+        up[1, :, 2], up[2, :, 2] = -kappa * low**2, -kappa * high**2
+        own = np.einsum("kab,mkb->mka", Q, up)
+        own[0, :, :2] += 2.0 * (p.mu * forces[:, 2])[:, None] * slacks[:, :2]
+        own[:, path.held | path.off] = 0.0
+        E = np.zeros((3, n, 3, n))
+        E[:, np.arange(n), :, np.arange(n)] = own.transpose(1, 0, 2)
+        # rows in their own units, so that the condition is that of the equations
+        size = np.abs(M).max(axis=1, initial=0.0)
+        rows = 1.0 / np.where(size > 0.0, size, 1.0)[:, None]
+        right = np.hstack([QU, *E.reshape(3, 3 * n, n)])
+        forces_after = -np.linalg.solve(rows * M, rows * right)
+        velocities_after = p.G @ forces_after
+        velocities_after[:, : 3 * n] += np.eye(3 * n)
+        self.after = forces_after, velocities_after
+        self.condition = float(np.linalg.cond(rows * M)) if n else 1.0
+        self.rank = self.size = 3 * n
+        self.loose = 0.0
+
+    def tangents(self, b: FloatArray, *rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the (n, 3) rates of forces and velocities."""
+        given = np.concatenate([b, *rates])
+        forces, velocities = (block @ given for block in self.after)
+        return forces.reshape(-1, 3), velocities.reshape(-1, 3)
+
+    def cotangents(self, forces: FloatArray, velocities: FloatArray) -> tuple[FloatArray, ...]:
+        """Return the gradients with respect to b, mu, normal_min and normal_max."""
+        back = self.after[0].T @ forces + self.after[1].T @ velocities
+        return tuple(np.split(back, self._edges()))
+
+    def blocks(self) -> dict[str, tuple[FloatArray, FloatArray]]:
+        """Return the dense blocks of forces and velocities after g, mu, normal_min, normal_max."""
+        parts = zip(*(np.split(block, self._edges(), axis=1) for block in self.after), strict=True)
+        return dict(zip(("g", "mu", "normal_min", "normal_max"), parts, strict=True))
+
+    def _edges(self) -> list[int]:
+        n = self.size // 3
+        return [3 * n, 4 * n, 5 * n]
+
+
+def central_path(problem: ContactProblem, forces: FloatArray, kappa: float) -> SmoothSystem:
+    """Follow the path from far inside to λ·y = κ; `forces` (n, 3) solve the problem.
+
+    Raises
+    ------
+    ProblemError
+        For pyramids, and for normal bounds that leave no room.
+    NoSolution
+        If the path is not reached.
+    """
+    path = _Path.of(problem, kappa)
+    with np.errstate(all="ignore"):  # said by the error
+        f, y, reached = _follow(path, forces)
+        try:
+            system = SmoothSystem(path, f, y) if reached else None
+        except np.linalg.LinAlgError:
+            system = None
+    if system is None or not all(np.isfinite(block).all() for block in system.after):
+        raise NoSolution(f"the central path was not reached at smoothing={kappa:g}", problem)
+    return system
+
+
+def _follow(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray, bool]:
+    """Return forces and slacks where λ·y = κ, and whether they are reached."""
+    problem, kappa = path.problem, path.kappa
+    f, y = _start(path, forces)
+    kept = path.kept
+    count = max(int(kept.sum()), 1)
+    moved, last, on_path = 0.0, np.inf, problem.contacts == 0
+    for _ in range(STEPS if problem.contacts else 0):
+        gap = float((f * y)[kept].sum()) / count
+        target = max(kappa, SHRINK * gap)
+        u = problem.velocity(f)
+        want = path.shifted(f, u, target)
+        want[path.held] = u[path.held]
+        P, Q, U, B, c = path.parts(f, u, y, target)
+        lag = want - y
+        matrix = _block_diagonal(P + Q @ B) + _block_diagonal(Q @ U) @ problem.G
+        right = -(c + np.einsum("kab,kb->ka", Q, lag)).ravel()
+        size = np.abs(matrix).max(axis=1, initial=0.0)
+        rows = 1.0 / np.where(size > 0.0, size, 1.0)
+        if not (np.isfinite(rows).all() and np.isfinite(matrix).all() and np.isfinite(right).all()):
+            return f, y, False
+        step = np.linalg.lstsq(rows[:, None] * matrix, rows * right, rcond=1e-15)[0].reshape(-1, 3)
+        du = (problem.G @ step.ravel()).reshape(-1, 3)
+        dy = lag + np.einsum("kab,kb->ka", U, du) + np.einsum("kab,kb->ka", B, step)
+        share = _share(path, f, step, y, dy)
+        f, y = f + share * step, y + share * dy
+        moved = float(np.abs(step).max(initial=0.0)) / max(float(np.abs(f).max(initial=0.0)), 1e-300)
+        on_path = target == kappa and share == 1.0
+        if on_path and (moved <= EXACT or NEAR >= moved >= 0.5 * last):  # as near as rounding lets it
+            break
+        last = moved if on_path else np.inf
+    return f, y, on_path and moved <= NEAR
+
+
+def _start(path: _Path, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return forces and slacks well inside their cones."""
+    p = path.problem
+    w, s = p.scales[:2]
+    speed = np.maximum(s, np.sqrt(path.kappa * np.where(w > 0.0, w, 1.0)))
+    reach = np.divide(speed, w, out=np.ones_like(w), where=w > 0.0)
+    f, y = np.zeros_like(forces), np.zeros_like(forces)
+    low = np.maximum(p.normal_min, 0.0)
+    height = np.maximum(np.maximum(reach, forces[:, 2]), low + reach)
+    room = np.isfinite(p.normal_max)
+    height[room] = np.minimum(height[room], 0.5 * (low + p.normal_max)[room])
+    f[:, 2], y[:, 2] = height, speed
+    f[path.held], y[path.held], f[path.off] = forces[path.held], 0.0, 0.0
+    return f, y
+
+
+def _share(path: _Path, f: FloatArray, df: FloatArray, y: FloatArray, dy: FloatArray) -> float:
+    """Return the largest step up to 1 that keeps forces and slacks inside."""
+    p, kept = path.problem, path.kept
+    limits = [np.inf]
+    rough = kept & (p.mu > 0.0)  # without friction the cone is a ray, and its tangential forces stay zero
+    mu = p.mu[rough]
+    limits += [_to_cone(mu * f[rough, 2], f[rough, :2], mu * df[rough, 2], df[rough, :2])]
+    limits += [_to_cone(y[rough, 2], mu[:, None] * y[rough, :2], dy[rough, 2], mu[:, None] * dy[rough, :2])]
+    for at, step in (
+        (f[kept, 2] - np.maximum(p.normal_min[kept], 0.0), df[kept, 2]),
+        (p.normal_max[kept] - f[kept, 2], -df[kept, 2]),
+        (y[kept, 2], dy[kept, 2]),
+    ):
+        falling = step < 0.0
+        limits += [float((-at[falling] / step[falling]).min(initial=np.inf))]
+    return min(1.0, REACH * min(limits))
+
+
+def _to_cone(x: FloatArray, t: FloatArray, dx: FloatArray, dt: FloatArray) -> float:
+    """Return the least step at which x + a dx = ||t + a dt||, of points inside."""
+    A = dx**2 - (dt**2).sum(axis=1)
+    half = x * dx - (t * dt).sum(axis=1)
+    C = np.maximum(x**2 - (t**2).sum(axis=1), 0.0)
+    root = np.sqrt(np.maximum(half**2 - A * C, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # the smallest positive root of A a² + 2 half a + C, written so that nothing cancels
+        found = np.where(half < 0.0, C / (root - half), np.where(A < 0.0, (-half - root) / A, np.inf))
+        found = np.where((half < 0.0) & (A > 0.0) & (half**2 < A * C), np.inf, found)
+    return float(np.where(np.isnan(found), np.inf, found).min(initial=np.inf))
+
+
+def _block_diagonal(blocks: FloatArray) -> FloatArray:
+    """Return (n, 3, 3) blocks as a (3n, 3n) matrix."""
+    n = len(blocks)
+    out = np.zeros((n, 3, n, 3))
+    out[np.arange(n), :, np.arange(n), :] = blocks
+    return out.reshape(3 * n, 3 * n)
