@@ -12,7 +12,8 @@ import pytest
 import surefoot as sf
 from surefoot.audit.auditor import NEEDED
 from surefoot.audit.intervals import MOST
-from surefoot.audit.rows import PIECE, Rows, setting_of, sliding_mean, sliding_sum
+from surefoot.audit.rows import PIECE, Rows, sliding_mean, sliding_sum
+from surefoot.audit.setting import setting_of
 from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError
 from surefoot.log import Log

@@ -13,7 +13,8 @@ from surefoot.audit.friction import FrictionCount
 from surefoot.audit.intervals import JOIN, Interval, Track
 from surefoot.audit.laws import SLIDE_LIMIT
 from surefoot.audit.report import AuditReport, Judgement, LawBroken, Violation
-from surefoot.audit.rows import Rows, Setting, pieces, setting_of
+from surefoot.audit.rows import Rows, pieces
+from surefoot.audit.setting import Setting, setting_of
 from surefoot.audit.slides import WORST, slide_on, start_slides
 from surefoot.log import Log, read_log
 from surefoot.robot import Robot
@@ -184,7 +185,8 @@ def _report(
     symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
     return AuditReport(
         verdict, violations, more, symptoms, coverage, friction.intervals(),
-        (*setting.doubts, *setting.notes), len(log), float(time[0]), float(time[-1]), setting.names, setting.weight, reason,
+        (*setting.doubts, *setting.notes), len(log), float(time[0]), float(time[-1]),
+        setting.names, setting.weight, reason,
     )  # fmt: skip
 
 

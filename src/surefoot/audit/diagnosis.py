@@ -8,7 +8,8 @@ from dataclasses import replace
 from surefoot.audit.episode import LONGEST, Episode
 from surefoot.audit.intervals import Interval
 from surefoot.audit.report import Finding
-from surefoot.audit.rows import BODY, Rows, Setting
+from surefoot.audit.rows import Rows
+from surefoot.audit.setting import BODY, Setting
 from surefoot.audit.symptoms import SYMPTOMS, Symptom
 from surefoot.log import Log
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from surefoot.audit.laws import SLIDING_SPEED
 from surefoot.audit.report import FrictionInterval
-from surefoot.audit.rows import Rows, Setting
+from surefoot.audit.rows import Rows
+from surefoot.audit.setting import Setting
 
 ENOUGH = 0.02
 """Share of m g from which a foot's force tells of friction."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.audit import AuditReport, Violation
-from surefoot.audit.rows import BODY, Rows, setting_of
+from surefoot.audit.rows import Rows
+from surefoot.audit.setting import BODY, setting_of
 from surefoot.errors import SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
