@@ -7,6 +7,8 @@ from .audit import assert_lawful as assert_lawful
 from .audit import audit_log as audit_log
 from .audit import summarise_stand as summarise_stand
 from .audit import summarise_walk as summarise_walk
+from .audit.contact_times import contact_times as contact_times
+from .audit.sensor_scale import sensor_scale as sensor_scale
 from .batch import BatchSolution as BatchSolution
 from .batch import DifferentiableSolver as DifferentiableSolver
 from .batch import solve_batch as solve_batch
@@ -76,12 +78,14 @@ from .errors import SurefootError as SurefootError
 from .estimation import ForceEstimate as ForceEstimate
 from .estimation import estimate_forces as estimate_forces
 from .log import Log as Log
+from .log import log_from_arrays as log_from_arrays
 from .log import read_log as read_log
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
 from .simulation.mujoco import MujocoWorld as MujocoWorld
+from .simulation.record import record as record
 from .simulation.rigid import RigidWorld as RigidWorld
 from .simulation.run import run as run
 from .simulation.scenario import Ice as Ice
