@@ -93,6 +93,24 @@ def test_a_declared_softness_is_no_violation_and_is_stated() -> None:
     assert any("declares itself soft: sinking to 4 mm" in note for note in soft.notes)
 
 
+def test_doubts_of_a_reader_are_told() -> None:
+    report = sf.audit_log(changed(log_of(STAND), {"doubts": ["gaps look like millimetres"]}))
+    assert report.notes == ("doubt of the reader: gaps look like millimetres",)
+
+
+def test_a_recorded_simulation_is_audited_as_it_is() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><geom type="plane" size="5 5 .1"/><body pos="0 0 .0999"><freejoint/>'
+        '<geom name="box" type="box" size=".1 .1 .1" mass="2"/></body></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as recording:
+        for _ in range(200):
+            mujoco.mj_step(model, data)
+    assert sf.audit_log(recording).verdict == "lawful"
+
+
 def test_forces_alone_or_without_friction_are_not_enough() -> None:
     log = log_of(TROT)
     for keep, lacking in ((("forces",), "gaps"), (("forces", "gaps"), "mu"), (("gaps",), "forces"), ((), "")):

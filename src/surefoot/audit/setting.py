@@ -82,7 +82,7 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     """
     if len(log) == 0:
         raise ProblemError("the log has no rows")
-    notes: list[str] = []
+    notes = [f"doubt of the reader: {line}" for line in log.doubts]
     doubts: list[str] = []
     count = max((log[name].shape[1] for name in PER_POINT if name in log), default=0)
     feet, owner = _feet(log, count)
