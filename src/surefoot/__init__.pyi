@@ -1,6 +1,10 @@
 """Public names of Surefoot and where they live: the one list, for `surefoot` and for type checkers."""
 
 from . import laws as laws
+from .audit import AuditReport as AuditReport
+from .audit import LawBroken as LawBroken
+from .audit import assert_lawful as assert_lawful
+from .audit import audit_log as audit_log
 from .audit import summarise_stand as summarise_stand
 from .audit import summarise_walk as summarise_walk
 from .audit.contact_times import contact_times as contact_times
@@ -71,9 +75,11 @@ from .errors import NoSolution as NoSolution
 from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
+from .estimation import ForceEstimate as ForceEstimate
 from .estimation import TossErrors as TossErrors
 from .estimation import Tosses as Tosses
 from .estimation import TossFit as TossFit
+from .estimation import estimate_forces as estimate_forces
 from .estimation import identify as identify
 from .estimation import read_tosses as read_tosses
 from .estimation import write_tosses as write_tosses

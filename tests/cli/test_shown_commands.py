@@ -22,6 +22,7 @@ from surefoot.contact import ContactProblem
 from surefoot.control.gait_files import write_gaits
 from surefoot.control.gait_library import named_gait
 from surefoot.estimation import write_tosses
+from surefoot.problems.logged_runs import CleanRun
 from surefoot.problems.tosses import random_tosses
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.solvers import solver as solvers
@@ -93,6 +94,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, seed in (("tosses", 0), ("train", 1), ("test", 2)):
         write_tosses(random_tosses(8, [0.2, 0.1, 0.05], seed=seed, frames=90), place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
+    CleanRun(duration=0.3).make().save(place / "log.npz")
+    log = CleanRun(duration=0.3).make()
+    log["forces"][100:200, 0] *= -1.0
+    log.save(place / "fallen.npz")
     return place
 
 

@@ -1,5 +1,6 @@
-"""What recordings say about the ground: friction, restitution, stiffness, and where it is."""
+"""What motion and recordings tell: contact forces, and the ground's friction, restitution and place."""
 
+from surefoot.estimation.forces import ForceEstimate, estimate_forces
 from surefoot.estimation.identify import Estimate, TossFit, identify
 from surefoot.estimation.toss_errors import TossErrors
 from surefoot.estimation.tosses import Cube, Tosses, read_tosses, write_tosses
@@ -7,9 +8,11 @@ from surefoot.estimation.tosses import Cube, Tosses, read_tosses, write_tosses
 __all__ = [
     "Cube",
     "Estimate",
+    "ForceEstimate",
     "TossErrors",
     "TossFit",
     "Tosses",
+    "estimate_forces",
     "identify",
     "read_tosses",
     "write_tosses",

@@ -100,6 +100,7 @@ _TABLE = (
     Channel("gaps", ("p",), "m", meaning="distance to the ground, negative in penetration"),
     Channel("contact_velocities", ("p", 3), "m/s", "contact", meaning="of the foot's material there"),
     Channel("contact_positions", ("p", 3), "m", "world", meaning="contact points"),
+    Channel("normals", ("p", 3), "1", "world", meaning="of the ground at the contact points"),
     Channel("wrench_desired", (6,), "N, N m", "world", meaning="wanted about the centre of mass"),
     Channel("wrench_error", (6,), "N, N m", "world", meaning="the commanded forces' wrench less the wanted"),
     Channel("grasp_map", (6, "3p"), "1, m", meaning="from commanded forces to the wrench"),

@@ -55,6 +55,9 @@ class Fact:
 FACTS: dict[str, Fact] = {
     "robot": Fact("name", text=True),
     "kind": Fact("what it did: stand, walk, ...", text=True),
+    "world": Fact("what simulated it", text=True),
+    "sinking": Fact("how deep the world's own contact lets a loaded foot sink [m]"),
+    "creep": Fact("how fast it lets a sticking foot creep [m/s]"),
     "mass": Fact("of the robot [kg]", positive=True),
     "dt": Fact("length of a step [s]", positive=True),
     "feet": Fact("names of the feet", ("n",), text=True),

@@ -115,8 +115,12 @@ class Log:
             return
         for start in range(0, len(self), rows):
             yield self.rows(slice(start, start + rows))
-            for array in self.arrays.values():
-                _let_go(array)
+            self.let_go()
+
+    def let_go(self) -> None:
+        """Tell the system that what is mapped from files is not needed in memory for now."""
+        for array in self.arrays.values():
+            _let_go(array)
 
     def save(self, path: Path | str) -> Path:
         """Write to a new file in the format of its suffix and return its path; .npz where it has none.

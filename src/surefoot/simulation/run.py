@@ -31,7 +31,7 @@ AT_LIMIT = 1.0 - 1e-6
 """A torque is saturated from this share of its limit on."""
 _SHARED = (
     "time", "q", "v", "torques", "forces", "forces_commanded", "gaps", "contact_velocities",
-    "contact_positions", "active", "attained", "saturated", "push", "mu", "controller_time",
+    "contact_positions", "normals", "active", "attained", "saturated", "push", "mu", "controller_time",
 )  # fmt: skip
 
 
@@ -99,6 +99,7 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
     facts = {
         **controller.facts,
         "robot": robot.name,
+        "world": type(world).__name__,
         "mass": robot.mass,
         "dt": world.dt,
         "feet": list(robot.foot_names),
@@ -193,6 +194,7 @@ class _Run:
         rows["push"][i] = 0.0 if moment.push is None else moment.push
         rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
         rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
+        rows["normals"][i] = self.world.terrain.normal(reading.positions[:, :2])
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
         rows["attained"][i], rows["saturated"][i] = (
             command.attained,

@@ -1,0 +1,245 @@
+"""What is measured of every row against a limit: the laws, and signs that break none but tell something.
+
+A check is a function from rows to its measure, its limit and where the limit is exceeded; one line in the
+table makes it part of every audit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.audit.laws import CONE_LIMIT, LEAST_FRICTION, PENETRATION_LIMIT, PULL_LIMIT, SLIDE_LIMIT
+from surefoot.audit.rows import Rows, sliding_mean, sliding_sum
+
+Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
+"""Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
+
+SMOOTH = 0.01
+"""Forces are compared with the motion over this time [s]."""
+MOTION_LIMIT = 0.05
+"""Force on a foot, or on the body, that the motion may leave unexplained, as a share of m g."""
+MOMENT_ARM = 0.02
+"""The moment on the body that may be left unexplained is m g on this arm [m]."""
+SLIDE_WINDOW = 0.05
+"""Friction's work is added up over this time [s]."""
+CHATTER_WINDOW, CHATTER_SWITCHES = 0.1, 8.0
+"""Loading and unloading so often within this time [s] is chatter: 40 Hz."""
+RINGING = 0.15
+"""Mean jump of the normal force from row to row, back and forth, that is chatter, as a share of m g."""
+SPIKE = 1.5
+"""A force of one or two rows that exceeds both sides by so many m g is a blow."""
+IDLE_TIME = 0.1
+"""A robot that stands on nothing for longer has no forces [s]."""
+FROZEN_TIME = 0.03
+"""A force that does not change in the last digit for this long is no measurement [s]."""
+LEAN_TIME, LEAN = 0.1, 0.25
+"""A diagonal pair of feet may carry this share of m g more than the other, for this long [s]."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """A law or a sign.
+
+    Attributes
+    ----------
+    name, title
+        Key, and what people read.
+    unit
+        Of its measure.
+    law
+        Whether breaking it makes a log unlawful; else it is a sign, for symptoms to read.
+    needs
+        Channels without which it cannot be judged.
+    measure
+        From rows to what was measured.
+    """
+
+    name: str
+    title: str
+    unit: str
+    law: bool
+    needs: tuple[str, ...]
+    measure: Callable[[Rows], Measured]
+
+
+def _over(value: FloatArray, limit: FloatArray | float) -> Measured:
+    bound = np.broadcast_to(limit, value.shape)
+    return value, bound, value > bound
+
+
+def _penetration(rows: Rows) -> Measured:
+    return _over(-rows.gaps, max(PENETRATION_LIMIT, rows.setting.sinking))
+
+
+def _pull(rows: Rows) -> Measured:
+    return _over(-rows.normal, PULL_LIMIT * rows.setting.weight)
+
+
+def _friction(rows: Rows) -> Measured:
+    """Friction that a force needs; one of hardly any normal force may have the noise of it."""
+    needed = rows.tangential / np.maximum(rows.normal, rows.setting.threshold)
+    return _over(needed, CONE_LIMIT * np.maximum(rows.mu, LEAST_FRICTION))
+
+
+def _distance(rows: Rows) -> Measured:
+    """Force across a gap, along the normal or across it."""
+    pushed = np.maximum(np.abs(rows.normal), rows.tangential) > rows.setting.threshold
+    value = np.where(pushed, rows.gaps, 0.0)
+    return _over(value, max(PENETRATION_LIMIT, rows.setting.sinking))
+
+
+def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
+    w = rows.window(SLIDE_WINDOW)
+    on = rows.loaded.copy()
+    on[1:] &= rows.loaded[:-1]  # not the row of a touchdown: its force is the blow that stops the foot
+    v = np.where(on[..., None], rows.velocities[..., :2], 0.0) * rows.dt[:, None, None]
+    f = rows.forces[..., :2]
+    way = np.hypot(*np.moveaxis(sliding_sum(v, w), -1, 0))
+    work = sliding_sum((f * v).sum(axis=-1), w)
+    most = sliding_sum(rows.mu * rows.normal * np.hypot(v[..., 0], v[..., 1]), w)
+    return way, work, most
+
+
+def _driving(rows: Rows) -> Measured:
+    """Work that friction gave [J]: never positive."""
+    _, work, most = _work(rows)
+    limit = np.maximum(0.05 * SLIDE_LIMIT * rows.setting.weight, 0.05 * most)
+    return _over(work, limit)
+
+
+def _sliding(rows: Rows) -> Measured:
+    """Way of a contact as if without friction [m]."""
+    way, work, most = _work(rows)
+    share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
+    value = np.where(most > 0.0, way * share, 0.0)
+    return _over(value, SLIDE_LIMIT + rows.setting.creep * SLIDE_WINDOW)
+
+
+def _motion(rows: Rows) -> Measured:
+    """Force that the motion leaves unexplained: at each foot, and on the body [N]."""
+    rest = rows.unexplained
+    weight, w = rows.setting.weight, rows.window(SMOOTH)
+    value = np.zeros((rows.count, rows.points + 1))
+    if rest is not None:
+        by_foot = np.linalg.norm(sliding_mean(rest.feet, w), axis=-1)
+        value[:, :-1] = by_foot[:, rows.setting.owner]
+        force = np.linalg.norm(sliding_mean(rest.force, w), axis=-1)
+        moment = np.linalg.norm(sliding_mean(rest.moment, w), axis=-1)
+        value[:, -1] = np.fmax(force, moment * (MOTION_LIMIT / MOMENT_ARM))
+    return _over(np.nan_to_num(value), MOTION_LIMIT * weight)
+
+
+def _pressure(rows: Rows) -> Measured:
+    """Way of a sole's centre of pressure beyond its edge [m]; judged where a foot has three points."""
+    value = np.zeros((rows.count, rows.points))
+    centres = rows.log.facts.get("contact_centres")
+    for foot in np.unique(rows.setting.owner).tolist():
+        mine = np.flatnonzero(rows.setting.owner == foot)
+        if centres is None or len(mine) < 3:
+            continue
+        value[:, mine] = _beyond(rows.normal[:, mine], np.asarray(centres)[mine, :2], rows.setting.threshold)
+    return _over(value, PENETRATION_LIMIT)
+
+
+def _beyond(normal: FloatArray, places: FloatArray, least: float) -> FloatArray:
+    """Return how far the centre of pressure lies outside the hull of (k, 2) places: (T, 1) [m]."""
+    from scipy.spatial import ConvexHull
+
+    total = normal.sum(axis=1)
+    centre = normal @ places / np.where(np.abs(total) > least, total, np.inf)[:, None]
+    hull = ConvexHull(places)
+    outside = (centre @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
+    return np.where(np.abs(total) > least, outside, 0.0)[:, None]
+
+
+def _chatter(rows: Rows) -> Measured:
+    """Switches between loaded and unloaded in a window, or as many for a force that rings."""
+    w = rows.window(CHATTER_WINDOW)
+    switched = np.zeros(rows.loaded.shape)
+    switched[1:] = rows.loaded[1:] != rows.loaded[:-1]
+    step = np.zeros(rows.normal.shape)
+    step[1:] = np.diff(rows.normal, axis=0)
+    back = np.zeros(step.shape)
+    back[1:] = np.where(step[1:] * step[:-1] < 0.0, np.minimum(np.abs(step[1:]), np.abs(step[:-1])), 0.0)
+    ringing = sliding_sum(np.minimum(back, rows.setting.weight), w) / w
+    value = np.maximum(sliding_sum(switched, w), ringing / (RINGING * rows.setting.weight) * CHATTER_SWITCHES)
+    out = _over(value, CHATTER_SWITCHES - 0.5)
+    return out[0], out[1], out[2] & (sliding_sum(switched + (back > 0.0), rows.window(SMOOTH)) > 0.0)
+
+
+def _blow(rows: Rows) -> Measured:
+    """Force of one or two rows beyond those on both sides, over m g."""
+    size = np.linalg.norm(rows.forces, axis=-1)
+    around = np.full(size.shape, np.inf)
+    if rows.count >= 5:
+        around[2:-2] = np.maximum(np.minimum(size[:-4], size[1:-3]), np.minimum(size[4:], size[3:-1]))
+    value = np.where(np.isfinite(around), size - around, 0.0) / rows.setting.weight
+    return _over(value, SPIKE)
+
+
+def _idle(rows: Rows) -> Measured:
+    """Time during which nothing carries the robot though a foot touches the ground, or it does not fall."""
+    w = rows.window(IDLE_TIME)
+    none = np.abs(rows.forces).max(axis=(1, 2)).reshape(-1, 1) <= rows.setting.threshold
+    closed = np.zeros((rows.count, 1), dtype=bool)
+    if rows.has("gaps"):
+        closed[:, 0] |= (rows.gaps <= 1e-4).any(axis=1)
+    if rows.unexplained is not None:
+        force = np.nan_to_num(rows.unexplained.force)
+        closed[:, 0] |= np.linalg.norm(force, axis=1) > 0.3 * rows.setting.weight
+    on = (none & closed).astype(np.float64)
+    value = np.zeros((rows.count, rows.points + 1))
+    value[:, -1:] = sliding_sum(on, w) / w
+    out = _over(value, 0.95)
+    return out[0], out[1], out[2] & (none & closed)
+
+
+def _frozen(rows: Rows) -> Measured:
+    """Share of a window in which a force does not change in the last digit."""
+    w = rows.window(FROZEN_TIME)
+    same = np.zeros(rows.normal.shape)
+    same[1:] = (rows.normal[1:] == rows.normal[:-1]) & (np.abs(rows.normal[1:]) > rows.setting.threshold)
+    value = sliding_sum(same, w) / w
+    out = _over(value, 0.95)
+    return out[0], out[1], out[2] & (w > 8)
+
+
+def _lean(rows: Rows) -> Measured:
+    """Share of m g that one diagonal of four feet carries beyond the other, while all are loaded."""
+    value = np.zeros((rows.count, rows.points))
+    if rows.points == 4:
+        n = rows.normal
+        lean = (n[:, 0] + n[:, 3] - n[:, 1] - n[:, 2]) / rows.setting.weight
+        mean = np.abs(sliding_mean(np.where(rows.loaded.all(axis=1), lean, np.nan), rows.window(LEAN_TIME)))
+        value[:] = np.nan_to_num(mean)[:, None]
+    return _over(value, LEAN)
+
+
+FORCES, GAPS = ("forces",), ("forces", "gaps")
+CHECKS = (
+    Check("penetration", "no contact sinks into the ground", "m", True, ("gaps",), _penetration),
+    Check("pull", "the ground pushes, it never pulls", "N", True, FORCES, _pull),
+    Check("friction", "no more friction than the ground has", "mu", True, ("forces", "mu"), _friction),
+    Check("distance", "no force across a gap", "m", True, GAPS, _distance),
+    Check(
+        "work", "friction never drives", "J", True, ("forces", "contact_velocities", "mu"), _driving
+    ),
+    Check(
+        "dissipation", "what slides is braked in full", "m", True, ("forces", "contact_velocities", "mu"),
+        _sliding,
+    ),
+    Check("pressure", "soles press inside their edges", "m", True, FORCES, _pressure),
+    Check("motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion),
+    Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter),
+    Check("blow", "force of one row", "m g", False, FORCES, _blow),
+    Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),
+    Check("frozen", "a force that does not change", "share", False, FORCES, _frozen),
+    Check("lean", "one diagonal of feet carries more", "m g", False, FORCES, _lean),
+)  # fmt: skip
+"""Laws first, then signs."""

@@ -1,0 +1,112 @@
+"""What the logged forces leave unexplained of the motion: Newton-Euler, row by row.
+
+    r = M v̇ + h - S τ - Σ Jᵢᵀ fᵢ - Jᵀ push
+
+Its six base rows are the force and the moment that something not in the log puts on the whole robot; the rows
+of a leg's joints, as a force at its foot, say which foot's force is wrong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.log import Log
+from surefoot.robot import Robot
+from surefoot.spatial import rotation_from_quaternion
+
+DAMPING = 1e-4
+"""Share of a leg's squared lever that keeps its force bounded where the leg is stretched."""
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """What is left over, in rows of a log.
+
+    Attributes
+    ----------
+    force, moment
+        (T, 3) on the whole robot, world axes, the moment about the base [N, N m].
+    feet
+        (T, n, 3) force on each foot that its leg's joint torques miss, world axes [N]; NaN without torques.
+    """
+
+    force: FloatArray
+    moment: FloatArray
+    feet: FloatArray
+
+
+def unexplained(
+    robot: Robot,
+    log: Log,
+    forces_world: FloatArray,
+    mass_scale: float = 1.0,
+) -> Unexplained:
+    """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
+
+    Parameters
+    ----------
+    robot
+        Whose log it is.
+    log
+        T + 1 rows with q, v, time and contact_positions; torques and push where it has them.
+    forces_world
+        (T + 1, p, 3) forces on the contact points, world axes [N].
+    mass_scale
+        The mass that the log tells over the robot's own, for the base rows.
+    """
+    points, rows = robot.contact_points, len(log) - 1
+    q, v = np.asarray(log["q"]), np.asarray(log["v"])
+    dt = np.diff(np.asarray(log["time"]))[:, None]
+    acceleration = np.diff(v, axis=0) / dt
+    torque, jacobian = _newton_euler(robot, q[:-1], v[:-1], acceleration)
+    torque[:, : robot.base_dof] *= mass_scale
+    force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
+    wrench = np.concatenate([force, np.cross(place, force)], axis=2)
+    on_points = np.einsum("tpc,tcj->tpj", wrench, jacobian)
+    rest = torque - np.einsum("tpj,pj->tj", on_points, points.support.astype(np.float64))
+    base = robot.base_dof
+    R = rotation_from_quaternion(q[:-1, 3:7])
+    if "push" in log:
+        com = np.asarray(robot.model.inertias[1].lever)
+        local = np.einsum("tji,tj->ti", R, np.asarray(log["push"])[:-1])
+        rest[:, :3] -= local
+        rest[:, 3:6] -= np.cross(com, local)
+    feet = np.full((rows, len(robot.feet), 3), np.nan)
+    if "torques" in log:
+        rest[:, base:] -= np.asarray(log["torques"])[:-1]
+        feet = _at_feet(robot, rest, jacobian, place)
+    force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
+    return Unexplained(force_left, moment_left, feet)
+
+
+def _newton_euler(robot: Robot, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the inverse dynamics (T, nv) and the joints' world Jacobian (T, 6, nv) of every row."""
+    import pinocchio
+
+    model, data = robot.model, robot.model.createData()
+    torque, jacobian = np.empty(v.shape), np.empty((len(v), 6, v.shape[1]))
+    rnea: Any = pinocchio.rnea
+    columns: Any = pinocchio.computeJointJacobians
+    for k in range(len(v)):
+        torque[k] = rnea(model, data, q[k], v[k], a[k])
+        jacobian[k] = columns(model, data, q[k])
+    return torque, jacobian
+
+
+def _at_feet(robot: Robot, rest: FloatArray, jacobian: FloatArray, place: FloatArray) -> FloatArray:
+    """Return the joints' rest of every leg as a force at its foot: (T, n, 3), world axes."""
+    points, base = robot.contact_points, robot.base_dof
+    out = np.empty((len(rest), len(robot.feet), 3))
+    for foot in range(len(robot.feet)):
+        leg = np.flatnonzero(points.foot_support[foot][base:]) + base
+        at = place[:, points.foot == foot].mean(axis=1)
+        J = jacobian[:, :3, leg] + np.cross(jacobian[:, 3:, leg], at[:, :, None], axis=1)
+        JJ = np.einsum("tij,tkj->tik", J, J)
+        JJ += DAMPING * np.trace(JJ, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        pulled = np.einsum("tij,tj->ti", J, rest[:, leg])
+        out[:, foot] = np.linalg.solve(JJ, pulled[..., None])[..., 0]
+    return out

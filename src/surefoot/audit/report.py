@@ -1,0 +1,197 @@
+"""What an audit says: a verdict, violations, symptoms, and what could be judged."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, TypeAlias
+
+from surefoot.errors import SurefootError
+
+Judgement: TypeAlias = Literal["lawful", "broken", "cannot tell"]
+"""Every law that could be judged holds; one at least is broken; the log does not let one know."""
+
+
+class LawBroken(SurefootError, AssertionError):
+    """Raised by `assert_lawful`; carries the report.
+
+    Attributes
+    ----------
+    report
+        The whole audit.
+    """
+
+    def __init__(self, report: AuditReport) -> None:
+        self.report = report
+        super().__init__("\n".join([report.sentence, *report.lines()]))
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A law broken by a contact over a time.
+
+    Attributes
+    ----------
+    law
+        Its name, see `surefoot.audit.CHECKS`; "finite" and "clock" for the log itself.
+    contact
+        Name of the contact, or "body".
+    start, end
+        [s].
+    value, limit
+        Worst measure in between and what it may be, in `unit`.
+    unit
+        Of both.
+    """
+
+    law: str
+    contact: str
+    start: float
+    end: float
+    value: float
+    limit: float
+    unit: str = ""
+
+    def __str__(self) -> str:
+        where = f"{self.contact}, {self.start:.3f} to {self.end:.3f} s"
+        return f"{self.law}: {where}: {self.value:.3g} {self.unit} (limit {self.limit:.3g})"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A symptom with its likely cause.
+
+    Attributes
+    ----------
+    name
+        Of the symptom, see `surefoot.audit.SYMPTOMS`.
+    contact
+        Name of the contact, "all" or "body".
+    start, end
+        [s].
+    evidence
+        The figures that speak for it.
+    cause, confirm, cure
+        What it likely is, the check that would confirm it, what usually helps.
+    strength
+        From 0 to 1: how much of what was measured it explains.
+    """
+
+    name: str
+    contact: str
+    start: float
+    end: float
+    evidence: str
+    cause: str
+    confirm: str
+    cure: str
+    strength: float
+
+    def __str__(self) -> str:
+        where = f"{self.contact}, {self.start:.3f} to {self.end:.3f} s"
+        return f"{self.name}: {where}: {self.evidence}"
+
+
+@dataclass(frozen=True)
+class FrictionInterval:
+    """What a log tells about the friction under a foot.
+
+    Attributes
+    ----------
+    contact
+        Its name.
+    low
+        Highest friction used while it stuck: the ground has that much at least.
+    high
+        Friction while it slid: the ground has no more; infinite where it never slid.
+    slid
+        Time of sliding that `high` rests on [s].
+    """
+
+    contact: str
+    low: float
+    high: float
+    slid: float
+
+
+@dataclass(frozen=True)
+class AuditReport:
+    """The whole audit of a log.
+
+    Attributes
+    ----------
+    verdict
+        "lawful", "broken" or "cannot tell".
+    violations
+        By time; of each law and contact the first hundred.
+    more
+        Name of a law to the number of its violations beyond those.
+    symptoms
+        The strongest first.
+    coverage
+        Name of a law to "" where it was judged, else to the reason why it was not.
+    friction
+        What each contact tells of the ground's friction.
+    notes
+        What was assumed or doubted.
+    rows, start, end
+        Of the log [1, s, s].
+    contacts
+        Their names.
+    weight
+        m g that forces were judged against [N].
+    reason
+        Why one cannot tell; empty for another verdict.
+    """
+
+    verdict: Judgement
+    violations: tuple[Violation, ...]
+    more: dict[str, int]
+    symptoms: tuple[Finding, ...]
+    coverage: dict[str, str]
+    friction: tuple[FrictionInterval, ...]
+    notes: tuple[str, ...]
+    rows: int
+    start: float
+    end: float
+    contacts: tuple[str, ...]
+    weight: float
+    reason: str = ""
+
+    @property
+    def lawful(self) -> bool:
+        """Whether the verdict is "lawful"."""
+        return self.verdict == "lawful"
+
+    @property
+    def judged(self) -> tuple[str, ...]:
+        """Names of the laws that could be judged."""
+        return tuple(name for name, why in self.coverage.items() if not why)
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence."""
+        span = f"{self.rows} rows, {self.end - self.start:.3g} s"
+        if self.verdict == "lawful":
+            known = "" if not self.symptoms else f", but look at: {self.symptoms[0]}"
+            return f"lawful: all {len(self.judged)} laws that could be judged hold ({span}){known}"
+        if self.verdict == "cannot tell":
+            return f"cannot tell whether it is lawful ({span}): {self.reason}"
+        count = len(self.violations) + sum(self.more.values())
+        first = f"{self.symptoms[0]}" if self.symptoms else f"{self.violations[0]}"
+        return f"broken: {count} violations of {', '.join(self.laws_broken)} ({span}); first of all {first}"
+
+    @property
+    def laws_broken(self) -> tuple[str, ...]:
+        """Names of the laws that were broken, in the order of the first time."""
+        return tuple(dict.fromkeys(v.law for v in self.violations))
+
+    def lines(self, most: int = 10) -> list[str]:
+        """Return symptoms and violations, a line each, `most` of either."""
+        out = [f"  {s}; likely {s.cause}" for s in self.symptoms[:most]]
+        out += [f"  {v}" for v in self.violations[:most]]
+        rest = len(self.violations) - most + sum(self.more.values())
+        return [*out, f"  and {rest} more"] if rest > 0 else out
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything by name, for JSON."""
+        return {"sentence": self.sentence, **asdict(self)}

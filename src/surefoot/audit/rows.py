@@ -1,0 +1,197 @@
+"""Rows of a log as the audit reads them: arrays derived piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.audit.dynamics import Unexplained, unexplained
+from surefoot.audit.setting import PER_POINT, Setting
+from surefoot.log import Log
+from surefoot.spatial import GRAVITY
+from surefoot.terrain.frames import surface_frames
+
+PAD = 0.12
+"""Time before and after a piece that its windows may look at [s]."""
+PIECE = 1 << 15
+"""Rows of a piece."""
+FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push")
+
+
+class Rows:
+    """Rows `first` to `last` of a log with what surrounds them; `core` are those asked for.
+
+    Numbers that are not finite are zero here and told by `lost`.
+    """
+
+    def __init__(self, log: Log, setting: Setting, first: int, last: int) -> None:
+        pad = min(max(int(PAD / setting.dt), 2), PIECE) if setting.dt > 0.0 else 2
+        self.first = max(first - pad, 0)
+        self.log = log.rows(slice(self.first, min(last + pad, len(log))))
+        self.core = slice(first - self.first, last - self.first)
+        self.setting = setting
+        self.count = len(self.log)
+        self.points = len(setting.names)
+
+    def has(self, *names: str) -> bool:
+        """Return whether the log has all of these channels."""
+        return self.points > 0 and all(name in self.log for name in names)
+
+    def _numbers(self, name: str) -> FloatArray:
+        values = np.asarray(self.log[name], dtype=np.float64)
+        finite = np.isfinite(values)
+        return values if finite.all() else np.where(finite, values, 0.0)
+
+    @cached_property
+    def lost(self) -> BoolArray:
+        """(T, p + 1) where a contact's measurement, or one of the body, is not finite."""
+        out = np.zeros((self.count, self.points + 1), dtype=bool)
+        for name in FINITE:
+            if name not in self.log:
+                continue
+            values = np.asarray(self.log[name])
+            if np.isfinite(values).all():
+                continue
+            bad = ~np.isfinite(values)
+            if name in PER_POINT:
+                out[:, :-1] |= bad.reshape(self.count, self.points, -1).any(axis=2)
+            else:
+                out[:, -1] |= bad.reshape(self.count, -1).any(axis=1)
+        if "normals" in self.log:
+            length = (np.nan_to_num(np.asarray(self.log["normals"])) ** 2).sum(axis=2)
+            out[:, :-1] |= np.abs(length - 1.0) > 0.02  # no direction
+        return out
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """(T,) [s]."""
+        return np.asarray(self.log["time"], dtype=np.float64)
+
+    @cached_property
+    def dt(self) -> FloatArray:
+        """(T,) time to the next row, the usual one where the clock is wrong [s]."""
+        steps = np.diff(self.time, append=self.time[-1:] + self.setting.dt)
+        return np.where(np.isfinite(steps) & (steps > 0.0), steps, self.setting.dt)
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """(T, p, 3) contact frames [N]."""
+        return self._numbers("forces")
+
+    @cached_property
+    def normal(self) -> FloatArray:
+        """(T, p) normal forces [N]."""
+        return self.forces[..., 2]
+
+    @cached_property
+    def tangential(self) -> FloatArray:
+        """(T, p) size of the tangential forces [N]."""
+        return np.hypot(self.forces[..., 0], self.forces[..., 1])
+
+    @cached_property
+    def loaded(self) -> BoolArray:
+        """(T, p) where a contact is loaded."""
+        return self.normal > self.setting.threshold
+
+    @cached_property
+    def gaps(self) -> FloatArray:
+        """(T, p) [m]."""
+        return self._numbers("gaps")
+
+    @cached_property
+    def velocities(self) -> FloatArray:
+        """(T, p, 3) contact frames [m/s]."""
+        return self._numbers("contact_velocities")
+
+    @cached_property
+    def mu(self) -> FloatArray:
+        """(T, 1) friction of the ground."""
+        return np.maximum(self._numbers("mu"), 0.0)[:, None]
+
+    @cached_property
+    def frames(self) -> FloatArray:
+        """(T, p, 3, 3) contact frames in world axes, from the ground's normals."""
+        normals = self._numbers("normals")
+        length = np.linalg.norm(normals, axis=-1, keepdims=True)
+        unit = np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0])
+        flat = np.ascontiguousarray(unit.reshape(-1, 3))
+        out = np.empty((len(flat), 3, 3))
+        surface_frames(flat, out)
+        return out.reshape(self.count, self.points, 3, 3)
+
+    @cached_property
+    def unexplained(self) -> Unexplained | None:
+        """What Newton-Euler leaves over in every row, NaN where it cannot be told; None without a robot."""
+        robot = self.setting.robot
+        if robot is None or self.count < 2:
+            return None
+        log, time = self.log, self.time
+        arrays = {name: self._numbers(name) for name in _MOTION if name in log}
+        clean = Log({**arrays, "time": time}, {}, channels=log.channels)
+        with np.errstate(all="ignore"):
+            world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
+            mass = self.setting.weight / (GRAVITY * robot.mass)
+            out = unexplained(robot, clean, world, mass)
+        steps = np.diff(time)
+        wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
+        wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]
+        return Unexplained(*(_with_last(part, wrong) for part in (out.force, out.moment, out.feet)))
+
+    @cached_property
+    def missing(self) -> FloatArray | None:
+        """(T, p, 3) force that the joint torques ask for beyond the logged one, contact frames [N].
+
+        Of feet with one contact point; NaN for others, and where it cannot be told.
+        """
+        rest = self.unexplained
+        if rest is None:
+            return None
+        out = np.full(self.forces.shape, np.nan)
+        for k in range(self.points):
+            if self.setting.single(k):
+                foot = rest.feet[:, self.setting.owner[k]]
+                out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], foot)
+        return out
+
+    def window(self, seconds: float) -> int:
+        """Return how many rows a time has, one at least."""
+        dt = self.setting.dt
+        return max(1, min(round(seconds / dt), self.count)) if dt > 0.0 else 1
+
+
+_MOTION = ("q", "v", "torques", "push", "contact_positions")
+
+
+def _with_last(part: FloatArray, wrong: BoolArray) -> FloatArray:
+    """Return rows with one of NaN more, NaN where the rows are wrong or too large."""
+    out = np.concatenate([part, np.full((1, *part.shape[1:]), np.nan)])
+    out[:-1][wrong] = np.nan
+    return np.where(np.abs(out) < 1e150, out, np.nan)
+
+
+def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
+    """Return the sum over a window of so many rows about each row: the shape of (T, ...) values."""
+    total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+    index = np.arange(len(values))
+    low = np.maximum(index - (rows - 1) // 2, 0)
+    high = np.minimum(index + rows // 2 + 1, len(values))
+    return np.asarray(total[high] - total[low])
+
+
+def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
+    """Return the mean over a window of so many rows, of what is not NaN; NaN for less than half."""
+    known = np.isfinite(values)
+    count = sliding_sum(known.astype(np.float64), rows)
+    total = sliding_sum(np.where(known, values, 0.0), rows)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(count >= 0.5 * min(rows, len(values)), total / count, np.nan)
+
+
+def pieces(log: Log, setting: Setting, rows: int = PIECE) -> Iterator[Rows]:
+    """Yield a log piece by piece; what is mapped is let go of again."""
+    for start in range(0, len(log), rows):
+        yield Rows(log, setting, start, min(start + rows, len(log)))
+        log.let_go()

@@ -1,0 +1,176 @@
+"""What an audit knows of a log once, and where the log contradicts itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from surefoot.arrays import IntArray
+from surefoot.audit.laws import LOADED_SHARE
+from surefoot.errors import ProblemError, SurefootError
+from surefoot.log import Log
+from surefoot.robot import Robot, load_robot
+from surefoot.spatial import GRAVITY
+
+BODY = "body"
+"""Stands in a report where the whole robot is meant and no single contact."""
+PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals")
+"""Channels with a row for each contact point."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What an audit knows once.
+
+    Attributes
+    ----------
+    names, owner
+        (p,) names of the contact points and index of the foot of each.
+    feet
+        Names of the feet.
+    weight
+        m g [N].
+    dt
+        Usual time from row to row [s].
+    sinking, creep
+        What the world declares of its own softness [m], [m/s].
+    robot
+        For the equations of motion; None where they cannot be judged, for the reason `why_no_motion`.
+    notes
+        What was assumed, a line each.
+    doubts
+        Where the log contradicts itself, a line each: such a log is never lawful.
+    """
+
+    names: tuple[str, ...]
+    owner: IntArray
+    feet: tuple[str, ...]
+    weight: float
+    dt: float
+    sinking: float
+    creep: float
+    robot: Robot | None
+    why_no_motion: str
+    notes: tuple[str, ...] = field(default=())
+    doubts: tuple[str, ...] = field(default=())
+
+    @property
+    def threshold(self) -> float:
+        """Normal force from which a contact counts as loaded [N]."""
+        return LOADED_SHARE * self.weight
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the contacts, and of the body at the end."""
+        return (*self.names, BODY)
+
+    def single(self, contact: int) -> bool:
+        """Return whether a contact is all that its foot has."""
+        return int((self.owner == self.owner[contact]).sum()) == 1
+
+
+def setting_of(log: Log, robot: Robot | None) -> Setting:
+    """Return what a log tells once; `robot` None for the one that it names.
+
+    Raises
+    ------
+    ProblemError
+        If the log has no rows, or facts that are none.
+    """
+    if len(log) == 0:
+        raise ProblemError("the log has no rows")
+    notes = [f"doubt of the reader: {line}" for line in log.doubts]
+    doubts: list[str] = []
+    count = max((log[name].shape[1] for name in PER_POINT if name in log), default=0)
+    feet, owner = _feet(log, count)
+    names = tuple(_point_names(feet, owner))
+    weight = _weight(log, notes)
+    steps = np.diff(np.asarray(log["time"][: 1 << 16]))
+    good = steps[np.isfinite(steps) & (steps > 0.0)]
+    told = float(log.fact("dt")) if "dt" in log.facts else 0.0
+    dt = float(np.median(good)) if good.size else told
+    if told and good.size and abs(told - dt) > 0.02 * dt:
+        doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
+    sinking, creep = (_softness(log, name) for name in ("sinking", "creep"))
+    if sinking or creep:
+        notes.append(
+            f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm and creep to "
+            f"{1e3 * creep:.2g} mm/s count as lawful"
+        )
+    if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
+        raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
+    model, why = _robot(log, robot, doubts)
+    return Setting(
+        names, owner, feet, weight, dt, sinking, creep, model, why, tuple(notes), tuple(doubts)
+    )  # fmt: skip
+
+
+def _feet(log: Log, count: int) -> tuple[tuple[str, ...], IntArray]:
+    if "contact_foot" not in log.facts or "feet" not in log.facts:
+        return tuple(f"contact {k}" for k in range(count)), np.arange(count)
+    feet = tuple(map(str, log.fact("feet")))
+    owner = np.asarray(log.fact("contact_foot"))
+    if count and (owner.shape != (count,) or not np.isin(owner, np.arange(len(feet))).all()):
+        raise ProblemError(f"the fact contact_foot must name one of {len(feet)} feet for {count} contacts")
+    return feet, owner.astype(np.int64)
+
+
+def _point_names(feet: tuple[str, ...], owner: IntArray) -> Iterator[str]:
+    seen: dict[int, int] = {}
+    for k in owner.tolist():
+        at = seen[k] = seen.get(k, -1) + 1
+        yield feet[k] if (owner == k).sum() == 1 else f"{feet[k]}:{at}"
+
+
+def _weight(log: Log, notes: list[str]) -> float:
+    """Return m g, from the forces where the log does not tell the mass."""
+    if "mass" in log.facts:
+        return float(log.fact("mass")) * GRAVITY
+    mean = 0.0
+    if "forces" in log:
+        total = np.asarray(log["forces"][: 1 << 16, :, 2]).sum(axis=1)
+        mean = float(np.mean(total[np.isfinite(total)])) if np.isfinite(total).any() else 0.0
+    if not (math.isfinite(mean) and mean > 0.0):
+        notes.append("the log does not tell the robot's mass: forces are judged against 1 kg")
+        return GRAVITY
+    notes.append(f"the log does not tell the robot's mass: {mean / GRAVITY:.3g} kg from its forces")
+    return mean
+
+
+def _softness(log: Log, name: str) -> float:
+    value = float(log.fact(name)) if name in log.facts else 0.0
+    if not (math.isfinite(value) and value >= 0.0):
+        raise ProblemError(f"the fact {name} must be >= 0 and finite, got {value}")
+    return value
+
+
+def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | None, str]:
+    """Return the robot of a log, or why its equations of motion cannot be judged."""
+    if len(log) < 3:
+        return None, "the log has fewer than three rows"
+    needed = ("q", "v", "forces", "contact_positions", "normals")
+    lacking = [name for name in needed if name not in log]
+    if lacking:
+        return None, f"the log has no {', '.join(lacking)}"
+    if robot is None:
+        if "robot" not in log.facts:
+            return None, "the log does not name its robot: give one"
+        name = str(log.fact("robot"))
+        try:
+            robot = load_robot(name)
+        except SurefootError as error:
+            return None, str(error)
+    if not robot.floating:
+        return None, "the robot is bolted to the world"
+    have = (log["q"].shape[1], log["v"].shape[1], log["forces"].shape[1])
+    want = (int(robot.model.nq), int(robot.model.nv), len(robot.contact_points))
+    if have != want:
+        doubts.append(f"{robot.name} has (nq, nv, contact points) = {want}, the log {have}")
+        return None, doubts[-1]
+    if "torques" in log and log["torques"].shape[1] != robot.joints:
+        doubts.append(f"{robot.name} has {robot.joints} joints, the log {log['torques'].shape[1]}")
+        return None, doubts[-1]
+    return robot, ""

@@ -1,0 +1,180 @@
+"""Contact forces from a motion and its torques, with their uncertainty and the question whether any would do.
+
+    M v̇ + h = S τ + Jᵀ f        (least squares, rows weighted by how well they are known)
+
+References
+----------
+.. [1] M. Camurri et al., "Probabilistic contact estimation and impact detection for state estimation of
+   quadruped robots", IEEE Robotics and Automation Letters 2017 (the statics of it).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.equilibrium import Verdict, can_stand
+from surefoot.errors import ProblemError
+from surefoot.robot import Robot
+from surefoot.robot.dynamics import generalised_torque
+from surefoot.robot.jacobians import contact_jacobian
+from surefoot.stance import Stance
+from surefoot.terrain import Terrain
+
+REACH = 3.0
+"""Standard deviations within which an acceleration may be wrong."""
+EXACT = 1e-4
+"""The base has no motor: its rows are so much better known than a torque, apart from the acceleration."""
+RANK = 1e-9
+"""Singular values below this share of the largest are not seen by the measurements."""
+
+
+@dataclass(frozen=True)
+class ForceEstimate:
+    """Forces that explain a motion best.
+
+    Attributes
+    ----------
+    forces
+        (sum of dims,) contact forces (wrenches of soles), contact frames, in the stance's order [N, N m].
+    std
+        Standard deviation of each, from those of torques and acceleration; infinite where the measurements
+        do not tell it.
+    misfit
+        Root mean square of what is left over, in standard deviations: about one for a good model, far above
+        one where something else acts on the robot; zero where nothing is over-determined.
+    lawful
+        Whether the estimated forces themselves obey friction and push.
+    explainable
+        Whether any lawful forces of these contacts explain the body's motion: "yes", "no" if none do for any
+        acceleration within three standard deviations (`verdict.certificate` proves it), else "cannot tell".
+    verdict
+        The same question for the acceleration as given, exactly, see `surefoot.can_stand`: two feet span
+        no area, so that the least error of an acceleration makes it impossible.
+    stance
+        The contacts.
+    """
+
+    forces: FloatArray
+    std: FloatArray
+    misfit: float
+    lawful: bool
+    explainable: Literal["yes", "no", "cannot tell"]
+    verdict: Verdict
+    stance: Stance
+
+    def by_contact(self) -> dict[str, FloatArray]:
+        """Return the force (3,) or wrench (6,) of each contact by its name."""
+        return {c.name: self.forces[part] for c, part in zip(self.stance, self.stance.slices, strict=True)}
+
+
+def estimate_forces(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    tau: ArrayLike,
+    *,
+    feet: Sequence[str] | None = None,
+    mu: float | Sequence[float] = 0.6,
+    terrain: Terrain | None = None,
+    torque_std: float = 0.5,
+    acceleration_std: float = 0.2,
+) -> ForceEstimate:
+    """Return the contact forces that explain a motion and its torques, and whether lawful ones can.
+
+    Parameters
+    ----------
+    robot
+        With a floating base.
+    q, v, a
+        (nq,) configuration, (nv,) velocity and acceleration in Pinocchio's order and coordinates.
+    tau
+        (joints,) torques of the joints [N m].
+    feet
+        Names of the feet that touch; None for all.
+    mu, terrain
+        Friction, one or one per foot, and the ground (None: flat); for the question of lawfulness only.
+    torque_std
+        Standard deviation of a torque [N m].
+    acceleration_std
+        Standard deviation of the acceleration of a coordinate [m/s^2, rad/s^2].
+
+    Returns
+    -------
+    ForceEstimate
+        `.forces` with `.std`, `.misfit`, `.lawful`, and `.explainable` on all forces that there could be.
+
+    Raises
+    ------
+    ProblemError
+        For wrong shapes, numbers that are not finite, standard deviations that are not positive, or a robot
+        that is bolted to the world.
+    """
+    import pinocchio
+
+    if not robot.floating:
+        raise ProblemError(f"{robot.name} is bolted to the world: its base carries what it must")
+    model, data = robot.model, robot.model.createData()
+    configuration = robot.configuration(q)
+    velocity, acceleration = (finite_array(n, x, (model.nv,)) for n, x in (("v", v), ("a", a)))
+    noise = real_number("torque_std", torque_std, low=1e-12)
+    shaking = real_number("acceleration_std", acceleration_std, low=0.0)
+    stance = robot.stance(configuration, mu=mu, terrain=terrain, feet=feet)
+    needed = np.array(pinocchio.rnea(model, data, configuration, velocity, acceleration))
+    needed = needed - generalised_torque(robot, finite_array("tau", tau, (robot.joints,)))
+    M = np.triu(pinocchio.crba(model, data, configuration))
+    spread = shaking * np.linalg.norm(M + np.triu(M, 1).T, axis=1)
+    spread = np.hypot(spread, np.where(np.arange(model.nv) < robot.base_dof, EXACT * noise, noise))
+    J = contact_jacobian(robot, configuration, stance)
+    forces, std, misfit = _least_squares(J.T / spread[:, None], needed / spread)
+    rate = pinocchio.computeCentroidalMomentumTimeVariation(
+        model, data, configuration, velocity, acceleration
+    )
+    verdict = can_stand(stance, np.array(data.com[0]), robot.mass, -np.array(rate.vector))
+    lawful = _lawful(stance, forces, std)
+    left = np.abs(needed - J.T @ forces)[:6] <= REACH * spread[:6]
+    answer: Literal["yes", "no", "cannot tell"] = "cannot tell"
+    if verdict.feasible or (lawful and bool(left.all())):
+        answer = "yes"
+    elif _proven(verdict, float(spread[:3].max()), float(spread[3:6].max())):
+        answer = "no"
+    return ForceEstimate(forces, std, misfit, lawful, answer, verdict, stance)
+
+
+def _proven(verdict: Verdict, force_std: float, moment_std: float) -> bool:
+    """Return whether a certificate holds for every load within `REACH` standard deviations."""
+    y = verdict.certificate
+    if y is None or not verdict.verify():
+        return False
+    blur = np.hypot(force_std * np.linalg.norm(y[:3]), moment_std * np.linalg.norm(y[3:]))
+    return bool(y @ verdict.load < -REACH * blur)
+
+
+def _least_squares(A: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Return the solution of least norm, its standard deviations, and the misfit per free row."""
+    if not A.shape[1]:
+        return np.zeros(0), np.zeros(0), float(np.sqrt(np.mean(b * b)))
+    U, sizes, V = np.linalg.svd(A, full_matrices=False)
+    seen = sizes > RANK * sizes[0]
+    x = V[seen].T @ ((U[:, seen].T @ b) / sizes[seen])
+    variance = ((V[seen].T / sizes[seen]) ** 2).sum(axis=1)
+    known = (V[seen] ** 2).sum(axis=0) > 1.0 - 1e-6
+    free = len(b) - int(seen.sum())
+    misfit = float(np.linalg.norm(b - A @ x) / np.sqrt(free)) if free > 0 else 0.0
+    return x, np.where(known, np.sqrt(variance), np.inf), misfit
+
+
+def _lawful(stance: Stance, forces: FloatArray, std: FloatArray) -> bool:
+    """Return whether forces push and stay in their cones, up to two standard deviations."""
+    for contact, part in zip(stance, stance.slices, strict=True):
+        f, s = forces[part][:3], 2.0 * np.nan_to_num(std[part][:3], posinf=0.0)
+        side = float(np.hypot(f[0], f[1])) - float(np.hypot(s[0], s[1]))
+        if f[2] < -s[2] or side > contact.mu * (f[2] + s[2]):
+            return False
+    return True

@@ -1,0 +1,299 @@
+"""The audit of whole logs: clean ones are lawful, spoilt ones are told, and nothing makes it lie."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.audit.auditor import NEEDED
+from surefoot.audit.intervals import MOST
+from surefoot.audit.rows import PIECE, Rows, sliding_mean, sliding_sum
+from surefoot.audit.setting import setting_of
+from surefoot.cli.output import to_json
+from surefoot.errors import ProblemError
+from surefoot.log import Log
+from surefoot.problems.logged_runs import CleanRun
+from surefoot.spatial import GRAVITY
+from tests.audit.logs import PUSHED, RUNS, STAND, TROT, changed, log_of
+
+CONTACT = ("forces", "gaps", "contact_velocities", "contact_positions", "mu")
+
+
+@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
+def test_a_clean_run_is_lawful_and_every_law_is_judged(run: CleanRun) -> None:
+    report = sf.assert_lawful(log_of(run), symptoms=True)
+    assert report.verdict == "lawful"
+    assert [name for name, why in report.coverage.items() if why] == ["pressure"]
+    assert report.violations == ()
+    assert report.symptoms == ()
+
+
+def test_a_biped_on_soles_is_lawful_and_its_pressure_is_judged() -> None:
+    log = log_of(CleanRun("g1", duration=0.3))
+    report = sf.audit_log(log)
+    assert report.verdict == "lawful"
+    assert not any(report.coverage.values())
+    forces = np.array(log["forces"])
+    forces[100:150, 0, 2] = -0.3 * report.weight
+    assert "pressure" in sf.audit_log(changed(log, forces=forces)).laws_broken
+
+
+def test_the_motion_is_explained_to_a_thousandth_of_the_weight() -> None:
+    log = log_of(TROT)
+    rows = Rows(log, setting_of(log, None), 0, len(log))
+    rest = rows.unexplained
+    assert rest is not None
+    w = rows.setting.weight
+    assert np.nanmax(np.linalg.norm(sliding_mean(rest.force, 10), axis=1)) < 1e-3 * w
+    assert np.nanmax(np.linalg.norm(rest.feet, axis=2)) < 2e-2 * w
+
+
+def test_a_broken_law_is_told_with_foot_time_value_and_limit() -> None:
+    log = log_of(TROT)
+    forces, rows = np.array(log["forces"]), slice(200, 260)
+    foot = int(np.argmax(forces[rows, :, 2].min(axis=0)))
+    forces[rows, foot, 2] = -30.0
+    report = sf.audit_log(changed(log, forces=forces))
+    assert report.verdict == "broken"
+    (pull,) = [v for v in report.violations if v.law == "pull"]
+    assert pull.contact == log.facts["feet"][foot]
+    assert (pull.start, pull.end) == pytest.approx((0.2, 0.26), abs=1.1e-3)
+    assert pull.value == pytest.approx(30.0)
+    assert pull.limit == pytest.approx(1e-3 * log.fact("mass") * GRAVITY)
+    first = report.symptoms[0]
+    assert (first.name, first.contact) == ("pull", pull.contact)
+    assert all((first.evidence, first.cause, first.confirm, first.cure))
+    with pytest.raises(sf.LawBroken, match="pull") as caught:
+        sf.assert_lawful(changed(log, forces=forces))
+    assert isinstance(caught.value, AssertionError)
+    assert caught.value.report.violations == report.violations
+
+
+def test_the_report_is_json() -> None:
+    log = log_of(STAND)
+    told = json.loads(to_json(sf.audit_log(changed(log, forces=-np.array(log["forces"]))).as_dict()))
+    assert told["verdict"] == "broken"
+    assert {"law", "contact", "start", "end", "value", "limit"} <= set(told["violations"][0])
+    keys = {"name", "contact", "start", "end", "evidence", "cause", "confirm", "cure"}
+    assert keys <= set(told["symptoms"][0])
+    assert set(told["coverage"]) >= set(NEEDED)
+
+
+def test_a_declared_softness_is_no_violation_and_is_stated() -> None:
+    log = log_of(STAND)
+    deep = changed(log, gaps=np.array(log["gaps"]) - 3e-3)
+    assert sf.audit_log(deep).laws_broken == ("penetration",)
+    soft = sf.audit_log(changed(deep, {"sinking": 4e-3, "creep": 1e-3}))
+    assert soft.verdict == "lawful"
+    assert any("declares itself soft: sinking to 4 mm" in note for note in soft.notes)
+
+
+def test_doubts_of_a_reader_are_told() -> None:
+    report = sf.audit_log(changed(log_of(STAND), {"doubts": ["gaps look like millimetres"]}))
+    assert report.notes == ("doubt of the reader: gaps look like millimetres",)
+
+
+def test_a_recorded_simulation_is_audited_as_it_is() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><worldbody><geom type="plane" size="5 5 .1"/><body pos="0 0 .0999"><freejoint/>'
+        '<geom name="box" type="box" size=".1 .1 .1" mass="2"/></body></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as recording:
+        for _ in range(200):
+            mujoco.mj_step(model, data)
+    assert sf.audit_log(recording).verdict == "lawful"
+
+
+def test_forces_alone_or_without_friction_are_not_enough() -> None:
+    log = log_of(TROT)
+    for keep, lacking in ((("forces",), "gaps"), (("forces", "gaps"), "mu"), (("gaps",), "forces"), ((), "")):
+        report = sf.audit_log(changed(log, keep=keep))
+        assert report.verdict == ("cannot tell" if lacking else "lawful")
+        assert lacking in report.reason
+
+
+def test_a_log_of_contacts_needs_no_robot() -> None:
+    report = sf.audit_log(Log({name: log_of(TROT)[name] for name in (*CONTACT, "time")}))
+    assert report.verdict == "lawful"
+    assert report.contacts == tuple(f"contact {k}" for k in range(4))
+    assert report.coverage["motion"] == "the log has no q, v"
+    assert report.weight == pytest.approx(log_of(TROT).fact("mass") * GRAVITY, rel=0.1)
+
+
+def _nan(name: str) -> Callable[[Log], Log]:
+    def spoil(log: Log) -> Log:
+        array = np.array(log[name])
+        array.reshape(-1)[array.size // 2] = np.nan
+        return changed(log, **{name: array})
+
+    return spoil
+
+
+def _times(name: str, factor: float) -> Callable[[Log], Log]:
+    return lambda log: changed(log, **{name: np.array(log[name]) * factor})
+
+
+def _order(name: str, *order: int) -> Callable[[Log], Log]:
+    return lambda log: changed(log, **{name: np.array(log[name])[:, list(order)]})
+
+
+def _time(change: Callable[[np.ndarray], None]) -> Callable[[Log], Log]:
+    def spoil(log: Log) -> Log:
+        time = np.array(log["time"])
+        change(time)
+        return changed(log, time=time)
+
+    return spoil
+
+
+def _quaternion(log: Log) -> Log:
+    q = np.array(log["q"])
+    q[:, 3:7] = q[:, [6, 3, 4, 5]]
+    return changed(log, q=q)
+
+
+SPOILT = {
+    **{f"nan in {n}": _nan(n) for n in (*CONTACT, "q", "v", "torques", "normals", "push")},
+    "no time passes": lambda log: changed(log, time=np.zeros(len(log))),
+    "time runs back": _time(lambda t: t.__setitem__(slice(None), t[::-1].copy())),
+    "a stamp twice": _time(lambda t: t.__setitem__(100, t[99])),
+    "a stamp earlier": _time(lambda t: t.__setitem__(100, t[90])),
+    "no stamps": _time(lambda t: t.__setitem__(slice(None), np.nan)),
+    "milliseconds": _times("time", 1e3),
+    "gaps in mm": _times("gaps", 1e3),
+    "gaps upside down": _times("gaps", -1.0),
+    "degrees": lambda log: changed(log, q=np.hstack([log["q"][:, :7], np.degrees(log["q"][:, 7:])])),
+    "half speed": _times("v", 0.5),
+    "kgf": _times("forces", 1.0 / 9.81),
+    "huge": _times("forces", 1e300),
+    "no force at all": _times("forces", 0.0),
+    "torques of the motors' side": _times("torques", -1.0),
+    "no normals": _times("normals", 0.0),
+    "feet exchanged": _order("forces", 1, 0, 2, 3),
+    "torques exchanged": _order("torques", 3, 4, 5, 0, 1, 2, 6, 7, 8, 9, 10, 11),
+    "quaternion first": _quaternion,
+    "another robot": lambda log: changed(log, {"robot": "anymal"}),
+    "a robot that does not fit": lambda log: changed(log, {"robot": "g1"}),
+    "another step": lambda log: changed(log, {"dt": 0.01}),
+    "another mass": lambda log: changed(log, {"mass": 8.0}),
+}
+
+
+@pytest.mark.parametrize("name", SPOILT)
+@pytest.mark.filterwarnings("error")
+def test_a_wrong_log_is_never_lawful(name: str) -> None:
+    report = sf.audit_log(SPOILT[name](log_of(TROT)))
+    assert report.verdict != "lawful"
+    assert len(report.sentence.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("facts", "said"),
+    [
+        ({"mass": -1.0}, "mass"),
+        ({"mass": "x"}, "mass"),
+        ({"dt": 0.0}, "dt"),
+        ({"contact_foot": [0, 1, 2, 9]}, "contact_foot"),
+        ({"feet": ["a"]}, "contact_foot"),
+        ({"feet": []}, "feet"),
+        ({"sinking": -1.0}, "sinking"),
+        ({"contact_centres": [1.0, 2.0]}, "contact_centres"),
+        ({"robot": 3}, "robot"),
+    ],
+    ids=str,
+)
+def test_wrong_facts_are_one_clear_line(facts: dict[str, object], said: str) -> None:
+    with pytest.raises(ProblemError, match=said):
+        sf.audit_log(changed(log_of(STAND), facts))
+
+
+def test_no_rows_no_feet_and_no_file(tmp_path: Path) -> None:
+    with pytest.raises(ProblemError, match="no rows"):
+        sf.audit_log(Log({"time": np.zeros(0)}))
+    nobody = Log({"time": np.arange(3.0), "forces": np.zeros((3, 0, 3)), "gaps": np.zeros((3, 0))})
+    assert sf.audit_log(nobody).verdict == "cannot tell"
+    with pytest.raises(ProblemError, match="not a Surefoot log"):
+        sf.audit_log(tmp_path / "none.npz")
+
+
+def _long(rows: int) -> Log:
+    """Return contacts of one standing foot of 1 kg for many rows at 1 kHz."""
+    forces = np.zeros((rows, 1, 3))
+    forces[..., 2] = GRAVITY
+    zero = np.zeros((rows, 1))
+    arrays = {
+        "forces": forces,
+        "gaps": zero,
+        "contact_velocities": np.zeros((rows, 1, 3)),
+        "mu": np.ones(rows),
+    }
+    return Log({"time": 1e-3 * np.arange(rows), **arrays}, {"mass": 1.0})
+
+
+def test_pieces_leave_no_seam() -> None:
+    log = _long(2 * PIECE + 10)
+    for name, value in (("gaps", -2e-3), ("gaps", 2e-3)):
+        array = np.array(log[name])
+        array[PIECE - 30 : PIECE + 40] = value
+        (one,) = sf.audit_log(changed(log, **{name: array})).violations
+        assert (one.start, one.end) == pytest.approx(((PIECE - 30) * 1e-3, (PIECE + 40) * 1e-3))
+    assert sf.audit_log(log).lawful
+
+
+def test_violations_are_capped_and_counted() -> None:
+    log = _long(30 * (MOST + 25))
+    gaps = np.array(log["gaps"])
+    gaps[10::30] = -2e-3
+    report = sf.audit_log(changed(log, gaps=gaps))
+    assert len(report.violations) == MOST
+    assert report.more == {"penetration": 25}
+
+
+def test_a_slow_slide_without_friction_is_found_however_slow() -> None:
+    log = _long(4000)
+    v = np.array(log["contact_velocities"])
+    v[..., 0] = 2e-3  # 8 mm in 4 s: a tenth of a millimetre in a window
+    report = sf.audit_log(changed(log, contact_velocities=v))
+    assert report.laws_broken == ("dissipation",)
+
+
+def test_friction_from_a_log() -> None:
+    log = _long(2000)
+    forces, v = np.array(log["forces"]), np.array(log["contact_velocities"])
+    forces[:1000, 0, 0] = 0.3 * GRAVITY  # sticks on 0.3
+    v[1000:, 0, 0], forces[1000:, 0, 0] = -0.1, 0.55 * GRAVITY  # slides on 0.55
+    slid = changed(log, forces=forces, contact_velocities=v, mu=np.full(2000, 0.55))
+    (interval,) = sf.audit_log(slid).friction
+    assert interval.low == pytest.approx(0.3, abs=2e-3)
+    assert interval.high == pytest.approx(0.55, abs=4e-3)
+    assert interval.slid == pytest.approx(1.0, abs=2e-3)
+    (never,) = sf.audit_log(changed(slid, contact_velocities=np.zeros((2000, 1, 3)))).friction
+    assert never.high == np.inf
+    assert never.low == pytest.approx(0.55, abs=4e-3)
+
+
+def test_windows_are_those_of_a_plain_loop() -> None:
+    rng = np.random.default_rng(0)
+    x = rng.normal(size=(40, 2))
+    for w in (1, 4, 7, 100):
+        low, high = (w - 1) // 2, w // 2
+        plain = [x[max(k - low, 0) : k + high + 1].sum(axis=0) for k in range(40)]
+        np.testing.assert_allclose(sliding_sum(x, w), plain, atol=1e-12)
+    x[5] = np.nan
+    assert np.isnan(sliding_mean(x, 1)[5]).all()
+    assert np.isfinite(sliding_mean(x, 3)).all()
+
+
+def test_an_unlogged_push_is_told_with_its_size() -> None:
+    log = log_of(PUSHED)
+    report = sf.audit_log(changed(log, push=np.zeros((len(log), 3))))
+    first = report.symptoms[0]
+    assert (first.name, first.contact) == ("outside force", "body")
+    assert f"({1.5 * log.fact('mass'):.3g}, {0.8 * log.fact('mass'):.3g}," in first.evidence

@@ -1,0 +1,80 @@
+"""`surefoot audit`: exit codes, JSON, the page; a broken file is one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from surefoot.cli.main import main
+from tests.audit.logs import TROT, changed, log_of
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with a clean log, a spoilt one, and files that are none."""
+    place = tmp_path_factory.mktemp("audit")
+    log = log_of(TROT)
+    changed(log).save(place / "clean.npz")
+    gaps = np.array(log["gaps"])
+    gaps[200:300, 0] -= 8e-3
+    changed(log, gaps=gaps).save(place / "sunk.npz")
+    data = (place / "clean.npz").read_bytes()
+    (place / "cut.npz").write_bytes(data[: len(data) // 2])
+    (place / "text.npz").write_text("no log")
+    (place / "other.xyz").write_text("no log")
+    np.savez(place / "plain.npz", a=np.zeros(3))
+    return place
+
+
+def test_a_clean_log_ends_with_zero(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", str(folder / "clean.npz")]) == 0
+    assert "lawful: all 7 laws that could be judged hold (1200 rows, 1.2 s)" in capsys.readouterr().out
+
+
+def test_json_is_the_report_and_nothing_else(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", str(folder / "sunk.npz"), "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["verdict"] == "broken"
+    (one,) = told["violations"]
+    assert (one["law"], one["contact"]) == ("penetration", "FL_foot")
+    assert (one["start"], one["end"]) == pytest.approx((0.2, 0.3), abs=2e-3)
+    assert told["symptoms"][0]["name"] == "sinking"
+
+
+def test_the_page_holds_verdict_timeline_moments_and_tables(folder: Path, tmp_path: Path) -> None:
+    assert main(["audit", str(folder / "sunk.npz"), "--out", str(tmp_path)]) == 1
+    (made,) = tmp_path.iterdir()
+    page = (made / "report.html").read_text(encoding="utf-8")
+    assert 'class="verdict">broken: 1 violations of penetration' in page
+    assert page.count("data:image/png;base64,") == 2
+    for title in ("Timeline", "Symptoms", "Violations", "What could be judged", "Friction of the ground"):
+        assert f"<h2>{title}" in page
+    assert json.loads((made / "audit.json").read_text())["verdict"] == "broken"
+
+
+@pytest.mark.parametrize("name", ["cut.npz", "text.npz", "other.xyz", "plain.npz", "none.npz", "."])
+def test_what_is_no_log_is_one_line_and_exit_code_2(
+    name: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["audit", str(folder / name)]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.splitlines()) == 1
+
+
+def test_nowhere_to_write_is_told_before_the_work(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", str(folder / "clean.npz"), "--out", str(folder / "text.npz")]) == 2
+    assert "cannot write to --out" in capsys.readouterr().err
+
+
+def test_a_log_without_motion_or_places_is_drawn_too(folder: Path, tmp_path: Path) -> None:
+    log = changed(log_of(TROT), keep=("forces", "gaps", "mu"))
+    forces = np.array(log["forces"])
+    forces[100:200, 0] *= -1.0
+    changed(log, forces=forces).save(tmp_path / "contacts.npz")
+    assert main(["audit", str(tmp_path / "contacts.npz"), "--out", str(tmp_path / "runs")]) == 1
+    (made,) = (tmp_path / "runs").iterdir()
+    assert (made / "timeline.png").exists()
