@@ -31,7 +31,7 @@ from surefoot.batch.active import (
 from surefoot.contact.blocks import checked_mirror
 from surefoot.kernels import kernel
 from surefoot.solvers.auto import solve_compiled
-from surefoot.solvers.elimination import lu_solve
+from surefoot.solvers.elimination import lu_solve, lu_solve_many
 
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 """What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
@@ -207,3 +207,48 @@ def contact_jvp(
     for i in range(m):
         out[n + i // 3, i % 3] = b[i]
     return regular
+
+
+@kernel
+def contact_blocks(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, out: FloatArray) -> bool:
+    """Fill out (3n, 4n) with the derivatives of the forces (3n,) by g (3n,) and by every contact's mu (n,).
+
+    G, laws, convex and buffer are as `solve_contacts` took and filled them. False, and out is of no use, where
+    the active system is singular: redundant contacts.
+    """
+    n = laws.shape[1]
+    m = 3 * n
+    mode, work, right = np.empty((n, 8)), np.empty((m, m)), np.empty((m, 4 * n))
+    x, b, moved = np.zeros(m), np.empty(m), np.empty(m)
+    size = read_modes(G, laws, convex, buffer, mode)
+    fill(G, laws, mode, convex, True, False, work)
+    for j in range(4 * n):
+        x[:] = 0.0
+        if j < m:
+            x[j] = 1.0
+        elif mode[j - m, 0] != HELD:
+            k = j - m
+            for i in range(m):  # G times the jump of the force
+                x[i] = mode[k, 7] * (G[i, 3 * k] * mode[k, 2] + G[i, 3 * k + 1] * mode[k, 3])
+        gather(laws, mode, convex, True, x, b)
+        for i in range(size):
+            right[i, j] = -b[i]
+    if convex:
+        i = 0
+        for k in range(n):
+            if mode[k, 0] == FREE and mode[k, 1] == SLIDE:
+                right[i, m + k] += mode[k, 6]
+            i += unknowns(mode[k, 0], mode[k, 1])
+    if not (size == 0 or (lu_solve_many(work, right, size) and regular_pivots(work, size))):
+        return False
+    for j in range(4 * n):
+        for i in range(size):
+            b[i] = right[i, j]
+        scatter(laws, mode, True, False, b, moved)
+        for i in range(m):
+            out[i, j] = moved[i]
+    for k in range(n):
+        if mode[k, 0] != HELD:
+            out[3 * k, m + k] += mode[k, 7] * mode[k, 2]
+            out[3 * k + 1, m + k] += mode[k, 7] * mode[k, 3]
+    return True
