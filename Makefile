@@ -3,10 +3,10 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup stand test lint bench docs clean
+.PHONY: help setup stand test test-extras lint bench docs clean
 
 help: ## list the targets
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Surefoot needs Python 3.11 or newer, this is " + sys.version)'
@@ -27,6 +27,10 @@ lint: setup ## ruff, mypy strict, import-linter
 
 test: lint ## lint, then every test
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -q
+
+test-extras: setup ## install the large extras (torch, warp: gigabytes) and run their tests
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp]'
+	$(BIN)/python -m pytest -q tests/batch
 
 bench: setup ## every benchmark, one after the other
 	$(BIN)/surefoot bench forces --out runs

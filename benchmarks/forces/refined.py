@@ -21,7 +21,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
-from surefoot.cones.projection import project_truncated
+from surefoot.numerics.projection import project_truncated
 from surefoot.problems.allocation_program import cone_rows, program
 from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.solvers.backends import ConeProgram, Options, backend

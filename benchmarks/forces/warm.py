@@ -16,8 +16,8 @@ from surefoot.contact import Status
 from surefoot.kernels import kernel
 from surefoot.problems.allocation_program import program
 from surefoot.problems.allocations import Instance
-from surefoot.solvers.distribution_work import WARM
-from surefoot.solvers.distribution_wrench import distribute_wrench
+from surefoot.solvers.dual_newton.work import WARM
+from surefoot.solvers.dual_newton.wrench import distribute_wrench
 
 FACETS = 8
 LOOPS, TRIES = 100, 5

@@ -14,6 +14,7 @@ from .cones import ProductCone as ProductCone
 from .cones import WrenchCone as WrenchCone
 from .contact import LCP as LCP
 from .contact import ContactProblem as ContactProblem
+from .contact import ContactSet as ContactSet
 from .contact import ContactSolution as ContactSolution
 from .contact import InfeasibilityProof as InfeasibilityProof
 from .contact import Redundancy as Redundancy
@@ -21,6 +22,7 @@ from .contact import Residuals as Residuals
 from .contact import Status as Status
 from .contact import carry_over as carry_over
 from .contact import check_proof as check_proof
+from .contact import contacts as contacts
 from .contact import persisting as persisting
 from .contact import read_lcp as read_lcp
 from .contact import read_problem as read_problem
@@ -105,6 +107,7 @@ from .terrain import PitTerrain as PitTerrain
 from .terrain import SlopeTerrain as SlopeTerrain
 from .terrain import StairsTerrain as StairsTerrain
 from .terrain import Terrain as Terrain
+from .terrain import rough_ground as rough_ground
 from .viz.video import Renderer as Renderer
 from .viz.video import RenderError as RenderError
 from .viz.video import cone_lines as cone_lines

@@ -1,5 +1,6 @@
-"""Soft contact laws by name: `surefoot.laws.HuntCrossley(stiffness=2e5, dissipation=0.5)`."""
+"""Contact laws by name: `surefoot.laws.COULOMB`, `surefoot.laws.HuntCrossley(stiffness=2e5, ...)`."""
 
+from surefoot.contact.laws import CONVEX, COULOMB, Law
 from surefoot.contact.laws.soft import (
     Behaviour,
     ExactFriction,
@@ -18,12 +19,15 @@ from surefoot.contact.laws.soft import (
 )
 
 __all__ = [
+    "CONVEX",
+    "COULOMB",
     "Behaviour",
     "ExactFriction",
     "ForceJacobian",
     "Friction",
     "Hertz",
     "HuntCrossley",
+    "Law",
     "Linearisation",
     "MujocoLaw",
     "RegularisedFriction",

@@ -68,7 +68,7 @@ def test_kernels_match_their_numpy_twin(laws: dict[str, Any]) -> None:
         buffer[:4], buffer[4:8] = d.forces, d.velocities
         weights, rates = np.random.default_rng(k).normal(size=(2, 8, 3))
         out = np.empty((8, 3))
-        own, convex = np.ascontiguousarray(problem.laws), problem.law == "convex"
+        own, convex = np.ascontiguousarray(problem.vectors[1].reshape(3, -1)), problem.law == "convex"
         assert contact_vjp(problem.G, own, convex, buffer, weights, out)
         back = d.vjp(weights[:4], weights[4:])
         np.testing.assert_allclose(out[:4].ravel(), back.g, rtol=1e-11, atol=1e-12)

@@ -94,7 +94,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def my_method() -> Iterator[None]:
-    """Register the solver that docs/adding-a-solver.md makes up."""
+    """Register the solver that docs/add-a-solver.md makes up."""
     entry = solvers.registry()["nsgs"]
     solvers.register("my_method", laws=entry.laws, bilateral=entry.bilateral)(entry.function)
     yield

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import minimize
 
 from surefoot import FrictionCone, ProblemError
-from surefoot.cones.projection import project_cone, project_truncated
 from surefoot.kernels import kernel
+from surefoot.numerics.projection import project_cone, project_truncated
 
 
 @kernel

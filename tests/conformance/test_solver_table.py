@@ -37,6 +37,19 @@ TABLE = {
     "interior_point": {("coulomb", "exact"): 0.9, ("convex", "exact"): 1.0},
     "staggered": {("coulomb", "exact"): 0.8, ("convex", "exact"): 0.75},
     "lemke": {("coulomb", "k"): 0.95},
+    "distribution": {("convex", "exact"): 1.0},
+    "set_admm": {
+        ("coulomb", "exact"): 1.0,
+        ("convex", "exact"): 0.85,
+        ("coulomb", "k"): 1.0,
+        ("convex", "k"): 1.0,
+    },
+    "set_newton": {
+        ("coulomb", "exact"): 0.9,
+        ("convex", "exact"): 0.9,
+        ("coulomb", "k"): 0.9,
+        ("convex", "k"): 0.85,
+    },
     "clarabel": {("convex", "exact"): 0.5},
     "daqp": {("convex", "k"): 0.95},
     "quadprog": {("convex", "k"): 0.95},
@@ -45,7 +58,7 @@ TABLE = {
     "piqp": {("convex", "k"): 0.8},
     "proxqp": {("convex", "k"): 0.6},
 }
-LIMIT = {"nsgs": 20_000, "admm": 4000, "newton": 15}
+LIMIT = {"nsgs": 20_000, "admm": 4000, "newton": 15, "set_admm": 4000}
 """Iterations allowed here, to keep the table quick; the others have their own."""
 
 
@@ -79,8 +92,7 @@ def velocity_error(problem: sf.ContactProblem, forces: np.ndarray) -> float:
 
 
 def test_the_table_is_complete() -> None:
-    ours = set(sf.solver_names()) - {"distribution", "force_distribution"}
-    assert ours - set(TABLE) == set(), "a registered solver has no line in the table"
+    assert set(sf.solver_names()) - set(TABLE) == set(), "a registered solver has no line in the table"
 
 
 CASES = [(name, law, cones) for name, row in TABLE.items() for law, cones in row]
@@ -155,7 +167,9 @@ def test_no_claim_without_a_solution(name: str, case: str) -> None:
     assert tried > 0
 
 
-@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton", "staggered", "interior_point"])
+@pytest.mark.parametrize(
+    "name", ["auto", "nsgs", "admm", "newton", "staggered", "interior_point", "set_admm", "set_newton"]
+)
 def test_time_is_bounded(name: str) -> None:
     problem = problem_set("large", copies=0.01)[0].problem
     sf.solve(problem, name, max_iterations=1)  # compile
@@ -189,7 +203,7 @@ def test_wrong_settings_are_named(changes: dict[str, object], words: str) -> Non
         sf.solve(family_problems()[0][1], **changes)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton"])
+@pytest.mark.parametrize("name", ["auto", "nsgs", "admm", "newton", "set_admm", "set_newton"])
 def test_bounds_on_iterations_and_time_are_kept(name: str) -> None:
     """Also where one compiled call takes sweeps and Newton steps, and other methods come after it."""
     problems = [problem for _, problem in family_problems()]
@@ -207,7 +221,7 @@ def test_claims_on_bounds_and_bilateral_contacts_are_kept(name: str) -> None:
     rng = np.random.default_rng(4)
     J = rng.normal(size=(9, 12))
     g = np.tile([0.3, 0.0, -1.0], 3)
-    law = "convex" if name in QP or name == "clarabel" else "coulomb"
+    law = "convex" if name in (*QP, "clarabel", "distribution") else "coulomb"
     facets = 6 if name in QP or name == "lemke" else None
     variants = {
         "bounds": {"normal_min": [0.0, 0.02, 0.0], "normal_max": [0.05, 1.0, np.inf]},

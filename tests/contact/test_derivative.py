@@ -227,3 +227,15 @@ def test_no_contacts() -> None:
     d = sf.solve(sf.ContactProblem(np.zeros((0, 0)), np.zeros(0), 0.5)).derivative()
     assert d.jvp(g=np.zeros(0)).forces.shape == (0, 3)
     assert d.vjp(forces=np.zeros((0, 3))).G.shape == (0, 0)
+
+
+@pytest.mark.parametrize("other", [{"contacts": [sf.contacts.SoftFinger(0.5, radius=0.01)]}, {"law": "half"}])
+def test_what_has_no_derivative_is_refused(other: dict[str, Any]) -> None:
+    law = sf.laws.Law("half", 0.5) if "law" in other else None
+    problem = (
+        sf.ContactProblem(np.eye(3), [0.1, 0.0, -1.0], 0.5, law=law)
+        if law is not None
+        else sf.ContactProblem(np.eye(4), [0.1, 0.0, -1.0, 0.0], **other)
+    )
+    with pytest.raises(sf.ProblemError, match="derivatives take"):
+        sf.solve(problem).derivative()

@@ -20,7 +20,8 @@ from surefoot.problems.allocations import (
     random_rotation,
 )
 from surefoot.problems.allocations import grasp_map as grasp_map_of
-from surefoot.solvers import distribution_work, distribution_wrench
+from surefoot.solvers.dual_newton import work as distribution_work
+from surefoot.solvers.dual_newton import wrench as distribution_wrench
 
 SOLVED = sf.Status.SOLVED
 

@@ -372,19 +372,6 @@ def test_elimination_matches_a_plain_kkt_solve() -> None:
     assert cost(a) - cost(offset) == pytest.approx(reduced(w) - reduced(np.zeros(6)), rel=1e-7)
 
 
-def test_factorisation_matches_numpy_and_refuses_what_is_not_positive() -> None:
-    rng = np.random.default_rng(8)
-    root = rng.normal(size=(7, 7))
-    A, B = root @ root.T + np.eye(7), rng.normal(size=(7, 3))
-    L, X = A.copy(), B.copy()
-    assert kernels.cholesky(L)
-    kernels.cholesky_solve(L, X)
-    assert np.tril(L) == pytest.approx(np.linalg.cholesky(A))
-    assert np.allclose(X, np.linalg.solve(A, B), rtol=1e-10, atol=1e-10)
-    assert not kernels.cholesky(np.diag([1.0, -1.0]))
-    assert not kernels.cholesky(np.array([[np.nan]]))
-
-
 def test_robots_without_feet_or_with_a_fixed_base_are_refused() -> None:
     with pytest.raises(ModelError, match="needs a floating base and feet"):
         WholeBodyController(robot_of("panda"))

@@ -1,9 +1,9 @@
-"""The compiled solver against Clarabel, against itself without compilation, and the row reduction."""
+"""The compiled solver against Clarabel, and against itself without compilation."""
 
 import numpy as np
 import pytest
 
-from surefoot.equilibrium import margin, reduction, scaling
+from surefoot.equilibrium import margin, scaling
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 from surefoot.solvers.backends import ConeProgram, End, solve_program
 
@@ -89,34 +89,6 @@ def test_step_to_the_boundary_through_the_apex():
     for scale in (1.0, 3.7, 1e-3):
         assert scaling.step_to_boundary.py_func(x, -scale * x, 1) == pytest.approx(1.0 / scale)
     assert np.isinf(scaling.step_to_boundary.py_func(x, x, 1))
-
-
-@pytest.mark.parametrize("rank", [1, 3, 5, 6])
-def test_reduction_finds_the_rank_and_factors(rank):
-    rng = np.random.default_rng(rank)
-    A = rng.normal(size=(6, rank)) @ rng.normal(size=(rank, 12))
-    Q, T, pivots = np.empty((6, 12)), np.empty((6, 6)), np.empty(6, dtype=np.int64)
-    assert reduction.orthonormal_rows(A, Q, T, pivots) == rank
-    np.testing.assert_allclose(Q[:rank] @ Q[:rank].T, np.eye(rank), atol=1e-12)
-    np.testing.assert_allclose(T[:, :rank] @ Q[:rank], A, atol=1e-10)
-    w, out = A @ rng.normal(size=12), np.empty(6)
-    assert reduction.coordinates(T, pivots, rank, w, out) < 1e-9
-    np.testing.assert_allclose(T[:, :rank] @ out[:rank], w, atol=1e-9)
-    y, u = rng.normal(size=rank), np.empty(6)
-    reduction.pull_back(T, pivots, rank, y, u)
-    np.testing.assert_allclose(A.T @ u, Q[:rank].T @ y, atol=1e-8)
-
-
-def test_turning_the_first_row():
-    rng = np.random.default_rng(2)
-    Q = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(12, 6)))[0].T)
-    a, b, h = rng.normal(size=6), rng.normal(size=6), np.zeros(6)
-    before, right = Q.copy(), b.copy()
-    length = reduction.turn_first_row(Q, 6, a, h, b)
-    assert length == pytest.approx(np.linalg.norm(a))
-    np.testing.assert_allclose(Q[0], a @ before / length, atol=1e-12)
-    np.testing.assert_allclose(Q @ Q.T, np.eye(6), atol=1e-12)
-    np.testing.assert_allclose(Q.T @ b, before.T @ right, atol=1e-12)
 
 
 def test_margin_kernel_and_its_plain_twin_agree():

@@ -11,11 +11,10 @@ import surefoot as sf
 from surefoot.contact import blocks
 from surefoot.solvers import (
     admm,
-    elimination,
     lcp_iterative,
     lemke,
-    newton,
     newton_sparse,
+    newton_step,
     nsgs,
     pyramid,
     solver,
@@ -157,40 +156,10 @@ def test_newton_step_solves_the_linearised_equations(law: str) -> None:
             start = exact.forces.ravel() + size * rng.normal(size=12) * np.abs(exact.forces).max()
             local = nsgs.prepare_dense(p.G, p.scales)
             force, u = start.copy(), p.G @ start + p.g
-            newton.newton_dense(p.G, p.g, *laws(p), law == "convex", 0.0, 1, 0.1, local, force, u)
+            newton_step.newton_dense(p.G, p.g, *laws(p), law == "convex", 0.0, 1, 0.1, local, force, u)
             errors.append(np.abs(force - exact.forces.ravel()).max())
         assert errors[0] < 1e-3
         assert errors[1] < max(0.1 * errors[0], 1e-9), (seed, errors)
-
-
-def test_lu_is_numpy_solve() -> None:
-    rng = np.random.default_rng(0)
-    for m in (1, 2, 7, 30):
-        A, b = rng.normal(size=(m, m)), rng.normal(size=m)
-        expected = np.linalg.solve(A, b)
-        assert elimination.lu_solve(A.copy(), b, m)
-        assert np.allclose(b, expected, rtol=1e-8)
-    assert not elimination.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
-
-
-def test_symmetric_elimination_is_numpy_solve() -> None:
-    rng = np.random.default_rng(1)
-    for m in (1, 2, 7, 30):
-        root, b = rng.normal(size=(m, m)), rng.normal(size=m)
-        A = root @ root.T + 0.1 * np.eye(m)
-        expected = np.linalg.solve(A, b)
-        assert elimination.symmetric_solve(A.copy(), b, m)
-        assert np.allclose(b, expected, rtol=1e-8)
-    assert not elimination.symmetric_solve(-np.eye(2), np.ones(2), 2)
-
-
-def test_inverse_is_numpy_inverse() -> None:
-    rng = np.random.default_rng(2)
-    for m in (1, 3, 12, 45):
-        root = rng.normal(size=(m, m))
-        G, out = root @ root.T, np.empty((m, m))
-        elimination.invert_shifted(G, 0.3, out)
-        assert np.allclose(out @ (G + 0.3 * np.eye(m)), np.eye(m), atol=1e-9)
 
 
 def test_fields_read_late_are_those_read_at_once() -> None:
@@ -217,7 +186,7 @@ def test_sparse_newton_steps_are_the_dense_ones() -> None:
     local = nsgs.prepare_dense(p.G, p.scales)
     start = sf.solve(p, "nsgs", max_iterations=3).forces.ravel()
     dense, u = start.copy(), p.G @ start + p.g
-    newton.newton_dense(p.G, p.g, *laws(p), False, 1e-10, 4, 0.1, local, dense, u)
+    newton_step.newton_dense(p.G, p.g, *laws(p), False, 1e-10, 4, 0.1, local, dense, u)
     sparse = start.copy()
     newton_sparse.BlockNewton(p, 1e-10, np.inf).run(sparse, 4, 0.1)
     assert np.allclose(dense, sparse, atol=1e-9)

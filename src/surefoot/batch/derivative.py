@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.batch.loops import derive_range, measure_range
 from surefoot.contact.derivative import KINK, ContactDerivative
-from surefoot.contact.problem import ContactProblem, Law
+from surefoot.contact.laws import Law
+from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 
 InRanges = Callable[[Callable[[int, int], None], int, int], None]

@@ -30,8 +30,8 @@ from surefoot.batch.active import (
 )
 from surefoot.contact.blocks import checked_mirror
 from surefoot.kernels import kernel
-from surefoot.solvers.auto import solve_compiled
-from surefoot.solvers.elimination import lu_solve, lu_solve_many
+from surefoot.numerics.elimination import lu_solve, lu_solve_many
+from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, solve_compiled
 
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 """What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
@@ -63,23 +63,24 @@ def solve_contacts(
         (2n + 3, 3) to be filled: forces, velocities, and the seven numbers of `Residuals`.
     """
     m = g.size
-    packed = np.empty((m + 3, m))
+    matrix, vectors = np.empty((m, m)), np.empty((2, m))
     total = 0.0
     for i in range(m):
         for j in range(m):
-            packed[i, j] = G[i, j]
-        packed[m, i] = g[i]
+            matrix[i, j] = G[i, j]
+        vectors[0, i] = g[i]
         total += g[i]
     for a in range(3):
         for k in range(m // 3):
-            packed[m + 1, a * (m // 3) + k] = laws[a, k]
-    packed[m + 2, 0] = 1.0 if convex else 0.0
-    scale, gap, _, _ = checked_mirror(packed[:m], asymmetry)
+            vectors[1, a * (m // 3) + k] = laws[a, k]
+    scale, gap, _, _ = checked_mirror(matrix, asymmetry)
     if not abs(total) + scale < np.inf:
         return NOT_NUMBERS
     if gap < 0.0 or gap > asymmetry * scale:
         return DOUBTFUL
-    return solve_compiled(packed, tol, most, 0, warm, buffer)
+    mode = (CONVEX if convex else 0) | (WARM if warm else 0)
+    done = solve_compiled(matrix, vectors, tol, most if most >= 0 else UNBOUNDED, mode, buffer)
+    return ~(done - UNSOLVED) if done >= UNSOLVED else done
 
 
 @kernel

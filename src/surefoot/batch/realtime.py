@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.batch.kernel import contact_vjp
-from surefoot.contact.problem import COMPILED_CONTACTS
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, ProblemError
 from surefoot.kernels import BOOLEAN, MATRIX, entry_point
+from surefoot.solvers.compiled import COMPILED_CONTACTS
 from surefoot.solvers.contact_solver import FLOAT, ContactForces, ContactSolver
 
 _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
@@ -80,9 +80,9 @@ class DifferentiableSolver(ContactSolver):
     def __init__(self, contacts: int, mu: ArrayLike, *arguments: Any, **options: Any) -> None:
         super().__init__(contacts, mu, *arguments, **options)
         laws = self._laws
-        if laws.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
+        if laws.general or laws.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
             raise ProblemError(f"gradients take exact cones and 1 to {COMPILED_CONTACTS} contacts here")
-        self._own = np.ascontiguousarray(laws.laws)
+        self._own = np.ascontiguousarray(laws.vectors[1].reshape(3, -1))
         self._added = None if laws.compliance is None else laws.G
         n = self.contacts
         self._weights = np.zeros((2 * n, 3))

@@ -25,17 +25,13 @@ from surefoot.arrays import (
 from surefoot.batch.derivative import BatchDerivative
 from surefoot.batch.kernel import NOT_NUMBERS
 from surefoot.batch.loops import solve_range
-from surefoot.contact.problem import (
-    ASYMMETRY,
-    COMPILED_CONTACTS,
-    LAWS,
-    SINGLE_ASYMMETRY,
-    ContactProblem,
-    Law,
-)
+from surefoot.contact.laws import LAWS, Law
+from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
+from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.solvers import solve
+from surefoot.solvers.compiled import COMPILED_CONTACTS
 
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""
@@ -80,7 +76,7 @@ def solve_batch(
     mu: ArrayLike,
     normal_min: ArrayLike = 0.0,
     normal_max: ArrayLike = np.inf,
-    law: Law = "coulomb",
+    law: str = "coulomb",
     *,
     mask: ArrayLike | None = None,
     bilateral: ArrayLike | None = None,
@@ -133,6 +129,7 @@ def solve_batch(
         raise ProblemError(unknown_name("device", device, ("cpu",)))
     if not isinstance(law, str) or law not in LAWS:
         raise ProblemError(unknown_name("law", law, LAWS))
+    named = LAWS[law]
     tol, most = real_number("tol", tol, low=0.0, high=1e300), whole_number("max_iterations", max_iterations)
     threads = _cores() if threads is None else whole_number("threads", threads, low=1)
     matrices, free, single = _read(G, g)
@@ -152,8 +149,8 @@ def solve_batch(
     limit = SINGLE_ASYMMETRY if single else ASYMMETRY
     in_ranges(
         lambda start, stop: solve_range(
-            matrices, free, laws, present, law == "convex", limit, tol, most, warm_start is not None, buffers,
-            done, start, stop,
+            matrices, free, laws, present, named == "convex", limit, tol, most, warm_start is not None,
+            buffers, done, start, stop,
         ),
         B, threads,
     )  # fmt: skip
@@ -161,11 +158,11 @@ def solve_batch(
     for b in np.flatnonzero(done < 0).tolist():
         own = laws[b if len(laws) > 1 else 0]
         here = present[b] if len(present) else np.ones(n, dtype=np.bool_)
-        status[b] = _solve_rest(b, matrices[b], free[b], own, here, law, tol, most, done, buffers[b])
+        status[b] = _solve_rest(b, matrices[b], free[b], own, here, named, tol, most, done, buffers[b])
     found = None
     if derivative:
         valid = np.asarray(status == Status.SOLVED, dtype=np.bool_)
-        found = BatchDerivative(matrices, free, laws, present, law, buffers, valid, threads, in_ranges)
+        found = BatchDerivative(matrices, free, laws, present, named, buffers, valid, threads, in_ranges)
     return BatchSolution(
         buffers[:, :n], buffers[:, n : 2 * n], status, buffers[:, 2 * n, 0], np.abs(done), found
     )

@@ -126,7 +126,7 @@ def _problems() -> Iterator[ContactProblem]:
 
 
 def _solve() -> None:
-    from surefoot.contact import redundancy
+    from surefoot.contact import ContactProblem, contacts, redundancy
     from surefoot.solvers import solve
 
     for problem in _problems():
@@ -136,6 +136,12 @@ def _solve() -> None:
             if problem.facets is None or solver == "admm":
                 solve(problem, solver, max_iterations=20)
         redundancy(problem)
+    kinds = contacts.SoftFinger(MU, 0.02), contacts.Pyramid(MU)
+    general = ContactProblem(
+        [[1.0 + (i == j) for j in range(7)] for i in range(7)], [-1.0] * 7, contacts=kinds
+    )
+    for solver in ("auto", "set_admm"):
+        solve(general, solver)
 
 
 def _lcp() -> None:

@@ -4,12 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
+from numba.core import types
+from numba.core.datamodel import models, register_default
+from numba.core.imputils import lower_constant
 from numba.core.registry import CPUDispatcher
 
 from surefoot.compilation.cache import Cache
 from surefoot.compilation.parts import WHOLE_TREES, PartCompiler
 from surefoot.compilation.progress import LOG, progress
 from surefoot.compilation.tree import Tree
+
+
+class KernelType(types.Dispatcher):
+    """A kernel given to a kernel as an argument: its type says which, and its value is nothing."""
+
+
+register_default(KernelType)(models.OpaqueModel)
+
+
+@lower_constant(KernelType)  # type: ignore[untyped-decorator]
+def _no_address(context: Any, builder: Any, kind: KernelType, kernel: Any) -> Any:
+    """Return null, where Numba would write the object's address into code that could then not be kept."""
+    return context.get_dummy_value()
 
 
 class _PartDispatcher(CPUDispatcher):  # type: ignore[misc]
@@ -33,6 +49,10 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         super().__init__(py_func, locals, targetoptions, **options)
         self._tree: Tree | None = None
         self._part: CPUDispatcher | None = None
+
+    @property
+    def _numba_type_(self) -> KernelType:
+        return KernelType(self)
 
     @property
     def tree(self) -> Tree:

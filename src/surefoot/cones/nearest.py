@@ -1,6 +1,6 @@
 """The nearest point of a cone that is given by rays: non-negative least squares.
 
-C. L. Lawson, R. J. Hanson, "Solving Least Squares Problems" (1974), chapter 23, with the passive columns
+C. L. Lawson, L. J. Hanson, "Solving Least Squares Problems" (1974), chapter 23, with the passive columns
 kept orthonormal by Gram-Schmidt, twice. Written here because SciPy's `nnls` (seen with 1.17.1) can
 stop at a wrong point where x is on the cone's boundary, which is where projections end.
 
@@ -16,6 +16,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import solve_upper
+from surefoot.numerics.orthogonal import remove_rows, scale_row
 
 _DEPENDENT = 1e-11
 
@@ -38,10 +40,10 @@ def nearest_points(rays: FloatArray, points: FloatArray, out: FloatArray) -> boo
     beta, w = np.empty(r), np.empty(r)
     passive = np.empty(d, dtype=np.int64)
     used = np.empty(r, dtype=np.int64)
-    basis, R, y = np.empty((d, d)), np.empty((d, d)), np.empty(d)
+    basis, L, y = np.empty((d, d)), np.empty((d, d)), np.empty(d)
     done = True
     for n in range(points.shape[0]):
-        done = _project(rays, points[n], beta, w, passive, used, basis, R, y) and done
+        done = _project(rays, points[n], beta, w, passive, used, basis, L, y) and done
         for q in range(d):
             s = 0.0
             for k in range(r):
@@ -53,7 +55,7 @@ def nearest_points(rays: FloatArray, points: FloatArray, out: FloatArray) -> boo
 @inline_kernel
 def _project(
     rays: FloatArray, x: FloatArray, beta: FloatArray, w: FloatArray, passive: IntArray, used: IntArray,
-    basis: FloatArray, R: FloatArray, y: FloatArray,
+    basis: FloatArray, L: FloatArray, y: FloatArray,
 ) -> bool:  # fmt: skip
     """Find the weights beta >= 0 of the nearest point; used marks passive (1) and refused (2) rays."""
     r, d = rays.shape
@@ -78,18 +80,18 @@ def _project(
                 best, at = s, k
         if at < 0:
             return True
-        if count == d or not _append(rays, at, count, passive, basis, R):
+        if count == d or not _append(rays, at, count, basis, L):
             used[at] = 2  # depends on the passive ones: it cannot come in now
             continue
         passive[count] = at
         count += 1
         used[at] = 1
-        _weights(x, count, basis, R, y)
+        _weights(x, count, basis, L, y)
         if y[count - 1] <= 0.0:  # only rounding said that this ray would help
             count -= 1
             used[at] = 2
             continue
-        count = _leave(rays, x, count, passive, used, beta, basis, R, y)
+        count = _leave(rays, x, count, passive, used, beta, basis, L, y)
         for k in range(r):
             if used[k] == 2:
                 used[k] = 0
@@ -99,7 +101,7 @@ def _project(
 @inline_kernel
 def _leave(
     rays: FloatArray, x: FloatArray, count: int, passive: IntArray, used: IntArray, beta: FloatArray,
-    basis: FloatArray, R: FloatArray, y: FloatArray,
+    basis: FloatArray, L: FloatArray, y: FloatArray,
 ) -> int:  # fmt: skip
     """Step towards the least-squares weights y, dropping rays whose weight would turn negative."""
     while True:
@@ -124,52 +126,36 @@ def _leave(
                 used[k] = 0
         count = 0
         for j in range(kept):
-            if _append(rays, passive[j], count, passive, basis, R):
+            if _append(rays, passive[j], count, basis, L):
                 passive[count] = passive[j]
                 count += 1
-        _weights(x, count, basis, R, y)
+        _weights(x, count, basis, L, y)
 
 
 @inline_kernel
-def _append(
-    rays: FloatArray, at: int, count: int, passive: IntArray, basis: FloatArray, R: FloatArray
-) -> bool:
-    """Make ray `at` the next orthonormal vector; False if it depends on the others."""
-    d = rays.shape[1]
-    for q in range(d):
-        basis[count, q] = rays[at, q]
-    for j in range(count):
-        R[j, count] = 0.0
-    for _ in range(2):
-        for j in range(count):
-            s = 0.0
-            for q in range(d):
-                s += basis[j, q] * basis[count, q]
-            R[j, count] += s
-            for q in range(d):
-                basis[count, q] -= s * basis[j, q]
-    s = 0.0
-    for q in range(d):
-        s += basis[count, q] ** 2
-    s = math.sqrt(s)
-    if s < _DEPENDENT:
+def _append(rays: FloatArray, at: int, count: int, basis: FloatArray, L: FloatArray) -> bool:
+    """Make ray `at` the next orthonormal vector; False if it depends on the others.
+
+    Row `count` of L holds what the ray has of each: passive rays = L basis.
+    """
+    for q in range(rays.shape[1]):
+        basis[count, q], L[count, q] = rays[at, q], 0.0
+    size = remove_rows(basis, count, L[count])
+    if size < _DEPENDENT:
         return False
-    R[count, count] = s
-    for q in range(d):
-        basis[count, q] /= s
+    L[count, count] = size
+    scale_row(basis, count, size)
     return True
 
 
 @inline_kernel
-def _weights(x: FloatArray, count: int, basis: FloatArray, R: FloatArray, y: FloatArray) -> None:
-    """Set y to the least-squares weights of the passive rays."""
-    for j in range(count - 1, -1, -1):
-        s = 0.0
+def _weights(x: FloatArray, count: int, basis: FloatArray, L: FloatArray, y: FloatArray) -> None:
+    """Set y to the least-squares weights of the passive rays: Lᵀ y = basis x."""
+    for j in range(count):
+        y[j] = 0.0
         for q in range(x.size):
-            s += basis[j, q] * x[q]
-        for k in range(j + 1, count):
-            s -= R[j, k] * y[k]
-        y[j] = s / R[j, j]
+            y[j] += basis[j, q] * x[q]
+    solve_upper(L, y[:count])
 
 
 def nearest_in_cone(rays: FloatArray, points: FloatArray) -> FloatArray:

@@ -82,15 +82,14 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
 
 
 @kernel
-def vectors_fit(g: FloatArray, laws: FloatArray) -> bool:
-    """Tell whether g and the rows (mu, normal_min, normal_max) are of fitting sizes, finite and in range."""
-    if g.size != 3 * laws.shape[1]:
-        return False
-    for i in range(g.size):
-        if not abs(g[i]) < np.inf:
+def vectors_fit(vectors: FloatArray) -> bool:
+    """Tell whether the vectors of a problem, (2, 3n), are finite and in range."""
+    n = vectors.shape[1] // 3
+    for i in range(vectors.shape[1]):
+        if not abs(vectors[0, i]) < np.inf:
             return False
-    for k in range(laws.shape[1]):
-        mu, low, high = laws[0, k], laws[1, k], laws[2, k]
+    for k in range(n):
+        mu, low, high = vectors[1, k], vectors[1, n + k], vectors[1, 2 * n + k]
         if not (0.0 <= mu < np.inf and 0.0 <= low <= high and low < np.inf):
             return False
     return True

@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact.problem import ContactProblem
+from surefoot.errors import ProblemError
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,8 @@ def redundancy(problem: ContactProblem, tol: float = 1e-9) -> Redundancy:
     >>> redundancy(ContactProblem(J @ J.T, np.zeros(6), 0.5)).rank
     3
     """
+    if problem.shape != (problem.contacts, 3):
+        raise ProblemError("redundancy is for contacts of three rows; for others look at the rank of G")
     n = problem.contacts
     trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1)
     scale = np.repeat(1.0 / np.sqrt(np.where(trace > 0.0, trace, 1.0)), 3)

@@ -60,6 +60,8 @@ def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike |
     """
     path = Path(path)
     kind = _kind(path)
+    if problem.general:
+        raise ProblemError("no file format holds contacts of any kind, or laws of one's own")
     if path.exists():
         raise ProblemError(f"{path} exists; nothing is overwritten")
     solution = None if forces is None else finite_array("forces", forces, (problem.contacts, 3))
@@ -144,7 +146,7 @@ def _read_npz(path: Path) -> ContactProblem:
         found["mu"],
         found.get("normal_min", 0.0),
         found.get("normal_max", np.inf),
-        str(found.get("law", "coulomb")),  # type: ignore[arg-type]
+        str(found.get("law", "coulomb")),
         facets or None,
         str(found.get("fit", "inner")),  # type: ignore[arg-type]
         bilateral=found.get("bilateral"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, Literal
 
@@ -13,26 +14,19 @@ from surefoot.arrays import BoolArray, FloatArray, check_order, finite_array, pe
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.blocks import (
     Blocks,
-    checked_mirror,
     dense_blocks,
     vectors_fit,
 )
+from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
+from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense
 from surefoot.contact.scales import scales_blocks, scales_dense
+from surefoot.contact.sets.contact import Contact
+from surefoot.contact.sets.contact_set import ContactSet, set_of
+from surefoot.contact.sets.scales import set_scales
 from surefoot.contact.spectral import spectral_norm, spectral_norm_blocks
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError
 
-Law = Literal["coulomb", "convex"]
 Fit = Literal["inner", "outer"]
-LAWS: tuple[Law, ...] = ("coulomb", "convex")
-
-COMPILED_CONTACTS = 45
-"""Contacts up to which a dense compiled call pays."""
-ASYMMETRY = 1e-8
-"""Largest |G - Gᵀ|, and largest -λ for an eigenvalue λ, over largest |G| that is taken for rounding.
-
-G is then replaced by its symmetric part."""
-SINGLE_ASYMMETRY = 1e-5
-"""The same where all entries are of single precision: J M⁻¹ Jᵀ of a robot comes out 1e-7 to 1e-6 off."""
 
 
 class ContactProblem:
@@ -64,7 +58,7 @@ class ContactProblem:
         Bounds on the normal forces, a number or (n,); normal_max = 0 switches a contact off.
     law
         "coulomb" (exact) or "convex" (cone complementarity: adds a separation velocity mu ||u_t||
-        to sliding contacts).
+        to sliding contacts), or a value of `sf.laws`.
     facets, fit
         Replace the cones by pyramids of so many sides, "inner" or "outer"; None keeps the exact cones.
     compliance
@@ -72,13 +66,26 @@ class ContactProblem:
     bilateral
         (n,) mask of contacts that hold in all three directions (u = 0, any force); their mu is not used,
         and their normal bounds must be the defaults (the attributes then say -inf and inf).
+    contacts
+        In place of mu, the bounds, facets and bilateral: one value of `sf.contacts` for each contact, of any
+        kinds together; G and g then have their rows, one contact after the other.
 
     Attributes
     ----------
+    contacts
+        Their number n.
+    shape
+        Of forces and velocities: (n, 3); for `contacts` of other kinds (n, d) where all have d rows, else
+        flat, (m,) (`contact_set.split` gives each contact its own).
+    general
+        Whether solvers and residuals for contacts of any kind are needed: what (n, 3) arrays cannot say.
     notes
         What was changed when the problem was read from a file, in words; empty otherwise.
     reference
         (n, 3) forces of somebody else's solution that came with a file, or None.
+    prepared
+        What solvers keep with a problem, by their own names: views of its arrays, never copies of them, since
+        those may be changed in place. No part of the problem.
 
     Raises
     ------
@@ -96,82 +103,128 @@ class ContactProblem:
         self,
         G: ArrayLike | Any,
         g: ArrayLike,
-        mu: ArrayLike,
+        mu: ArrayLike | None = None,
         normal_min: ArrayLike = 0.0,
         normal_max: ArrayLike = np.inf,
-        law: Law = "coulomb",
+        law: str = COULOMB,
         facets: int | None = None,
         fit: Fit = "inner",
         *,
         compliance: ArrayLike = 0.0,
         bilateral: ArrayLike | None = None,
+        contacts: Sequence[Contact] | None = None,
     ) -> None:
-        if law not in LAWS:
-            raise ProblemError(unknown_name("law", law, LAWS))
-        self.law: Law = law
-        sparse = not isinstance(G, np.ndarray) and sp.issparse(G)
-        self._read_vectors(g, mu, normal_min, normal_max, not sparse)
+        self.law: Law = law_of(law)
+        self.notes: tuple[str, ...] = ()
+        self.reference: FloatArray | None = None
+        self.prepared: dict[str, Any] = {}
         self.bilateral: BoolArray | None = None
+        self._set: ContactSet | None = None
+        self._own_g: FloatArray | None = None
+        self._sparse: Any = None
+        self._dense: FloatArray | None = None
+        if contacts is not None:
+            own = mu is None and facets is None and bilateral is None and fit == "inner"
+            if not (own and np.all(normal_min == 0.0) and np.all(normal_max == np.inf)):
+                raise ProblemError("contacts say their own mu, bounds and facets; give those or them")
+            self._set = ContactSet(contacts)
+            short = self._set.short_form()
+            if short is None:
+                self._read_general(G, g, self._set, compliance)
+                return
+            mu, normal_min, normal_max = short["mu"], short["normal_min"], short["normal_max"]
+            facets, fit, bilateral = short["facets"], short["fit"], short["bilateral"]
+        elif mu is None:
+            raise ProblemError("a contact problem needs mu, or contacts")
+        self._read_vectors(g, mu, normal_min, normal_max)
         if bilateral is not None:
             self._hold(bilateral)
         if facets is not None or fit != "inner":
             FrictionPyramid(0.5, facets if facets is not None else 8, fit)  # its checks are ours
         self.facets, self.fit = facets, fit
-        self.notes: tuple[str, ...] = ()
-        self.reference: FloatArray | None = None
-        self.compliance = _compliance(compliance, self.contacts)
-        self._sparse: Any = None
-        size = self.g.size
-        if sparse:
-            self._sparse = _checked_sparse(G, size, self.compliance)
+        self.shape: tuple[int, ...] = (self.contacts, 3)
+        self.general = self.law not in LAWS
+        self.compliance = read_compliance(compliance, self.contacts, 3)
+        size = 3 * self.contacts
+        if not isinstance(G, np.ndarray) and sp.issparse(G):
+            self._sparse = checked_sparse(G, size, self.compliance)
         else:
-            self.__dict__["G"] = self._packed[:size]
-            _read_dense(G, self.compliance, self.G)
+            self._dense = np.empty((size, size))
+            read_dense(G, self.compliance, self._dense)
+
+    def _read_general(self, G: Any, g: ArrayLike, contacts: ContactSet, compliance: ArrayLike) -> None:
+        """Read a problem whose contacts the short form cannot say; its G is kept dense."""
+        self.contacts, self.shape, self.general = len(contacts), contacts.shape, True
+        self._own_g = finite_array("g", g, (contacts.rows,)).copy()
+        self._vectors = np.zeros((2, 3 * self.contacts))
+        self.mu[:] = [c.coefficient for c in contacts]
+        held = np.array([c.bilateral for c in contacts], dtype=bool)
+        self.normal_min[:] = np.where(held, -np.inf, [c.normal_min for c in contacts])
+        self.normal_max[:] = [c.normal_max for c in contacts]
+        self._vectors.setflags(write=False)  # the contacts say it
+        self.bilateral = held if held.any() else None
+        self.facets, self.fit = None, "inner"
+        self.compliance = read_compliance(compliance, self.contacts, np.diff(contacts.offsets))
+        self._dense = np.empty((contacts.rows, contacts.rows))
+        sparse = not isinstance(G, np.ndarray) and sp.issparse(G)
+        read_dense(G.toarray() if sparse else G, self.compliance, self._dense, threes=False)
 
     def _read_vectors(
-        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike, dense: bool
+        self, g: ArrayLike, mu: ArrayLike, normal_min: ArrayLike, normal_max: ArrayLike
     ) -> None:
-        """Read the vectors: one compiled check, and the words only where it fails.
-
-        They lie in one array, below a dense G, as compiled calls take them; see `compiled`.
-        """
+        """Read the vectors: one compiled check, and the words only where it fails."""
         vector = np.asarray(g, dtype=np.float64) if isinstance(g, np.ndarray) else finite_array("g", g)
         self.contacts = n = vector.size // 3
-        room = dense or n <= COMPILED_CONTACTS
-        self._packed = np.empty((3 * n + 3 if room else 3, 3 * n))
-        self._cut()
-        laws = self.laws
+        self._vectors = np.empty((2, 3 * n))
+        own_mu, low, high = self.mu, self.normal_min, self.normal_max
         try:
-            laws[0], laws[1], laws[2] = mu, normal_min, normal_max
+            own_mu[:], low[:], high[:] = mu, normal_min, normal_max
             if vector.shape == (3 * n,):
-                self.g[:] = vector
-                if vectors_fit(self.g, laws):
+                self._vectors[0] = vector
+                if vectors_fit(self._vectors):
                     return
         except (TypeError, ValueError):
             pass
         vector = finite_array("g", g, (None,))
         if vector.size % 3:
             raise ProblemError(f"g must have three entries per contact, got {vector.size}")
-        laws[0] = per_contact("mu", mu, n)
-        if np.isinf(self.mu).any():
+        own_mu[:] = per_contact("mu", mu, n)
+        if np.isinf(own_mu).any():
             raise ProblemError("mu must be finite, got inf")
-        laws[1] = per_contact("normal_min", normal_min, n)
-        if np.isinf(self.normal_min).any():
+        low[:] = per_contact("normal_min", normal_min, n)
+        if np.isinf(low).any():
             raise ProblemError("normal_min must be finite, got inf")
-        laws[2] = per_contact("normal_max", normal_max, n)
-        check_order(self.normal_min, self.normal_max)
+        high[:] = per_contact("normal_max", normal_max, n)
+        check_order(low, high)
 
-    def _cut(self) -> None:
-        """Cut the vectors out of their common array."""
-        self.g, self.laws = self._packed[-3], self._packed[-2].reshape(3, self.contacts)
-        self.mu, self.normal_min, self.normal_max = self.laws
+    @property
+    def g(self) -> FloatArray:
+        """The (3n,) free velocity; may be changed in place, not replaced, as all arrays of a problem."""
+        part: FloatArray = self._vectors[0] if self._own_g is None else self._own_g
+        return part
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take the state of a copy, whose arrays must again be parts of one."""
-        self.__dict__.update(state)
-        self._cut()
-        if "G" in state and self._packed.shape[0] > 3:
-            self.__dict__["G"] = self._packed[: self.g.size]
+    @property
+    def vectors(self) -> FloatArray:
+        """All vectors in one array (2, 3n), as compiled calls take them: g; mu, normal_min and normal_max."""
+        return self._vectors
+
+    @property
+    def mu(self) -> FloatArray:
+        """The (n,) friction coefficients."""
+        part: FloatArray = self._vectors[1, : self.contacts]
+        return part
+
+    @property
+    def normal_min(self) -> FloatArray:
+        """The (n,) lower bounds of the normal forces [N]; -inf marks a bilateral contact."""
+        part: FloatArray = self._vectors[1, self.contacts : 2 * self.contacts]
+        return part
+
+    @property
+    def normal_max(self) -> FloatArray:
+        """The (n,) upper bounds of the normal forces [N]."""
+        part: FloatArray = self._vectors[1, 2 * self.contacts :]
+        return part
 
     def _hold(self, bilateral: ArrayLike) -> None:
         """Read the mask of bilateral contacts."""
@@ -195,14 +248,12 @@ class ContactProblem:
         low, high = self.normal_min > 0.0, (self.normal_max > 0.0) & (self.normal_max < np.inf)
         return bool((low | high).any())
 
-    @cached_property
+    @property
     def G(self) -> FloatArray:
-        """The (3n, 3n) Delassus operator with compliance, dense."""
-        if self.contacts > COMPILED_CONTACTS:
-            return np.ascontiguousarray(self._sparse.toarray())
-        room = self._packed[: self.g.size]
-        room[:] = self._sparse.toarray()
-        return room
+        """The (3n, 3n) Delassus operator with compliance, dense and in C order."""
+        if self._dense is None:
+            self._dense = np.ascontiguousarray(self._sparse.toarray())
+        return self._dense
 
     @cached_property
     def blocks(self) -> Blocks:
@@ -214,16 +265,24 @@ class ContactProblem:
         return Blocks(b.indptr.astype(np.int64), b.indices.astype(np.int64), np.ascontiguousarray(b.data))
 
     def velocity(self, forces: FloatArray) -> FloatArray:
-        """Return u = (G + R) λ + g for (n, 3) forces: (n, 3)."""
+        """Return u = (G + R) λ + g for forces of the problem's shape, in that shape."""
         operator = self.G if self._sparse is None else self._sparse
-        return np.asarray((operator @ forces.ravel() + self.g).reshape(-1, 3))
+        return np.asarray((operator @ forces.ravel() + self.g).reshape(self.shape))
 
     def polyhedral(self, facets: int = 8, fit: Fit = "inner") -> ContactProblem:
-        """Return the same problem with pyramids of `facets` sides in place of the exact cones."""
+        """Return the same problem with pyramids of `facets` sides in place of the exact cones.
+
+        Raises
+        ------
+        ProblemError
+            If some contact is more than a point.
+        """
         return self.replace(facets=facets, fit=fit)
 
     def replace(self, **changes: Any) -> ContactProblem:
         """Return the same problem with some arguments changed; `G` then includes the compliance already."""
+        if self._own_g is not None:
+            return self._replace_general(changes)
         low = self.normal_min if self.bilateral is None else np.where(self.bilateral, 0.0, self.normal_min)
         arguments: dict[str, Any] = {
             "G": self.G if self._sparse is None else self._sparse,
@@ -240,29 +299,33 @@ class ContactProblem:
         problem.notes, problem.reference = self.notes, self.reference
         return problem
 
+    def _replace_general(self, changes: dict[str, Any]) -> ContactProblem:
+        """Do what `replace` does for contacts of any kind."""
+        given = {k: v for k, v in changes.items() if not (k in ("facets", "fit") and v in (None, "inner"))}
+        arguments: dict[str, Any] = {"G": self.G, "g": self.g, "law": self.law, "contacts": self.contact_set}
+        problem = ContactProblem(**(arguments | given))
+        problem.notes, problem.reference = self.notes, self.reference
+        return problem
+
+    @property
+    def contact_set(self) -> ContactSet:
+        """The contacts as values of `sf.contacts`; those of the short form are made anew when asked for."""
+        if self._own_g is not None and self._set is not None:
+            return self._set
+        return set_of(self.mu, self.normal_min, self.normal_max, self.facets, self.fit)
+
     def __repr__(self) -> str:
+        if self._own_g is not None:
+            return f"ContactProblem(contacts={list(self.contact_set)!r}, law={str(self.law)!r})"
         sides = "" if self.facets is None else f", facets={self.facets}, fit={self.fit!r}"
-        return f"ContactProblem(contacts={self.contacts}, law={self.law!r}{sides})"
-
-    @cached_property
-    def compiled(self) -> FloatArray | None:
-        """What one compiled call takes, as one array (3n + 3, 3n); None for pyramids, or too many contacts.
-
-        Its rows are G, g, the laws (mu, normal_min, normal_max), and last whether the law is convex. Every
-        argument of a compiled call costs time, arrays most.
-        """
-        if self.facets is not None or not 0 < self.contacts <= COMPILED_CONTACTS:
-            return None
-        last = self.G.shape[0] + 2  # a sparse G is read into its room by this
-        self._packed[last, 0] = self.law == "convex"
-        return self._packed
+        return f"ContactProblem(contacts={self.contacts}, law={str(self.law)!r}{sides})"
 
     @cached_property
     def norm(self) -> float:
         """The spectral norm ||G||₂ (Lanczos, to about 1e-9 relative; see `spectral`)."""
         if self.contacts == 0:
             return 0.0
-        if self._sparse is not None or self.contacts > 60:
+        if self._own_g is None and (self._sparse is not None or self.contacts > 60):
             b = self.blocks
             return float(spectral_norm_blocks(b.starts, b.columns, b.values))
         return float(spectral_norm(self.G))
@@ -274,106 +337,14 @@ class ContactProblem:
         w_k = ||G_kk||₂, s_k [m/s], trace G_kk, and Σ s_j² / w_j over the part. Not kept: g may be changed
         in place, and a verdict must not rest on what it was.
         """
+        if self.general:
+            return set_scales(self.contact_set, self.G, self.g)
         scales = np.zeros((4, self.contacts))
         if self.contacts == 0:
             return scales
-        if self._sparse is None or "G" in self.__dict__:
+        if self._dense is not None:
             scales_dense(self.G, self.g, self.normal_min, self.normal_max, scales)
         else:
             b = self.blocks
             scales_blocks(b.starts, b.columns, b.values, self.g, self.normal_min, self.normal_max, scales)
         return scales
-
-
-def _compliance(value: Any, contacts: int) -> FloatArray | None:
-    """Return R as (3n,), None where it is zero."""
-    if isinstance(value, (int, float)) and value == 0.0:
-        return None
-    R = finite_array("compliance", value)
-    if R.shape == (contacts,):
-        R = np.repeat(R, 3)
-    elif R.ndim == 0:
-        R = np.full(3 * contacts, float(R))
-    if R.shape != (3 * contacts,):
-        raise ProblemError(
-            f"compliance must be a number or have shape ({contacts},) or ({3 * contacts},), got {R.shape}"
-        )
-    if (R < 0.0).any():
-        raise ProblemError(f"compliance[{int(np.argmax(R < 0.0))}] must be >= 0, got {R.min():g}")
-    return R
-
-
-def _read_dense(G: ArrayLike, compliance: FloatArray | None, out: FloatArray) -> None:
-    """Fill `out` with the symmetric part of G, and the compliance on its diagonal."""
-    matrix = np.asarray(G) if isinstance(G, np.ndarray) else finite_array("G", G)
-    if matrix.shape != out.shape or matrix.dtype.kind == "c":
-        finite_array("G", G, out.shape)  # says so
-    try:
-        out[:] = matrix
-    except (TypeError, ValueError):
-        finite_array("G", G, out.shape)
-    scale, gap, _, _ = checked_mirror(out, ASYMMETRY)
-    if not scale < np.inf:
-        finite_array("G", G, out.shape)  # names the entry
-    if gap < 0.0 or gap > ASYMMETRY * scale:
-        _refuse_unless_single(matrix, out)
-    if compliance is not None:
-        out[np.diag_indices(out.shape[0])] += compliance
-
-
-def _refuse_unless_single(matrix: Any, out: FloatArray) -> None:
-    """Check a dense G again as one of single precision, if it is; else say what is wrong with it."""
-    entries = np.asarray(matrix, dtype=np.float64)
-    with np.errstate(over="ignore"):
-        single = bool((entries == entries.astype(np.float32)).all())
-    limit = SINGLE_ASYMMETRY if single else ASYMMETRY
-    out[:] = entries
-    scale, gap, i, j = checked_mirror(out, limit)
-    if gap > limit * scale:
-        raise ProblemError(_asymmetry(i, j, float(entries[i, j]), float(entries[j, i]), limit))
-    if gap < 0.0:
-        raise ProblemError(_indefinite(i, j, out))
-
-
-def _asymmetry(i: int, j: int, one: float, other: float, limit: float) -> str:
-    return (
-        f"G must be symmetric, but G[{i}, {j}] = {one:g} and G[{j}, {i}] = {other:g}; "
-        f"up to {limit:g} of the largest entry is taken for rounding"
-    )
-
-
-def _indefinite(i: int, j: int, G: Any) -> str:
-    """Say which entries show that G is not positive semidefinite, as `checked_mirror` returned them."""
-    text = "G must be positive semidefinite, but "
-    if i == j:
-        return f"{text}G[{i}, {i}] = {G[i, i]:g}"
-    if j > i:
-        return f"{text}its block of contact {i // 3} (rows {i} to {i + 2}) has a negative eigenvalue"
-    return f"{text}G[{i}, {j}] = {G[i, j]:g} with G[{i}, {i}] = {G[i, i]:g} and G[{j}, {j}] = {G[j, j]:g}"
-
-
-def _checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
-    """Return the symmetric part of a sparse G with the compliance on its diagonal, in CSR."""
-    if G.shape != (size, size):
-        raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
-    matrix = sp.csr_matrix(G, dtype=np.float64)
-    finite_array("the entries of G", matrix.data)
-    largest = float(abs(matrix.data).max(initial=0.0))
-    with np.errstate(over="ignore"):
-        single = bool((matrix.data == matrix.data.astype(np.float32)).all())
-    limit = SINGLE_ASYMMETRY if single else ASYMMETRY
-    gap = abs(matrix - matrix.T).tocoo()
-    if gap.nnz and gap.data.max() > limit * largest:
-        k = int(np.argmax(gap.data))
-        i, j = int(gap.row[k]), int(gap.col[k])
-        raise ProblemError(_asymmetry(i, j, float(matrix[i, j]), float(matrix[j, i]), limit))
-    matrix = 0.5 * (matrix + matrix.T)
-    entries, own = matrix.tocoo(), matrix.diagonal() + limit * largest
-    over = entries.data**2 > own[entries.row] * own[entries.col]
-    over = (over & (entries.row > entries.col)) | ((entries.row == entries.col) & (own[entries.row] < 0.0))
-    if over.any():
-        k = int(np.argmax(over))
-        raise ProblemError(_indefinite(int(entries.row[k]), int(entries.col[k]), matrix.tocsr()))
-    if compliance is not None:
-        matrix = matrix + sp.diags(compliance)
-    return matrix.tocsr()

@@ -12,6 +12,7 @@ have a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ import scipy.sparse as sp
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.sets.scales import block_sizes, parts_of
 
 MEANT = 1e6
 """Forces beyond this many times s / ||G_kk||, the force that stops the fastest contact, are never meant."""
@@ -32,11 +34,13 @@ class InfeasibilityProof:
     Attributes
     ----------
     direction
-        (n, 3) direction d, contact frames, of largest entry one; zero on contacts that it does not need.
+        Direction d in the shape of the forces, contact frames, of largest entry one; zero on contacts that it
+        does not need.
     work
         g·d < 0, with the rounding of the sum taken off [m/s].
     reach
-        No forces with a sum of norms below this solve the problem [N]; infinite where G d is exactly zero.
+        No forces with a sum of norms below this solve the problem [N], moments over their lengths; infinite
+        where G d is exactly zero.
     needed
         The reach from which a proof counts: forces beyond it are never meant [N].
     """
@@ -57,19 +61,42 @@ def _admissible(problem: ContactProblem, direction: FloatArray) -> FloatArray:
     d = np.where(np.isfinite(direction), direction, 0.0)
     top = float(np.abs(d).max(initial=0.0))
     d = d / top if top > 0.0 else d
+    if problem.general:
+        return _admissible_general(problem, d)
     held = problem.normal_min == -np.inf
     free = ~held & (problem.normal_max == np.inf)
     d[~held & ~free] = 0.0
     d[free, 2] = np.maximum(d[free, 2], 0.0)
-    if problem.law == "coulomb":
-        d[free, :2] = 0.0
-        return d
-    mu = problem.mu * (np.cos(np.pi / problem.facets) if problem.facets and problem.fit == "inner" else 1.0)
+    mu = (1.0 - problem.law.shift) * problem.mu
+    mu = mu * (np.cos(np.pi / problem.facets) if problem.facets and problem.fit == "inner" else 1.0)
     slip = np.hypot(d[:, 0], d[:, 1])
     limit = mu * d[:, 2] * (1.0 - 4.0 * ROUNDING)
     over = free & (slip > limit)
     d[over, :2] *= (limit[over] / slip[over])[:, None]
     return d
+
+
+def _admissible_general(problem: ContactProblem, d: FloatArray) -> FloatArray:
+    """Return the direction cut to the cone of lawful velocities' duals, for contacts of any kind.
+
+    With θ Γ(u) the law's shift, u + θ Γ(u) in K* leaves d·u >= 0 for the directions of K whose friction discs
+    are narrowed by 1 - θ: all of K for the convex law, its unilateral part for Coulomb's.
+    """
+    out = d.ravel().copy()
+    for contact, own in zip(problem.contact_set, problem.contact_set.split(out), strict=True):
+        if contact.bilateral:
+            continue
+        height = max(float(own[contact.normal]), 0.0) if contact.normal_max == np.inf else 0.0
+        share = 1.0 - problem.law.shift_at(contact.coefficient)
+        keep = np.zeros(contact.rows)
+        keep[contact.normal] = height
+        for disc in contact.discs_inside:
+            rows = list(disc.rows)
+            size = float(np.linalg.norm(own[rows] / contact.lengths[rows]))
+            limit = disc.radius * (share if disc.friction else 1.0) * height * (1.0 - 4.0 * ROUNDING)
+            keep[rows] = own[rows] * (min(1.0, limit / size) if size > 0.0 else 0.0)
+        own[:] = keep
+    return out.reshape(d.shape)
 
 
 def check_proof(problem: ContactProblem, direction: FloatArray) -> InfeasibilityProof | None:
@@ -80,12 +107,33 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     """
     if problem.contacts == 0:
         return None
-    d = _admissible(problem, np.asarray(direction, dtype=np.float64).reshape(-1, 3).copy())
+    d = _admissible(problem, np.asarray(direction, dtype=np.float64).reshape(problem.shape).copy())
     flat, size = d.ravel(), problem.g.size
     terms = problem.g * flat
     work = float(terms.sum()) + size * ROUNDING * float(np.abs(terms).sum())
     if not work < 0.0:
         return None
+    slack = _drift(problem, d)
+    worst = float(slack.max(initial=0.0))
+    reach = -work / worst if worst > 0.0 else np.inf
+    pushed = np.array([np.any(own) for own in _split(problem, d)])
+    return InfeasibilityProof(d, work, reach, _needed(problem, pushed))
+
+
+def _split(problem: ContactProblem, d: FloatArray) -> Iterable[FloatArray]:
+    """Return what each contact has of a direction."""
+    return problem.contact_set.split(d) if problem.general else d
+
+
+def _drift(problem: ContactProblem, d: FloatArray) -> FloatArray:
+    """Return a bound on ||(G d)_k|| of every contact, rounding included.
+
+    Sums of sizes: at least the norms, and no square that overflows or vanishes.
+    """
+    if problem.general:
+        drift, noise = np.abs(problem.G @ d.ravel()), np.abs(problem.G) @ np.abs(d.ravel())
+        slack = problem.contact_set.lengths * (drift + (d.size + 3) * ROUNDING * noise)
+        return np.array([own.sum() for own in problem.contact_set.split(slack)])
     b = problem.blocks
     rows = np.repeat(np.arange(problem.contacts), np.diff(b.starts))
     used = np.abs(d[b.columns]).max(axis=1) > 0.0
@@ -94,15 +142,15 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     np.add.at(drift, rows, np.einsum("kab,kb->ka", values, ends))
     np.add.at(noise, rows, np.einsum("kab,kb->ka", np.abs(values), np.abs(ends)))
     most = np.diff(b.starts).max(initial=0) * 3 + 3
-    # sums of sizes: at least the norms, and no square that overflows or vanishes
-    slack = np.abs(drift).sum(axis=1) + most * ROUNDING * noise.sum(axis=1)
-    worst = float(slack.max(initial=0.0))
-    reach = -work / worst if worst > 0.0 else np.inf
-    return InfeasibilityProof(d, work, reach, _needed(problem, np.abs(d).max(axis=1) > 0.0))
+    return np.asarray(np.abs(drift).sum(axis=1) + most * ROUNDING * noise.sum(axis=1))
 
 
 def connected_parts(problem: ContactProblem) -> IntArray:
     """Return the number of each contact's part: parts are joined by no entry of G at all."""
+    if problem.general:
+        return parts_of(
+            block_sizes(problem.contact_set, problem.G), np.ones(problem.contacts, dtype=bool), 0.0
+        )
     b, n = problem.blocks, problem.contacts
     rows = np.repeat(np.arange(n), np.diff(b.starts))
     joined = np.abs(b.values).max(axis=(1, 2), initial=0.0) > 0.0

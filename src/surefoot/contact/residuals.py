@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact.admissible import dissipation_limit, nearest
 from surefoot.contact.problem import ContactProblem
+from surefoot.contact.set_residuals import set_certificate
 from surefoot.errors import ProblemError
 from surefoot.kernels import inline_kernel, kernel
 
@@ -94,8 +96,8 @@ def residuals(problem: ContactProblem, forces: ArrayLike) -> Residuals:
         If the forces do not have the shape (n, 3). One force that is not finite makes every number NaN.
     """
     f = np.ascontiguousarray(forces, dtype=np.float64)
-    if f.shape != (problem.contacts, 3):
-        raise ProblemError(f"forces must have shape ({problem.contacts}, 3), got {f.shape}")
+    if f.shape != problem.shape:
+        raise ProblemError(f"forces must have shape {problem.shape}, got {f.shape}")
     return Residuals(*certificate(problem, f)[1])
 
 
@@ -103,9 +105,11 @@ def certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray
     """Return the velocities of (n, 3) forces, and the fields of `Residuals`."""
     if problem.contacts == 0:
         return problem.velocity(forces), (0.0,) * 7
+    if problem.general:
+        return set_certificate(problem, forces)
     f = np.ascontiguousarray(forces, dtype=np.float64).reshape(-1)
     laws = problem.mu, problem.normal_min, problem.normal_max, problem.scales
-    kind = problem.facets or 0, problem.fit == "inner", problem.law == "coulomb"
+    kind = problem.facets or 0, problem.fit == "inner", problem.law.shift == 1.0
     if problem.contacts <= SMALL:
         velocities = np.empty(problem.g.size)
         return velocities.reshape(-1, 3), certify_dense(problem.G, problem.g, *laws, *kind, f, velocities)
@@ -117,97 +121,10 @@ def certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray
 
 
 @inline_kernel
-def _face_mu(mu: float, facets: int, inner: bool) -> float:
-    """Return the slope of a pyramid's faces (of the cone itself for facets = 0)."""
-    return mu * math.cos(math.pi / facets) if facets > 0 and inner else mu
-
-
-@inline_kernel
-def _length(x: float, y: float) -> float:
-    """Return hypot(x, y); its own care for overflow is slow, and seldom needed."""
-    square = x * x + y * y
-    return math.sqrt(square) if 1e-250 < square < 1e250 else math.hypot(x, y)
-
-
-@inline_kernel
 def _size(x: float, y: float, z: float) -> float:
     """Return the length of a vector, also where its square overflows or vanishes."""
     square = x * x + y * y + z * z
     return math.sqrt(square) if 1e-250 < square < 1e250 else math.hypot(math.hypot(x, y), z)
-
-
-@inline_kernel
-def _nearest_round(
-    x: float, y: float, z: float, mu: float, low: float, high: float
-) -> tuple[float, float, float]:
-    """Return the nearest admissible force of one contact on an exact cone."""
-    radius = _length(x, y)
-    p, r = radius, z
-    if radius > mu * z:
-        along = mu * radius + z
-        p, r = 0.0, 0.0
-        if not along <= 0.0:
-            r = along / (1.0 + mu * mu)
-            p = mu * r
-    if r < low or r > high:
-        r = low if r < low else high
-        p = min(radius, mu * r)
-    if p == radius:
-        return x, y, r
-    share = p / radius
-    return x * share, y * share, r
-
-
-@inline_kernel
-def _nearest(
-    x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
-) -> tuple[float, float, float]:
-    """Return the nearest admissible force of one contact.
-
-    Works in the half-plane through the normal and the force; for a pyramid in the chamber between a
-    face's middle and its edge, which a projection onto a set with the same mirrors never leaves.
-    """
-    if facets == 0:
-        return _nearest_round(x, y, z, mu, low, high)
-    slope = _face_mu(mu, facets, inner)
-    radius = math.hypot(x, y)
-    bearing = math.atan2(y, x)
-    sector = 2.0 * math.pi / facets
-    start = 0.5 * sector if inner else 0.0  # direction of the first face's middle
-    turn = start + sector * math.floor((bearing - start) / sector + 0.5)
-    side = 1.0 if bearing >= turn else -1.0
-    a, b = radius * math.cos(bearing - turn), radius * abs(math.sin(bearing - turn))
-    widen = math.tan(0.5 * sector)
-    p, q, r = a, b, z
-    if a > slope * z:
-        r = (slope * a + z) / (1.0 + slope * slope)
-        p = slope * r
-        edge = slope * widen
-        if b > edge * r:
-            r = (slope * a + edge * b + z) / (1.0 + slope * slope + edge * edge)
-            p, q = slope * r, edge * r
-        if r <= 0.0:
-            p, q, r = 0.0, 0.0, 0.0
-    if r < low or r > high:
-        r = low if r < low else high
-        p = min(a, slope * r)
-        q = min(b, widen * slope * r)
-    cosine, sine = math.cos(turn), math.sin(turn)
-    return p * cosine - side * q * sine, p * sine + side * q * cosine, r
-
-
-@inline_kernel
-def _dissipation_limit(ut_x: float, ut_y: float, mu: float, facets: int, inner: bool) -> float:
-    """Return the largest -f_t . u_t over the section f_z = 1: mu ||u_t|| for the exact cone."""
-    speed = _length(ut_x, ut_y)
-    if facets == 0 or speed == 0.0:
-        return mu * speed
-    sector = 2.0 * math.pi / facets
-    start = 0.0 if inner else 0.5 * sector  # direction of the first ray
-    bearing = math.atan2(-ut_y, -ut_x)
-    off = bearing - (start + sector * math.floor((bearing - start) / sector + 0.5))
-    ray_mu = mu if inner else mu / math.cos(0.5 * sector)
-    return ray_mu * speed * math.cos(off)
 
 
 @inline_kernel
@@ -228,7 +145,7 @@ def _contact_error(
     unit = 1.0 / s
     p, q, r = (w * x - ux) * unit, (w * y - uy) * unit, (w * z - shifted) * unit
     size = w * unit
-    a, b, c = _nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
+    a, b, c = nearest(p, q, r, mu, low * size if low > 0.0 else 0.0, high * size, facets, inner)
     a, b, c = ux * unit - (a - p), uy * unit - (b - q), shifted * unit - (c - r)
     return _size(a, b, c)
 
@@ -264,7 +181,7 @@ def _measure(
             )
             error, lost = max(error, own), lost or own != own
             continue
-        limit = _dissipation_limit(ux, uy, mu[k], facets, inner)
+        limit = dissipation_limit(ux, uy, mu[k], facets, inner)
         shifted = uz + limit if coulomb else uz
         own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
         error, lost = max(error, own), lost or own != own
@@ -274,7 +191,7 @@ def _measure(
                 own = own / scales[3, k] if scales[3, k] > 0.0 else np.inf
             gap, lost = max(gap, own), lost or own != own
         if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
-            a, b, c = _nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
+            a, b, c = nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
             violation = max(violation, math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2))
         v = uz if coulomb else uz - limit
         if v < 0.0 and z < high[k]:

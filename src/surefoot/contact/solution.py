@@ -5,17 +5,17 @@ from __future__ import annotations
 from enum import Enum
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from surefoot.arrays import FloatArray, real_number
+from surefoot.contact.laws import LAWS
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
-from surefoot.contact.residuals import Residuals
-from surefoot.errors import NoSolution
+from surefoot.contact.residuals import Numbers, Residuals
+from surefoot.errors import NoSolution, ProblemError
 
 if TYPE_CHECKING:
     from surefoot.contact.derivative import ContactDerivative
-
-Details = tuple[FloatArray, Residuals, dict[str, float], InfeasibilityProof | None]
-"""Velocities, residuals, timings and the proof of INFEASIBLE."""
 
 
 class Status(Enum):
@@ -36,6 +36,14 @@ class Status(Enum):
     INVALID = "invalid"
 
 
+def record_of(forces: FloatArray, velocities: FloatArray, numbers: Numbers) -> FloatArray:
+    """Return the record of a `ContactSolution`: forces, velocities, and the fields of `Residuals`."""
+    width = forces[0].size if len(forces) else 1
+    rest = np.zeros((-(-len(numbers) // width), *forces.shape[1:]))
+    rest.reshape(-1)[: len(numbers)] = numbers
+    return np.concatenate([forces, velocities, rest])
+
+
 class ContactSolution:
     """Forces and velocities of a `ContactProblem`, with their residuals; nothing of it can be set.
 
@@ -43,18 +51,18 @@ class ContactSolution:
 
     Parameters
     ----------
-    problem, forces, status, solver, iterations, solve_time
+    problem, status, solver, iterations, solve_time, timings, proof
         See the attributes.
-    rest
-        Velocities, residuals, timings and proof; or the (2n + 3, 3) buffer of a compiled solver, from which
-        they are cut when first read: forces, velocities, and the seven numbers of `Residuals`.
+    record
+        Forces, velocities and the seven numbers of `Residuals` one below the other, in rows as long as those
+        of the forces: what a compiled solver fills; see `record_of`.
 
     Attributes
     ----------
     problem
         What was asked.
     forces, velocities
-        (n, 3), contact frames (tangent, tangent, normal); velocities are G @ forces + g.
+        (n, 3), contact frames (tangent, tangent, normal), or `problem.shape`; velocities are G @ forces + g.
     status
         See `Status`.
     residuals
@@ -71,25 +79,31 @@ class ContactSolution:
         The proof that there is no solution where the status is INFEASIBLE, else None.
     """
 
-    __slots__ = ("_forces", "_iterations", "_problem", "_rest", "_solve_time", "_solver", "_status")
+    __slots__ = (
+        "_forces", "_iterations", "_problem", "_proof", "_record", "_solve_time", "_solver", "_status",
+        "_timings",
+    )  # fmt: skip
 
     def __init__(
         self,
         problem: ContactProblem,
-        forces: FloatArray,
+        record: FloatArray,
         status: Status,
         solver: str,
         iterations: int,
         solve_time: float,
-        rest: Details | FloatArray,
+        timings: dict[str, float] | None = None,
+        proof: InfeasibilityProof | None = None,
     ) -> None:
         self._problem = problem
-        self._forces = forces
+        self._record = record
+        self._forces = record[: problem.shape[0]]
         self._status = status
         self._solver = solver
         self._iterations = iterations
         self._solve_time = solve_time
-        self._rest = rest
+        self._timings = timings
+        self._proof = proof
 
     @property
     def problem(self) -> ContactProblem:
@@ -104,7 +118,8 @@ class ContactSolution:
     @property
     def velocities(self) -> FloatArray:
         """The (n, 3) velocities G @ forces + g."""
-        return self._details()[0]
+        n = len(self._forces)
+        return self._record[n : 2 * n]
 
     @property
     def status(self) -> Status:
@@ -114,7 +129,7 @@ class ContactSolution:
     @property
     def residuals(self) -> Residuals:
         """Every law as a number."""
-        return self._details()[1]
+        return Residuals(*self._record[2 * len(self._forces) :].ravel()[:7].tolist())
 
     @property
     def solver(self) -> str:
@@ -134,21 +149,12 @@ class ContactSolution:
     @property
     def timings(self) -> dict[str, float]:
         """Parts of the solve, name to seconds."""
-        return self._details()[2]
+        return self._timings or {}
 
     @property
     def proof(self) -> InfeasibilityProof | None:
         """The proof of INFEASIBLE, else None."""
-        return self._details()[3]
-
-    def _details(self) -> Details:
-        """Return what `rest` holds; cut it out of the buffer the first time."""
-        found = self._rest
-        if not isinstance(found, tuple):
-            n = self._problem.contacts
-            numbers = found[2 * n :].ravel()[:7].tolist()
-            found = self._rest = (found[n : 2 * n], Residuals(*numbers), {}, None)
-        return found
+        return self._proof
 
     def __repr__(self) -> str:
         return (
@@ -181,6 +187,11 @@ class ContactSolution:
         from surefoot.contact.derivative import ContactDerivative
 
         self.raise_if_failed()
+        if self.problem.general or self.problem.law not in LAWS:
+            raise ProblemError(
+                f"derivatives take contacts of three rows under {' or '.join(LAWS)}, not other kinds of "
+                f"contact or the law {str(self.problem.law)!r}"
+            )
         smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
         kink_tol = real_number("kink_tol", kink_tol, low=0.0, high=1.0)
         return ContactDerivative(self.problem, self.forces, self.velocities, smoothing, kink_tol)

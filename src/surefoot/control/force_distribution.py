@@ -22,9 +22,9 @@ from surefoot.control.force_parameters import (
 )
 from surefoot.errors import ProblemError
 from surefoot.kernels import MATRIX, VECTOR, entry_point
-from surefoot.solvers import distribution_work as layout
-from surefoot.solvers.distribution_rows import RowsWork, distribute_with_rows, rows_work
-from surefoot.solvers.distribution_wrench import distribute_wrench
+from surefoot.solvers.dual_newton import work as layout
+from surefoot.solvers.dual_newton.rows import RowsWork, distribute_with_rows, rows_work
+from surefoot.solvers.dual_newton.wrench import distribute_wrench
 
 _STATUS = {
     layout.SOLVED: Status.SOLVED,
@@ -53,7 +53,7 @@ class ForceDistributor:
 
     Minimises ``||A f - w||²_W + r ||f - f_ref||² + s ||f - f_last||²`` over the truncated friction
     cones ``||f_t|| <= mu f_z``, ``normal_min <= f_z <= normal_max``, exactly: no facets. The method is
-    Newton's in the six dimensions of the wrench, see `surefoot.solvers.distribution_wrench`.
+    Newton's in the six dimensions of the wrench, see `surefoot.solvers.dual_newton.wrench`.
 
     `solve` starts from the last solution, allocates nothing but the array that it returns, and always
     returns forces inside every cone and bound; `status` tells whether they are also optimal.

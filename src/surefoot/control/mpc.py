@@ -2,7 +2,7 @@
 
 `ConvexMpc` chooses the contact forces of the next steps of a gait so that a single rigid body follows a
 reference. Friction is the exact cone in each foot's own contact frame; a foot in swing has no force
-because it is not an unknown. The model is in `mpc_model`, the algorithm in `surefoot.solvers.mpc_newton`.
+because it is not an unknown. The model is in `mpc_model`, the algorithm in `solvers.dual_newton.horizon`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
-from surefoot.solvers.mpc_newton import newton
+from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.spatial import GRAVITY
 
 __all__ = ["BodyReference", "BodyState", "ConvexMpc", "HorizonProgram", "MpcPlan", "MpcWeights"]
@@ -28,7 +28,7 @@ __all__ = ["BodyReference", "BodyState", "ConvexMpc", "HorizonProgram", "MpcPlan
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved."""
 PATIENCE = 16
-"""Newton steps before the force weight is lowered in stages, see `surefoot.solvers.mpc_newton`."""
+"""Newton steps before the force weight is lowered in stages, see `surefoot.solvers.dual_newton.horizon`."""
 _BOUNDS = ("mu", "normal_min", "normal_max")
 
 

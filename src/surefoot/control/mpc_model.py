@@ -26,6 +26,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.vectors import Three, cross
 from surefoot.spatial import GRAVITY
 
 GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
@@ -116,7 +117,7 @@ def build(
     -------
     tuple
         Verdict on the input, step and foot of every contact, M, bounds and wanted forces as
-        `solvers.mpc_newton.newton` wants them, q (6 N,), the drift (N + 1, 2, 6) whose first row is the
+        `dual_newton.horizon.newton` wants them, q (6 N,), the drift (N + 1, 2, 6) whose first row is the
         error now and whose row k + 1 is what step k adds by itself, and the (3, 3) heading frame.
     """
     N, n = contacts.shape
@@ -127,9 +128,9 @@ def build(
                 count += 1
     step, foot = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     M, limits, centre = np.empty((count, 3, 6)), np.empty((count, 3)), np.empty((count, 3))
-    heading = heading_frame(ref_rotation[N // 2])
-    drift = free_motion(rotation, motion, ref_rotation, reference, heading, dt)
-    q = gradient(drift, weights, terminal, dt)
+    heading = _heading_frame(ref_rotation[N // 2])
+    drift = _free_motion(rotation, motion, ref_rotation, reference, heading, dt)
+    q = _gradient(drift, weights, terminal, dt)
     lever = np.empty(3)
     verdict = GOOD
     at = 0
@@ -142,21 +143,21 @@ def build(
             if not contacts[k, i]:
                 continue
             step[at], foot[at] = k, i
-            if not is_rotation(frames[k, i]):
+            if not _is_rotation(frames[k, i]):
                 verdict = NOT_ROTATION
             for a in range(3):
                 limits[at, a] = bounds[k, i, a]
                 centre[at, a] = mass * GRAVITY / standing * frames[k, i, 2, a]
                 lever[a] = feet[k, i, a] - 0.5 * (reference[k, 0, a] + reference[k + 1, 0, a]) - sway[k, a]
-            fill_columns(lever, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at])
+            _fill_columns(lever, frames[k, i], ref_rotation[k], heading, mass, inverse, M[at])
             at += 1
-    if not (all_finite(q) and all_finite(M.ravel()) and all_finite(drift.ravel())):
+    if not (_all_finite(q) and _all_finite(M.ravel()) and _all_finite(drift.ravel())):
         verdict = NOT_FINITE
     return verdict, step, foot, M, limits, centre, q, drift, heading
 
 
 @inline_kernel
-def all_finite(x: FloatArray) -> bool:
+def _all_finite(x: FloatArray) -> bool:
     """Return whether no entry of a flat array is NaN or infinite."""
     total = 0.0
     for k in range(x.size):
@@ -189,7 +190,7 @@ def planned_sway(motion: FloatArray, reference: FloatArray) -> FloatArray:
 
 
 @inline_kernel
-def heading_frame(R: FloatArray) -> FloatArray:
+def _heading_frame(R: FloatArray) -> FloatArray:
     """Return the frame with z up and x along the heading of a rotation (3, 3)."""
     c, s = R[0, 0], R[1, 0]
     length = math.sqrt(c * c + s * s)
@@ -203,7 +204,7 @@ def heading_frame(R: FloatArray) -> FloatArray:
 
 
 @inline_kernel
-def is_rotation(R: FloatArray) -> bool:
+def _is_rotation(R: FloatArray) -> bool:
     """Return whether the columns are orthonormal and right-handed, to 1e-6; True for NaN."""
     worst = 0.0
     for a in range(3):
@@ -217,32 +218,42 @@ def is_rotation(R: FloatArray) -> bool:
 
 
 @inline_kernel
-def fill_columns(
+def _times(A: FloatArray, v: Three) -> Three:
+    """Return A v."""
+    return (
+        A[0, 0] * v[0] + A[0, 1] * v[1] + A[0, 2] * v[2],
+        A[1, 0] * v[0] + A[1, 1] * v[1] + A[1, 2] * v[2],
+        A[2, 0] * v[0] + A[2, 1] * v[1] + A[2, 2] * v[2],
+    )
+
+
+@inline_kernel
+def _times_transposed(A: FloatArray, v: Three) -> Three:
+    """Return Aᵀ v."""
+    return (
+        A[0, 0] * v[0] + A[1, 0] * v[1] + A[2, 0] * v[2],
+        A[0, 1] * v[0] + A[1, 1] * v[1] + A[2, 1] * v[2],
+        A[0, 2] * v[0] + A[1, 2] * v[1] + A[2, 2] * v[2],
+    )
+
+
+@inline_kernel
+def _fill_columns(
     lever: FloatArray, frame: FloatArray, R: FloatArray, heading: FloatArray, mass: float,
     inverse: FloatArray, out: FloatArray,
 ) -> None:  # fmt: skip
     """Fill the (3, 6) accelerations along the heading's axes of a unit force along each frame axis."""
+    arm = lever[0], lever[1], lever[2]
     for a in range(3):
-        x, y, z = frame[0, a], frame[1, a], frame[2, a]
-        p = lever[1] * z - lever[2] * y
-        q = lever[2] * x - lever[0] * z
-        r = lever[0] * y - lever[1] * x
-        u = R[0, 0] * p + R[1, 0] * q + R[2, 0] * r
-        v = R[0, 1] * p + R[1, 1] * q + R[2, 1] * r
-        w = R[0, 2] * p + R[1, 2] * q + R[2, 2] * r
-        d = inverse[0, 0] * u + inverse[0, 1] * v + inverse[0, 2] * w
-        e = inverse[1, 0] * u + inverse[1, 1] * v + inverse[1, 2] * w
-        f = inverse[2, 0] * u + inverse[2, 1] * v + inverse[2, 2] * w
-        p = R[0, 0] * d + R[0, 1] * e + R[0, 2] * f
-        q = R[1, 0] * d + R[1, 1] * e + R[1, 2] * f
-        r = R[2, 0] * d + R[2, 1] * e + R[2, 2] * f
+        f = frame[0, a], frame[1, a], frame[2, a]
+        turn = _times(R, _times(inverse, _times_transposed(R, cross(arm, f))))
+        f, turn = _times_transposed(heading, f), _times_transposed(heading, turn)
         for j in range(3):
-            out[a, j] = (heading[0, j] * x + heading[1, j] * y + heading[2, j] * z) / mass
-            out[a, 3 + j] = heading[0, j] * p + heading[1, j] * q + heading[2, j] * r
+            out[a, j], out[a, 3 + j] = f[j] / mass, turn[j]
 
 
 @kernel
-def free_motion(
+def _free_motion(
     rotation: FloatArray, motion: FloatArray, ref_rotation: FloatArray, reference: FloatArray,
     heading: FloatArray, dt: float,
 ) -> FloatArray:  # fmt: skip
@@ -288,7 +299,7 @@ def predict(drift: FloatArray, accelerations: FloatArray, dt: float) -> FloatArr
 
 
 @kernel
-def gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
+def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float) -> FloatArray:
     """Return the (6 N,) gradient of the tracking cost at no acceleration; costates run backwards."""
     N = drift.shape[0] - 1
     free = predict(drift, np.zeros((N, 6)), dt)

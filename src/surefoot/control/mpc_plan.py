@@ -93,7 +93,7 @@ class MpcPlan:
 
 @dataclass(frozen=True)
 class HorizonProgram:
-    """The condensed program of a horizon; see `surefoot.solvers.mpc_newton` for the symbols.
+    """The condensed program of a horizon; see `surefoot.solvers.dual_newton.horizon` for the symbols.
 
     Attributes
     ----------

@@ -6,6 +6,8 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import kernel
+from surefoot.numerics.points import point_jacobian
+from surefoot.numerics.vectors import cross
 
 
 @kernel
@@ -31,14 +33,11 @@ def grasp_map_of_points(
             points[k, i] = places[foot, i] - radii[k] * frames[k, i, 2]
             for j in range(3):
                 points[k, i] += rotations[foot, i, j] * centres[k, j]
-        x, y, z = points[k, 0] - com[0], points[k, 1] - com[1], points[k, 2] - com[2]
+        arm = points[k, 0] - com[0], points[k, 1] - com[1], points[k, 2] - com[2]
         for j in range(3):
-            a, b, c = frames[k, 0, j], frames[k, 1, j], frames[k, 2, j]
-            column = 3 * k + j
-            out[0, column], out[1, column], out[2, column] = a, b, c
-            out[3, column] = y * c - z * b
-            out[4, column] = z * a - x * c
-            out[5, column] = x * b - y * a
+            axis, column = (frames[k, 0, j], frames[k, 1, j], frames[k, 2, j]), 3 * k + j
+            out[0, column], out[1, column], out[2, column] = axis
+            out[3, column], out[4, column], out[5, column] = cross(arm, axis)
     return points
 
 
@@ -60,16 +59,15 @@ def contact_torques(
     nv = jacobian.shape[1]
     out = np.zeros(nv - 6)
     for k in range(points.shape[0]):
-        x, y, z = points[k, 0], points[k, 1], points[k, 2]
         f = np.zeros(3)
         for i in range(3):
             for j in range(3):
                 f[i] += frames[k, i, j] * forces[k, j]
-        m0, m1, m2 = y * f[2] - z * f[1], z * f[0] - x * f[2], x * f[1] - y * f[0]
+        moment = cross((points[k, 0], points[k, 1], points[k, 2]), (f[0], f[1], f[2]))
         for c in range(6, nv):
             if support[k, c]:
-                out[c - 6] += jacobian[0, c] * f[0] + jacobian[1, c] * f[1] + jacobian[2, c] * f[2]
-                out[c - 6] += jacobian[3, c] * m0 + jacobian[4, c] * m1 + jacobian[5, c] * m2
+                for i in range(3):
+                    out[c - 6] += jacobian[i, c] * f[i] + jacobian[3 + i, c] * moment[i]
     return out
 
 
@@ -101,16 +99,10 @@ def foot_impedance(
     """
     nv = jacobian.shape[1]
     legs = np.flatnonzero(support[6:]) + 6
-    J = np.empty((3, nv))
-    for c in range(nv):
-        a, b, d = jacobian[3, c], jacobian[4, c], jacobian[5, c]
-        J[0, c] = jacobian[0, c] + b * place[2] - d * place[1]
-        J[1, c] = jacobian[1, c] + d * place[0] - a * place[2]
-        J[2, c] = jacobian[2, c] + a * place[1] - b * place[0]
-    now = np.zeros(3)
-    for c in range(nv):
-        if c < 6 or support[c]:
-            now += J[:, c] * v[c]
+    J, moving = np.empty((3, nv)), support.copy()
+    moving[:6] = True
+    point_jacobian(jacobian, moving, place, J)
+    now = J @ v
     count = legs.shape[0]
     leg_mass, leg_jacobian = np.empty((count, count)), np.empty((3, count))
     for i in range(count):

@@ -34,6 +34,7 @@ from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
+from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -122,7 +123,7 @@ class WholeBodyController:
         self._E, self._e = np.zeros((rows, nv)), np.zeros(rows)
         self._offset, self._gain = np.zeros(nv), np.zeros((nv, 6))
         self._root, self._target = np.zeros((6, 6)), np.zeros(6)
-        self._map = np.zeros((nv, 3 * count))
+        self._map = np.zeros((3 * count, nv)).T
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
 
     def reset(self) -> None:
@@ -215,14 +216,10 @@ class WholeBodyController:
         self._E[:6] = self._mass_matrix[:6]
         self._e[:6] = -self._nle[:6]
         self._points = self._place_points(normals)
-        kernels.force_map(
-            self._jacobian,
-            self._support,
-            self.point_foot,
-            self._points,
-            tasks.frames[self.point_foot],
-            self._map,
-        )
+        contact_jacobian(
+            self._jacobian, self._support, self.point_foot, self._points, tasks.frames[self.point_foot],
+            self._map.T,
+        )  # fmt: skip
         return rows
 
     def _place_points(self, normals: FloatArray) -> FloatArray:

@@ -7,22 +7,18 @@ least ½ aᵀ H a - cᵀ a. Eliminating a leaves a quadratic in w alone, see `el
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import cholesky, product, solve_columns, solve_lower
+from surefoot.numerics.points import point_jacobian
+from surefoot.numerics.vectors import Three, cross
 
 
 @inline_kernel
-def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return a x b for (3,) arrays."""
-    out = np.empty(3)
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
-    return out
+def _three(x: FloatArray, at: int) -> Three:
+    return x[at], x[at + 1], x[at + 2]
 
 
 @kernel
@@ -67,25 +63,22 @@ def feet_motion(
             centres[k, i] = places[k, i]
             for j in range(3):
                 centres[k, i] += rotations[k, i, j] * middles[k, j]
-        velocity = twist[:3] + cross(twist[3:], centres[k])
-        twists[k, :3], twists[k, 3:] = velocity, twist[3:]
-        drifts[k, :3] = spatial[:3] + cross(spatial[3:], centres[k]) + cross(twist[3:], velocity)
-        drifts[k, 3:] = spatial[3:]
+        turn = cross(_three(twist, 3), _three(centres[k], 0))
+        swerve = cross(_three(spatial, 3), _three(centres[k], 0))
+        for i in range(3):
+            twists[k, i], twists[k, 3 + i] = twist[i] + turn[i], twist[3 + i]
+        bend = cross(_three(twist, 3), _three(twists[k], 0))
+        for i in range(3):
+            drifts[k, i], drifts[k, 3 + i] = spatial[i] + swerve[i] + bend[i], spatial[3 + i]
     return centres, twists, drifts
 
 
-@kernel
-def point_rows(jacobian: FloatArray, support: BoolArray, place: FloatArray, out: FloatArray) -> None:
-    """Fill out (3, nv) with the Jacobian of a point's velocity, world axes."""
-    x, y, z = place[0], place[1], place[2]
-    for j in range(jacobian.shape[1]):
-        if support[j]:
-            a, b, c = jacobian[3, j], jacobian[4, j], jacobian[5, j]
-            out[0, j] = jacobian[0, j] + b * z - c * y
-            out[1, j] = jacobian[1, j] + c * x - a * z
-            out[2, j] = jacobian[2, j] + a * y - b * x
-        else:
-            out[0, j] = out[1, j] = out[2, j] = 0.0
+@inline_kernel
+def _turning_rows(jacobian: FloatArray, support: BoolArray, out: FloatArray) -> None:
+    """Fill out (3, nv) with the rows of a foot's angular velocity, world axes."""
+    for i in range(3):
+        for j in range(jacobian.shape[1]):
+            out[i, j] = jacobian[3 + i, j] if support[j] else 0.0
 
 
 @kernel
@@ -117,24 +110,23 @@ def contact_rows(
         if not stance[k]:
             continue
         point = centres[k] + arms[k]
-        point_rows(jacobian, support[k], point, rows[at : at + 3])
-        omega = twists[k, 3:]
-        slip = twists[k, :3] + cross(omega, arms[k])
-        drift = drifts[k, :3] + cross(drifts[k, 3:], arms[k])
+        point_jacobian(jacobian, support[k], point, rows[at : at + 3])
+        arm = _three(arms[k], 0)
+        slip, drift = cross(_three(twists[k], 3), arm), cross(_three(drifts[k], 3), arm)
         for i in range(3):
-            wanted[at + i] = -drift[i] - damping * slip[i] - stiffness * gaps[k] * normals[k, i]
+            left = damping * (twists[k, i] + slip[i]) + stiffness * gaps[k] * normals[k, i]
+            wanted[at + i] = -(drifts[k, i] + drift[i]) - left
         at += 3
         if flat[k]:
+            _turning_rows(jacobian, support[k], rows[at : at + 3])
             for i in range(3):
-                for j in range(jacobian.shape[1]):
-                    rows[at + i, j] = jacobian[3 + i, j] if support[k, j] else 0.0
-                wanted[at + i] = -drifts[k, 3 + i] - damping * omega[i]
+                wanted[at + i] = -drifts[k, 3 + i] - damping * twists[k, 3 + i]
             at += 3
     return at
 
 
 @kernel
-def add_rows(H: FloatArray, c: FloatArray, rows: FloatArray, wanted: FloatArray, weight: float) -> None:
+def _add_rows(H: FloatArray, c: FloatArray, rows: FloatArray, wanted: FloatArray, weight: float) -> None:
     """Add weight ½ ||rows a - wanted||² to ½ aᵀ H a - cᵀ a."""
     nv = H.shape[0]
     for r in range(rows.shape[0]):
@@ -180,7 +172,7 @@ def base_tasks(
             rows[i, j] = (
                 rotation[i, 0] * M[0, j] + rotation[i, 1] * M[1, j] + rotation[i, 2] * M[2, j]
             ) / mass
-    add_rows(H, c, rows, wanted, weights[0])
+    _add_rows(H, c, rows, wanted, weights[0])
     for i in range(3):
         local = 0.0
         for k in range(3):
@@ -212,98 +204,15 @@ def swing_tasks(
     for k in range(stance.shape[0]):
         if stance[k]:
             continue
-        point_rows(jacobian, support[k], centres[k], rows)
-        add_rows(H, c, rows, wanted[k, :3] - drifts[k, :3], weight)
+        point_jacobian(jacobian, support[k], centres[k], rows)
+        _add_rows(H, c, rows, wanted[k, :3] - drifts[k, :3], weight)
         if flat[k]:
-            for i in range(3):
-                for j in range(nv):
-                    rows[i, j] = jacobian[3 + i, j] if support[k, j] else 0.0
-            add_rows(H, c, rows, wanted[k, 3:] - drifts[k, 3:], turn_weight)
+            _turning_rows(jacobian, support[k], rows)
+            _add_rows(H, c, rows, wanted[k, 3:] - drifts[k, 3:], turn_weight)
 
 
 @kernel
-def force_map(
-    jacobian: FloatArray,
-    support: BoolArray,
-    point_foot: IntArray,
-    points: FloatArray,
-    frames: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Fill out (nv, 3p) with Jᵀ: contact forces in contact frames to generalised forces."""
-    nv = jacobian.shape[1]
-    for k in range(point_foot.shape[0]):
-        x, y, z = points[k, 0], points[k, 1], points[k, 2]
-        foot = point_foot[k]
-        for j in range(nv):
-            if not support[foot, j]:
-                out[j, 3 * k] = out[j, 3 * k + 1] = out[j, 3 * k + 2] = 0.0
-                continue
-            a, b, c = jacobian[3, j], jacobian[4, j], jacobian[5, j]
-            p = jacobian[0, j] + b * z - c * y
-            q = jacobian[1, j] + c * x - a * z
-            r = jacobian[2, j] + a * y - b * x
-            for i in range(3):
-                out[j, 3 * k + i] = p * frames[k, 0, i] + q * frames[k, 1, i] + r * frames[k, 2, i]
-
-
-@kernel
-def cholesky(A: FloatArray) -> bool:
-    """Replace the lower triangle of A (n, n) by its Cholesky factor; False if A is not positive definite."""
-    n = A.shape[0]
-    for i in range(n):
-        for j in range(i + 1):
-            s = A[i, j]
-            for k in range(j):
-                s -= A[i, k] * A[j, k]
-            if i == j:
-                if not s > 0.0:
-                    return False
-                A[i, i] = math.sqrt(s)
-            else:
-                A[i, j] = s / A[j, j]
-    return True
-
-
-@kernel
-def cholesky_solve(L: FloatArray, B: FloatArray) -> None:
-    """Replace B (n, m) by (L Lᵀ)⁻¹ B."""
-    n, m = B.shape
-    for i in range(n):
-        for k in range(i):
-            s = L[i, k]
-            if s != 0.0:
-                for j in range(m):
-                    B[i, j] -= s * B[k, j]
-        d = 1.0 / L[i, i]
-        for j in range(m):
-            B[i, j] *= d
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            s = L[k, i]
-            if s != 0.0:
-                for j in range(m):
-                    B[i, j] -= s * B[k, j]
-        d = 1.0 / L[i, i]
-        for j in range(m):
-            B[i, j] *= d
-
-
-@kernel
-def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
-    """Set out to A B, for small matrices."""
-    for i in range(A.shape[0]):
-        for j in range(B.shape[1]):
-            out[i, j] = 0.0
-        for k in range(A.shape[1]):
-            s = A[i, k]
-            if s != 0.0:
-                for j in range(B.shape[1]):
-                    out[i, j] += s * B[k, j]
-
-
-@kernel
-def reduce_cost(
+def _reduce_cost(
     H: FloatArray, c: FloatArray, offset: FloatArray, gain: FloatArray, root: FloatArray, target: FloatArray
 ) -> bool:
     """Fill root and target so that a = offset + gain w costs ½ ||rootᵀ w - target||²; see `eliminate`."""
@@ -325,10 +234,8 @@ def reduce_cost(
         root[i, i] += 1e-12 * trace
     if not cholesky(root):
         return False
+    solve_lower(root, target)
     for i in range(6):
-        for k in range(i):
-            target[i] -= root[i, k] * target[k]
-        target[i] /= root[i, i]
         for k in range(i + 1, 6):
             root[i, k] = 0.0
     return True
@@ -368,8 +275,8 @@ def eliminate(
         for i in range(r):
             Y[j, i] = E[i, j]
         free[j, 0] = c[j]
-    cholesky_solve(L, Y)
-    cholesky_solve(L, free)
+    solve_columns(L, Y)
+    solve_columns(L, free)
     S, B = np.empty((r, r)), np.zeros((r, 7))
     product(E, Y, S)
     trace = 0.0
@@ -384,11 +291,11 @@ def eliminate(
             B[i, i] = 1.0
     if not cholesky(S):
         return False
-    cholesky_solve(S, B)
+    solve_columns(S, B)
     X = np.empty((nv, 7))
     product(Y, B, X)
     for j in range(nv):
         offset[j] = free[j, 0] + X[j, 6]
         for i in range(6):
             gain[j, i] = X[j, i]
-    return reduce_cost(H, c, offset, gain, root, target)
+    return _reduce_cost(H, c, offset, gain, root, target)

@@ -26,16 +26,11 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.scaling import (
-    advance,
-    apply,
-    corrector_target,
-    dot,
-    negate,
-    scale,
-    step_to_boundary,
-)
+from surefoot.equilibrium.scaling import apply, corrector_target, scale, step_to_boundary
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.cholesky import HUGE, guarded_cholesky, solve_lower, solve_upper
+from surefoot.numerics.orthogonal import remove_rows, scale_row
+from surefoot.numerics.vectors import advance, dot
 
 OPTIMAL, STALLED, UNBOUNDED = 0, 1, 2
 """How `minimise` ended."""
@@ -45,7 +40,6 @@ _ROUNDING = 1e-14
 """Share of the terms of a gap that may be rounding."""
 _REFINE = 1e-12
 """Share of their terms by which the equations may be missed before a step mends them."""
-_ENOUGH_DIGITS, _FEW_DIGITS, _NO_DIGITS = 0, 1, 2
 _WEAK = 1e-8
 """Share of a diagonal entry below which a pivot has lost too many digits."""
 _FEASIBLE = 1e-9
@@ -53,35 +47,10 @@ _FEASIBLE = 1e-9
 
 
 @inline_kernel
-def _factor(M: FloatArray) -> int:
-    """Replace the lower triangle of M by its Cholesky factor; pivots that vanish are made huge.
-
-    Returns how many digits its pivots have left; none where M is not finite.
-    """
-    r, digits = M.shape[0], _ENOUGH_DIGITS
-    for j in range(r):
-        top = M[j, j]
-        s = top
-        for k in range(j):
-            s -= M[j, k] * M[j, k]
-        if not math.isfinite(s):
-            return _NO_DIGITS
-        if s < _WEAK * top:
-            digits = _FEW_DIGITS
-        M[j, j] = math.sqrt(s) if s > 1e-15 * top else 1e100
-        for i in range(j + 1, r):
-            s = M[i, j]
-            for k in range(j):
-                s -= M[i, k] * M[j, k]
-            M[i, j] = s / M[j, j]
-    return digits
-
-
-@inline_kernel
 def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
-    """Set the lower triangle of M to the factor L of BW = L rows, by Gram-Schmidt, twice.
+    """Set the lower triangle of M to the factor L of BW = L rows.
 
-    The same as `_factor` gives, to twice its digits: near the cones' boundary the products in M lose half.
+    The same as Cholesky's gives, to twice its digits: near the cones' boundary the products in M lose half.
     """
     r, m = BW.shape
     for j in range(r):
@@ -91,39 +60,16 @@ def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
             top += BW[j, i] * BW[j, i]
         for k in range(j):
             M[j, k] = 0.0
-        for _ in range(2):
-            for k in range(j):
-                s = 0.0
-                for i in range(m):
-                    s += rows[k, i] * rows[j, i]
-                for i in range(m):
-                    rows[j, i] -= s * rows[k, i]
-                M[j, k] += s
-        size = 0.0
-        for i in range(m):
-            size += rows[j, i] * rows[j, i]
-        size = math.sqrt(size)
-        if size <= 1e-14 * math.sqrt(top):
-            size = 1e100
-        M[j, j] = size
-        for i in range(m):
-            rows[j, i] /= size
+        size = remove_rows(rows, j, M[j])
+        M[j, j] = size if size > 1e-14 * math.sqrt(top) else HUGE
+        scale_row(rows, j, M[j, j])
 
 
 @inline_kernel
 def _solve_factored(M: FloatArray, v: FloatArray) -> None:
     """Replace v by the solution of (L L') u = v."""
-    r = M.shape[0]
-    for i in range(r):
-        s = v[i]
-        for k in range(i):
-            s -= M[i, k] * v[k]
-        v[i] = s / M[i, i]
-    for i in range(r - 1, -1, -1):
-        s = v[i]
-        for k in range(i + 1, r):
-            s -= M[k, i] * v[k]
-        v[i] = s / M[i, i]
+    solve_lower(M, v)
+    solve_upper(M, v)
 
 
 @inline_kernel
@@ -246,19 +192,20 @@ def minimise(
         apply(v, eta, lorentz, False, z, lam)
         apply(v, eta, lorentz, False, rd, Wrd)
         _normal_matrix(B, v, eta, lorentz, BW, M)
-        digits = _factor(M)
-        if digits == _NO_DIGITS:
+        kept = guarded_cholesky(M)
+        if math.isnan(kept):
             break
-        if digits == _FEW_DIGITS:
+        if kept < _WEAK:
             _factor_rows(BW, M, np.empty((r, m)))
         sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
         for corrector in range(2):
             if corrector:
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
-                negate(lam, target)
+                for i in range(m):
+                    target[i] = -lam[i]
             _direction(B, BW, M, v, eta, lorentz, rp, target, Wrd, dx, dz, dy)
-            if left > _REFINE or digits == _FEW_DIGITS:
+            if left > _REFINE or kept < _WEAK:
                 _refine(BW, M, rp, dx, dz, dy, rest)
             primal = step_to_boundary(lam, dx, lorentz)
             dual = step_to_boundary(lam, dz, lorentz)

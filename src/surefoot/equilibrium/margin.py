@@ -29,8 +29,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
-from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
+from surefoot.numerics.vectors import cross
 
 FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS, UNDECIDED = 0, 1, 2, 3, 4
 """Outcomes: margin >= 0; margin < 0; load outside the range of the contact forces; margin without bound;
@@ -319,13 +320,13 @@ def _columns(
     position: FloatArray, R: FloatArray, mu: float, about: FloatArray, length: float, A: FloatArray, at: int
 ) -> None:
     """Write the three wrench columns of one contact: normal, and mu times each tangent."""
-    d0 = (position[0] - about[0]) / length
-    d1 = (position[1] - about[1]) / length
-    d2 = (position[2] - about[2]) / length
+    arm = (
+        (position[0] - about[0]) / length,
+        (position[1] - about[1]) / length,
+        (position[2] - about[2]) / length,
+    )
     for k in range(3):
         axis, factor = (2, 1.0) if k == 0 else (k - 1, mu)
-        f0, f1, f2 = factor * R[0, axis], factor * R[1, axis], factor * R[2, axis]
-        A[0, at + k], A[1, at + k], A[2, at + k] = f0, f1, f2
-        A[3, at + k] = d1 * f2 - d2 * f1
-        A[4, at + k] = d2 * f0 - d0 * f2
-        A[5, at + k] = d0 * f1 - d1 * f0
+        f = factor * R[0, axis], factor * R[1, axis], factor * R[2, axis]
+        A[0, at + k], A[1, at + k], A[2, at + k] = f
+        A[3, at + k], A[4, at + k], A[5, at + k] = cross(arm, f)

@@ -129,7 +129,7 @@ def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray
 
 
 @kernel
-def farthest_from(corners: FloatArray, polygon: FloatArray) -> float:
+def _farthest_from(corners: FloatArray, polygon: FloatArray) -> float:
     """Return the largest distance of points (n, 2) from a convex counter-clockwise polygon (k, 2).
 
     Infinite for no points at all: an intersection that rounding emptied says nothing.
@@ -174,8 +174,8 @@ def enclose(
     heights += pad
     outside = intersection(directions, heights, middle, 10.0 * reach + 10.0 * pad)
     inner = without_flat_corners(whole, slack)
-    gap = farthest_from(outside, inner)
+    gap = _farthest_from(outside, inner)
     if gap + 2.0 * pad > tol:
         inner = whole
-        gap = farthest_from(outside, inner)
+        gap = _farthest_from(outside, inner)
     return inner, gap + 2.0 * pad

@@ -12,8 +12,8 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
 from surefoot.equilibrium.limits import ForceLimits, equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, GAP, most_margin
-from surefoot.equilibrium.reduction import coordinates, orthonormal_rows, turn_first_row
 from surefoot.errors import ProblemError
+from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, turn_first_row
 from surefoot.stance import Stance
 
 

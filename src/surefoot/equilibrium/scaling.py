@@ -94,26 +94,3 @@ def corrector_target(
         out[i + 2] = (r2 - c * out[i]) / a
     for i in range(3 * lorentz, lam.size):
         out[i] = (sigma_mu - dx[i] * dz[i]) / lam[i] - lam[i]
-
-
-@inline_kernel
-def dot(x: FloatArray, z: FloatArray) -> float:
-    """Return x.z."""
-    s = 0.0
-    for i in range(x.size):
-        s += x[i] * z[i]
-    return s
-
-
-@inline_kernel
-def negate(x: FloatArray, out: FloatArray) -> None:
-    """Set out = -x."""
-    for i in range(x.size):
-        out[i] = -x[i]
-
-
-@inline_kernel
-def advance(x: FloatArray, step: float, d: FloatArray) -> None:
-    """Add step d to x."""
-    for i in range(x.size):
-        x[i] += step * d[i]

@@ -20,7 +20,7 @@ from surefoot.equilibrium.limits import Equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, depth, most_margin
 from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
-from surefoot.equilibrium.reduction import coordinates, orthonormal_rows
+from surefoot.numerics.orthogonal import coordinates, orthonormal_rows
 
 Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 """Rows of the contact wrench that are fixed, their values, and the point as pick @ wrench + offset."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.contact import ContactSolution
-from surefoot.contact.problem import Law
 from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepOptions, Stepper
@@ -64,7 +63,7 @@ class RigidWorld:
         *,
         restitution: float = 0.0,
         stabilisation: Stabilisation = "projection",
-        law: Law = "coulomb",
+        law: str = "coulomb",
         solver: str = "auto",
         tol: float = 1e-8,
     ) -> None:

@@ -31,7 +31,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.elimination import invert_shifted
+from surefoot.numerics.elimination import invert_shifted
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 from surefoot.solvers.stopping import measure_of
@@ -245,7 +245,7 @@ class _Scaled:
         D = self.D = _scaling(problem)
         self.G, self.g = D[:, None] * problem.G * D[None, :], D * problem.g
         low, high = problem.normal_min / D[2::3], problem.normal_max / D[2::3]
-        coulomb, facets = problem.law == "coulomb", problem.facets or 0
+        coulomb, facets = problem.law.shift > 0.0, problem.facets or 0
         self.laws = problem.mu, low, high, coulomb, facets, problem.fit == "inner"
         self.largest = max(float(np.trace(self.G)) / self.g.size * 3.0, 1e-300)
         self.eta, self.rho = PROXIMAL * self.largest, 0.1 * self.largest

@@ -14,20 +14,28 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.contact.blocks import checked_mirror
-from surefoot.contact.problem import ASYMMETRY, COMPILED_CONTACTS, ContactProblem, Fit, Law
+from surefoot.contact.matrix import ASYMMETRY
+from surefoot.contact.problem import ContactProblem, Fit
 from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
 from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, VECTOR, entry_point, releasing_kernel
-from surefoot.solvers.auto import solve_compiled
+from surefoot.solvers.compiled import (
+    COMPILED_CONTACTS,
+    CONVEX,
+    UNBOUNDED,
+    UNSOLVED,
+    WARM,
+    solve_compiled,
+)
 from surefoot.solvers.solver import solve
 
 FLOAT = np.dtype(np.float64)
 _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
 LAWS, FLAGS, COMPLIANCE, LAST = 1, 2, 3, 4
 """Rows of the solver's memory after G and g: see `_solve_raw`."""
-NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
+NOT_NUMBERS, DOUBTFUL = -1, -2
 """What `_solve_raw` returns for a G or g that is not finite, and for a G that the problem must look at."""
 
 
@@ -35,10 +43,10 @@ NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 def _solve_raw(
     G: FloatArray, g: FloatArray, memory: FloatArray, tol: float, most: int, warm: bool, buffer: FloatArray
 ) -> int:
-    """Solve with a new G (m, m) and g (m,); return the iterations, bit by bit turned if not solved.
+    """Solve with a new G (m, m) and g (m,); return what `solve_compiled` does.
 
-    The rows of memory (m + 5, m): room for G and g, the laws (mu, low, high), whether the law is convex and
-    whether the last row holds forces, the compliance, and the last forces. The buffer is that of `Shortcut`.
+    The rows of memory (m + 5, m): room for G and g, the parameters (mu, low, high), the mode of the law and
+    whether the last row holds forces, the compliance, and the last forces. The buffer is `solve_compiled`'s.
     """
     m = g.size
     total = 0.0
@@ -60,8 +68,11 @@ def _solve_raw(
         for k in range(m // 3):
             for a in range(3):
                 buffer[k, a] = memory[m + LAST, 3 * k + a]
-    done = solve_compiled(memory, tol, most, 0, start, buffer)
-    if done >= 0:
+    mode = int(memory[m + FLAGS, 0])
+    if start:
+        mode |= WARM
+    done = solve_compiled(memory[:m], memory[m : m + 2], tol, most, mode, buffer)
+    if done < UNSOLVED:
         for k in range(m // 3):
             for a in range(3):
                 memory[m + LAST, 3 * k + a] = buffer[k, a]
@@ -171,7 +182,7 @@ class ContactSolver:
         self,
         contacts: int,
         mu: ArrayLike,
-        law: Law = "coulomb",
+        law: str = "coulomb",
         normal_min: ArrayLike = 0.0,
         normal_max: ArrayLike = np.inf,
         facets: int | None = None,
@@ -195,14 +206,14 @@ class ContactSolver:
             np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, facets, fit,
             compliance=compliance, bilateral=bilateral,
         )  # fmt: skip
-        self.law: Law = law
+        self.law = self._laws.law
         self._memory = np.zeros((m + 5, max(m, 2)))
         self._shapes = (m, m), (m,)
-        self._most = -1 if self.max_iterations is None else self.max_iterations
-        self._compiled = facets is None and 0 < n <= COMPILED_CONTACTS
+        self._most = UNBOUNDED if self.max_iterations is None else self.max_iterations
+        self._compiled = not self._laws.general and facets is None and 0 < n <= COMPILED_CONTACTS
         if self._compiled:
-            self._memory[m + LAWS] = self._laws.laws.ravel()
-            self._memory[m + FLAGS, 0] = law == "convex"
+            self._memory[m + LAWS] = self._laws.vectors[1]
+            self._memory[m + FLAGS, 0] = CONVEX if self.law.shift == 0.0 else 0
             self._memory[m + COMPLIANCE] = np.diagonal(self._laws.G)
             types = MATRIX, VECTOR, MATRIX, REAL, INTEGER, BOOLEAN, MATRIX
             self._call = entry_point(_solve_raw, *types)
@@ -249,11 +260,11 @@ class ContactSolver:
         if not self._compiled:
             return self._solve_rest(G, g, out, 0)
         done = self._call(G, g, self._memory, self.tol, self._most, self.warm_start, out)
-        if done >= 0:
+        if 0 <= done < UNSOLVED:
             return ContactForces(out, n, _SOLVED, done)
         if done == NOT_NUMBERS:
             return self._nothing(out)
-        return self._solve_rest(G, g, out, 0 if done == DOUBTFUL else ~done)
+        return self._solve_rest(G, g, out, 0 if done == DOUBTFUL else done - UNSOLVED)
 
     def _read(self, name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
         """Return an argument as the compiled call takes it."""

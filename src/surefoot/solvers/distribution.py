@@ -20,7 +20,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import residuals
 from surefoot.contact.solution import Status
-from surefoot.solvers.distribution_newton import CENTRE, DUAL, VALUE, minimise
+from surefoot.solvers.dual_newton.dense import CENTRE, DUAL, VALUE, minimise
 from surefoot.solvers.solver import Answer, Settings, register
 
 WELL_CONDITIONED = 1e-7  # smallest over largest eigenvalue from which no proximal term is needed

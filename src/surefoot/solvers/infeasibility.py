@@ -17,14 +17,29 @@ Limits: dense matrices; a null space that is only nearly there gives a reach too
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
+from typing import Protocol
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof, check_proof, connected_parts
+from surefoot.contact.sets import ContactSet
+from surefoot.solvers.set_kernels import (
+    CODE,
+    DISCS,
+    HIGH,
+    LOW,
+    RADIUS,
+    SHIFT,
+    WIDEST,
+    jacobian_sets,
+    pack,
+    project_sets,
+)
 
 STEPS, SHORTEST = 60, 1e-6
 """Newton steps, and the shortest share of one that the line search tries."""
@@ -55,29 +70,40 @@ def find_proof(problem: ContactProblem, max_time: float = math.inf) -> Infeasibi
             continue
         if time.perf_counter() + DECOMPOSITION * members.size**3 > end:
             continue
-        direction = np.zeros((problem.contacts, 3))
-        found = _part_direction(problem, members, end)
+        rows = _rows(problem, members)
+        found = _part_direction(problem, members, rows, end)
         if found is None:
             continue
-        direction[members] = found
+        direction = np.zeros(problem.g.size)
+        direction[rows] = found
         proof = check_proof(problem, direction)
         if proof is not None and proof.conclusive:
             return proof
     return None
 
 
-def _part_direction(problem: ContactProblem, members: IntArray, end: float) -> FloatArray | None:
-    """Return the best direction (m, 3) of one connected part, None if there is none."""
-    rows = (3 * members[:, None] + np.arange(3)).ravel()
+def _rows(problem: ContactProblem, members: IntArray) -> IntArray:
+    """Return the rows of G that belong to some contacts."""
+    if not problem.general:
+        return np.asarray((3 * members[:, None] + np.arange(3)).ravel())
+    offsets = problem.contact_set.offsets
+    return np.concatenate([np.arange(offsets[k], offsets[k + 1]) for k in members])
+
+
+def _part_direction(
+    problem: ContactProblem, members: IntArray, rows: IntArray, end: float
+) -> FloatArray | None:
+    """Return the best direction of one connected part, flat, None if there is none."""
     G, g = problem.G[np.ix_(rows, rows)], problem.g[rows]
-    trace = np.diagonal(G).reshape(-1, 3).sum(axis=1)
+    directions = _Discs(problem, members) if problem.general else _Directions(problem, members)
+    L = directions.lengths
+    trace = np.add.reduceat(np.diagonal(G) * L * L, directions.starts)
     scale = 1.0 / np.sqrt(np.where(trace > 0.0, trace, 1.0))  # blocks of one size; one factor keeps a cone
-    D = np.repeat(scale, 3)
+    D = L * np.repeat(scale, np.diff([*directions.starts, rows.size]))
     G, g = D[:, None] * G * D[None, :], D * g
     size = float(np.linalg.norm(g))
     if not 0.0 < size < np.inf:
         return None
-    directions = _Directions(problem, members)
     with np.errstate(all="ignore"):
         values, vectors = np.linalg.eigh(G)
         V = vectors[:, values > NULL * max(float(values[-1]), 1e-300)]
@@ -85,21 +111,23 @@ def _part_direction(problem: ContactProblem, members: IntArray, end: float) -> F
         if d is None:
             return None
         d = _onto_null_space(directions, G, d)
-    return np.asarray((D * d).reshape(-1, 3))
+    return np.asarray(D * d)
 
 
-def _onto_null_space(directions: _Directions, G: FloatArray, d: FloatArray) -> FloatArray:
+def _onto_null_space(directions: Directions, G: FloatArray, d: FloatArray) -> FloatArray:
     """Move d within its face of D onto the null space of G: what is left of G d is then rounding."""
     J = directions.project(d)[1]
     # an edge of the cone counts as the ray through d: its roundness is left out
     columns = []
-    for k, p in enumerate(d.reshape(-1, 3)):
+    for k, (start, end) in enumerate(itertools.pairwise([*directions.starts, d.size])):
+        own = slice(start, end)
+        p = d[own]
         size = float(np.linalg.norm(p))
         if size == 0.0:
             continue
-        block = np.eye(3) if np.trace(J[k]) > 2.5 else (p / size)[:, None]
+        block = np.eye(p.size) if np.trace(J[k]) > p.size - 0.5 else (p / size)[:, None]
         whole = np.zeros((d.size, block.shape[1]))
-        whole[3 * k : 3 * k + 3] = block
+        whole[own] = block
         columns.append(whole)
     C = np.hstack(columns)
     x = C.T @ d
@@ -109,13 +137,70 @@ def _onto_null_space(directions: _Directions, G: FloatArray, d: FloatArray) -> F
     return np.asarray(C @ x)
 
 
-class _Directions:
-    """The cone D of a problem: where a direction may lie, contact by contact, and the projection onto it."""
+class Directions(Protocol):
+    """The cone D of a problem: where a direction may lie, contact by contact, and the projection onto it.
+
+    Attributes
+    ----------
+    starts, lengths
+        First row of each contact, and the lengths that moments are counted over.
+    """
+
+    starts: IntArray
+    lengths: FloatArray
+
+    def project(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return P_D(x) and its generalised Jacobian, (n, d, d), for flat x over the lengths."""
+        ...
+
+    def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
+        """Return the product of the Jacobian, contact by contact, and a matrix."""
+        ...
+
+
+class _Discs:
+    """The cone D of contacts of any kind; see `proof` for which discs are narrowed."""
 
     def __init__(self, problem: ContactProblem, members: IntArray) -> None:
+        whole = problem.contact_set
+        chosen = [whole[k] for k in members]
+        contacts = ContactSet(chosen)
+        self.starts, self.lengths = contacts.offsets[:-1], contacts.lengths
+        offset, group, table = pack(contacts, problem.law, np.ones(len(chosen)))
+        for row, contact in zip(table, chosen, strict=True):
+            row[LOW], row[HIGH] = 0.0, np.inf if contact.normal_max == np.inf else 0.0
+            if contact.polygon is not None:
+                row[CODE] = DISCS
+            for b, disc in enumerate(contact.discs_inside):
+                row[RADIUS + b] = disc.radius * (1.0 - row[SHIFT] if disc.friction else 1.0)
+        for start, contact in zip(self.starts, chosen, strict=True):
+            for b, disc in enumerate(contact.discs_inside):
+                group[start + np.array(disc.rows)] = b
+        self.packed = offset, group, table
+
+    def project(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return P_D(x) and its generalised Jacobian; see `Directions`."""
+        out, J = np.empty(x.size), np.empty((self.starts.size, WIDEST, WIDEST))
+        project_sets(*self.packed, x, out)
+        jacobian_sets(*self.packed, x, J)
+        return out, J
+
+    def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
+        """Return J V; see `Directions`."""
+        out = np.empty_like(V)
+        for k, (start, end) in enumerate(zip(self.packed[0][:-1], self.packed[0][1:], strict=True)):
+            out[start:end] = J[k, : end - start, : end - start] @ V[start:end]
+        return out
+
+
+class _Directions:
+    """The cone D of contacts of three rows."""
+
+    def __init__(self, problem: ContactProblem, members: IntArray) -> None:
+        self.starts, self.lengths = 3 * np.arange(members.size), np.ones(3 * members.size)
         self.held: BoolArray = problem.normal_min[members] == -np.inf
         self.free: BoolArray = ~self.held & (problem.normal_max[members] == np.inf)
-        mu = np.zeros(members.size) if problem.law == "coulomb" else problem.mu[members]
+        mu = (1.0 - problem.law.shift) * problem.mu[members]  # see `proof` for what the law leaves
         if problem.facets and problem.fit == "inner":
             mu = mu * np.cos(np.pi / problem.facets)  # the round cone inside the pyramid
         self.mu = mu
@@ -143,21 +228,24 @@ class _Directions:
             J[edge] += bend[:, None, None] * side[:, :, None] * side[:, None, :]
         return out.ravel(), J
 
+    def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
+        """Return J V; see `Directions`."""
+        return np.asarray(np.einsum("kab,kbr->kar", J, V.reshape(len(J), 3, -1)).reshape(V.shape))
 
-def _project(directions: _Directions, V: FloatArray, g: FloatArray, end: float) -> FloatArray | None:
+
+def _project(directions: Directions, V: FloatArray, g: FloatArray, end: float) -> FloatArray | None:
     """Return the projection of -g onto C, for g of length one; None if it vanishes."""
-    rank, n = V.shape[1], g.size // 3
+    rank = V.shape[1]
     z = np.zeros(rank)
     d, J = directions.project(-g)
     value = float(d @ d)
-    blocks = V.reshape(n, 3, rank)
     for _ in range(STEPS):
         if value <= VANISHED**2 or time.perf_counter() > end:
             return None
         gradient = V.T @ d
         if float(np.linalg.norm(gradient)) <= 1e-15 * np.sqrt(value):
             break
-        H = V.T @ np.einsum("kab,kbr->kar", J, blocks).reshape(3 * n, rank)
+        H = V.T @ directions.product(J, V)
         H[np.diag_indices(rank)] += 1e-12
         step = np.linalg.solve(H, gradient)
         share, found = 1.0, False

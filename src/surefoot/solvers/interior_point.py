@@ -196,7 +196,7 @@ def solve_interior_point(
 ) -> Answer:
     """Solve either law on exact cones by a primal-dual interior-point method."""
     p = _program(problem)
-    coulomb, m = problem.law == "coulomb", p.cones
+    coulomb, m = problem.law.shift > 0.0, p.cones
     laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb
     unit = np.ones(p.b.size)
     unit[: 3 * m].reshape(-1, 3)[:, 1:] = 0.0

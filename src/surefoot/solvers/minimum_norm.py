@@ -41,6 +41,8 @@ def minimum_norm(solution: ContactSolution, tol: float = 1e-8) -> ContactSolutio
         raise ProblemError(
             f"only a solved problem has a least-norm share, got status {solution.status.value!r}"
         )
+    if problem.general:
+        raise ProblemError("the least-norm share is for contacts of three rows under a named law")
     if problem.facets is not None:
         raise ProblemError("the least-norm share is for exact cones (facets=None)")
     columns, kinds = _free_columns(solution)
@@ -82,8 +84,8 @@ def _free_columns(solution: ContactSolution) -> tuple[FloatArray, Kinds]:
     columns: list[FloatArray] = []
     kinds: Kinds = []
     for k in range(problem.contacts):
-        normal = u[k, 2] - (problem.mu[k] * math.hypot(u[k, 0], u[k, 1]) if problem.law == "convex" else 0.0)
         slip = math.hypot(u[k, 0], u[k, 1])
+        normal = u[k, 2] - (1.0 - problem.law.shift) * problem.mu[k] * slip
         held = problem.normal_min[k] == -np.inf
         if not held and normal > speed and problem.normal_min[k] == 0.0:
             continue

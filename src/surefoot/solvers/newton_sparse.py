@@ -13,7 +13,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import block_product
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
-from surefoot.solvers.newton import (
+from surefoot.solvers.newton_step import (
     PATIENCE,
     PROXIMAL,
     PROXIMAL_FAR,
@@ -113,7 +113,7 @@ class BlockNewton:
         b, n = problem.blocks, problem.contacts
         self.matrix = b.starts, b.columns, b.values
         self.local = prepare_blocks(*self.matrix, problem.scales)
-        self.convex = problem.law == "convex"
+        self.convex = problem.law.shift == 0.0
         self.laws = problem.mu, problem.normal_min, problem.normal_max
         self._rows, self._columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
         self._weight, self._jump, self._target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))

@@ -221,7 +221,7 @@ class Sweeper:
     def __call__(self, tol: float, sweeps: int) -> tuple[int, bool]:
         """Run up to `sweeps` sweeps; return how many ran, and whether the velocity error is below tol."""
         p, b = self.problem, self.blocks
-        convex = p.law == "convex"
+        convex = p.law.shift == 0.0
         if b is None:
             return run_dense(
                 p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps, self.local, self.forces,

@@ -12,19 +12,17 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number, whole_number
-from surefoot.contact.problem import LAWS, ContactProblem, Law
+from surefoot.contact.laws import LAWS
+from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
-from surefoot.contact.residuals import Residuals, certificate
-from surefoot.contact.solution import ContactSolution, Status
+from surefoot.contact.residuals import certificate
+from surefoot.contact.solution import ContactSolution, Status, record_of
 from surefoot.errors import ProblemError, SolverNotFound, unknown_name
-from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, entry_point
 from surefoot.solvers.infeasibility import find_proof
 
 ALMOST_FACTOR = 1e3
 """A residual within this factor of the tolerance is ALMOST solved."""
-ITERATION = 2e-7
-"""Seconds that an iteration of a compiled call takes per contact, sweeps and Newton steps as they come."""
-_clock, _INFINITY, _empty, _SOLVED = time.perf_counter, math.inf, np.empty, Status.SOLVED
+_clock, _INFINITY, _SOLVED = time.perf_counter, math.inf, Status.SOLVED
 
 
 @dataclass(frozen=True)
@@ -59,13 +57,13 @@ class Answer(NamedTuple):
     proof: InfeasibilityProof | None = None
 
 
-Shortcut = Callable[[FloatArray, float, int, int, bool, FloatArray], int]
-"""(`ContactProblem.compiled`, tol, max_iterations, 0, warm, buffer of `ContactSolution`) -> iterations.
-
-The iterations are turned bit by bit (less than zero) if the problem is not solved. A bound of -1 on them is
-none; `warm` says that the buffer holds forces to start from.
-"""
 SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
+Attempt = Callable[
+    [ContactProblem, float, int | None, float, FloatArray | None],
+    tuple[FloatArray, int, bool, int] | None,
+]
+"""(problem, tol, max_iterations, max_time, warm start) -> record of `ContactSolution`, iterations, whether
+`contact.residuals` says SOLVED, iterations that were allowed; None for a problem that it does not take."""
 Function = TypeVar("Function", bound=SolverFunction)
 
 
@@ -75,41 +73,44 @@ class SolverEntry:
 
     name: str
     function: SolverFunction
-    laws: tuple[Law, ...]
+    laws: tuple[str, ...] | None
     exact: bool
     polyhedral: bool
     bilateral: bool
     bounds: bool
-    shortcut: Shortcut | None = None
+    general: bool
+    attempt: Attempt | None = None
 
 
 _REGISTRY: dict[str, SolverEntry] = {}
 _MODULES = (
     "distribution",
     "auto",
+    "newton",
     "nsgs",
     "admm",
     "interior_point",
     "staggered",
     "lemke",
     "external",
+    "set_admm",
+    "set_newton",
 )
 _loaded = False
 GAVE_UP = (Status.STALLED, Status.MAX_ITERATIONS, Status.INVALID)
 """What may have its cause in a problem without solution."""
-_SHORTCUTS: dict[str, Shortcut] = {}
-"""Shortcuts that have been asked for, compiled."""
 
 
 def register(
     name: str,
     *,
-    laws: Iterable[Law] = LAWS,
+    laws: Iterable[str] | None = tuple(LAWS),
     exact: bool = True,
     polyhedral: bool = False,
     bilateral: bool = False,
     bounds: bool = True,
-    shortcut: Shortcut | None = None,
+    general: bool = False,
+    attempt: Attempt | None = None,
 ) -> Callable[[Function], Function]:
     """Return the decorator that makes a function a solver.
 
@@ -118,22 +119,24 @@ def register(
     name
         What users pass to `solve`.
     laws
-        The laws it solves.
+        The laws it solves, by name; None for any `Law`.
     exact, polyhedral
         Whether it takes problems with exact cones, and with pyramids.
     bilateral
         Whether it takes problems with bilateral contacts.
     bounds
         Whether it takes normal bounds other than 0 and infinity.
-    shortcut
-        What `solve` tries first where `ContactProblem.compiled` is not None: one compiled call that solves
-        and has `contact.residuals` judge. If that is not solved, the function goes on from its forces. It
-        has to take everything on exact cones: bounds, bilateral contacts, both laws.
+    general
+        Whether it takes contacts of any kind, through `problem.contact_set`.
+    attempt
+        What `solve` tries first, one compiled call that solves and has `contact.residuals` judge. If that
+        is not solved, the function goes on from its forces.
     """
 
     def decorate(function: Function) -> Function:
+        own = None if laws is None else tuple(laws)
         _REGISTRY[name] = SolverEntry(
-            name, function, tuple(laws), exact, polyhedral, bilateral, bounds, shortcut
+            name, function, own, exact, polyhedral, bilateral, bounds, general, attempt
         )
         return function
 
@@ -179,7 +182,8 @@ def solve(
     max_iterations, max_time
         Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
-        (n, 3) forces to start from; see `surefoot.contact.warm_start` for contacts that came and went.
+        (n, 3) forces to start from, or `problem.shape`; see `surefoot.contact.warm_start` for contacts that
+        came and went.
 
     Returns
     -------
@@ -194,7 +198,7 @@ def solve(
         If the solver does not take this law or these cones, or a setting is out of range.
     """
     start = _clock()
-    shortcut = _SHORTCUTS.get(solver) if type(solver) is str else None
+    entry = _REGISTRY.get(solver) if _loaded and type(solver) is str else None
     if (
         type(tol) is not float
         or type(max_time) is not float
@@ -205,26 +209,20 @@ def solve(
     if max_iterations is not None:
         max_iterations = whole_number("max_iterations", max_iterations)
     if warm_start is not None:
-        warm_start = finite_array("warm_start", warm_start, (problem.contacts, 3))
-    if shortcut is None and (shortcut := find_solver(solver, problem).shortcut) is not None:
-        types = MATRIX, REAL, INTEGER, INTEGER, BOOLEAN, MATRIX
-        _SHORTCUTS[solver] = shortcut = entry_point(shortcut, *types)
+        warm_start = finite_array("warm_start", warm_start, problem.shape)
+    if entry is None:
+        entry = find_solver(solver, problem)
     before = 0
-    if shortcut is not None and (packed := problem.compiled) is not None:
-        n = problem.contacts
-        buffer = _empty((2 * n + 3, 3))
-        if warm_start is not None:
-            buffer[:n] = warm_start
-        most = -1 if max_iterations is None else max_iterations
-        if max_time < _INFINITY:
-            most = fitting(max_time, n, most)
-        done = shortcut(packed, tol, most, 0, warm_start is not None, buffer)
-        if done >= 0:
-            return ContactSolution(problem, buffer[:n], _SOLVED, solver, done, _clock() - start, buffer)
-        before, warm_start = ~done, buffer[:n]
+    if entry.attempt is not None:
+        first = entry.attempt(problem, tol, max_iterations, max_time, warm_start)
+        if first is not None:
+            record, before, solved, _ = first
+            if solved:
+                return ContactSolution(problem, record, _SOLVED, solver, before, _clock() - start)
+            warm_start = record[: problem.contacts]
     entry = find_solver(solver, problem)
     if problem.contacts == 0:
-        answer = Answer(np.zeros((0, 3)), 0)
+        answer = Answer(np.zeros(problem.shape), 0)
     else:
         remaining = None if max_iterations is None else max_iterations - before
         left = max(max_time - (_clock() - start), 0.0)
@@ -242,15 +240,9 @@ def solve(
     return found
 
 
-def fitting(max_time: float, contacts: int, most: int) -> int:
-    """Return how many iterations of a compiled call, which looks at no clock, should fit; at most `most`."""
-    fits = int(min(max_time / (ITERATION * contacts), 1e9))
-    return fits if most < 0 else min(fits, most)
-
-
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
-    """Return the flat (3n,) forces to start from, a fresh array: zero without a warm start."""
-    return np.zeros(3 * problem.contacts) if warm_start is None else warm_start.flatten()
+    """Return the flat forces to start from, a fresh array: zero without a warm start."""
+    return np.zeros(problem.g.size) if warm_start is None else warm_start.flatten()
 
 
 def certify(
@@ -260,12 +252,14 @@ def certify(
 
     Forces that are not finite are replaced by the admissible ones nearest to zero.
     """
-    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(-1, 3)
+    forces = np.ascontiguousarray(answer.forces, dtype=np.float64).reshape(problem.shape)
     if not np.isfinite(forces).all():
         forces = nearest_to_zero(problem)
     still = problem.scales[1] == 0.0
     if still.any():  # parts without any velocity: their solution is known
-        forces = np.where(still[:, None], nearest_to_zero(problem), forces)
+        counts = np.diff(problem.contact_set.offsets) if problem.general else 3
+        rows = np.repeat(still, counts).reshape(problem.shape)
+        forces = np.where(rows, nearest_to_zero(problem), forces)
     velocities, numbers = certificate(problem, forces)
     error, rest = numbers[0], max(numbers[1], numbers[2])
     stop = Status.STALLED if answer.stop is Status.INFEASIBLE else answer.stop
@@ -279,12 +273,16 @@ def certify(
         status, proof = Status.ALMOST, None
     else:
         status, proof = stop, None
-    details = velocities, Residuals(*numbers), answer.timings or {}, proof
-    return ContactSolution(problem, forces, status, name, answer.iterations, solve_time, details)
+    record = record_of(forces, velocities, numbers)
+    return ContactSolution(
+        problem, record, status, name, answer.iterations, solve_time, answer.timings, proof
+    )  # fmt: skip
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
-    """Return the (n, 3) admissible forces nearest to zero."""
+    """Return the admissible forces nearest to zero, in the problem's shape."""
+    if problem.general:
+        return problem.contact_set.nearest_to_zero()
     forces = np.zeros((problem.contacts, 3))
     forces[:, 2] = np.maximum(problem.normal_min, 0.0)
     return forces
@@ -304,8 +302,12 @@ def find_solver(name: str, problem: ContactProblem) -> SolverEntry:
 
 def mismatch(entry: SolverEntry, problem: ContactProblem) -> str | None:
     """Return why a solver does not take a problem, or None."""
-    if problem.law not in entry.laws:
-        return f"does not solve law={problem.law!r}"
+    if entry.laws is not None and problem.law not in entry.laws:
+        return f"does not solve law={str(problem.law)!r}"
+    if entry.general:
+        return None
+    if problem.general:
+        return "takes contacts of three rows under Coulomb's or the convex law only"
     if problem.facets is None and not entry.exact:
         return "takes pyramids only (use problem.polyhedral(facets))"
     if problem.facets is not None and not entry.polyhedral:

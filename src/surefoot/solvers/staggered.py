@@ -22,7 +22,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.auto import alternate, call_compiled
+from surefoot.solvers.compiled import attempt
+from surefoot.solvers.on_blocks import alternate
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
 from surefoot.solvers.stopping import measure_of, velocity_error
 
@@ -36,7 +37,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     """Solve either law by a sequence of convex problems; an iteration is one of them."""
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
-    coulomb = problem.law == "coulomb"
+    coulomb = problem.law.shift > 0.0
     laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     held = problem.normal_min == -np.inf
@@ -46,7 +47,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     best, best_gap, since = forces.copy(), math.inf, 0
     while done < limit:
         done += 1
-        convex.g[:] = problem.g  # in place: `compiled` looks at the same memory
+        convex.g[:] = problem.g
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
         _solve_convex(convex, Settings(tol, INNER, max(end - time.perf_counter(), 0.0)), forces)
@@ -73,10 +74,10 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
 
 def _solve_convex(problem: ContactProblem, settings: Settings, forces: FloatArray) -> None:
     """Solve one of the convex problems as well as sweeps and Newton steps can, from flat forces, in place."""
-    if (packed := problem.compiled) is not None:
-        found, done, _ = call_compiled(packed, settings, 0, forces.reshape(-1, 3))
-        forces[:] = found.ravel()
-        if done >= 0:
+    found = attempt(problem, settings.tol, settings.max_iterations, settings.max_time, forces.reshape(-1, 3))
+    if found is not None:
+        forces[:] = found[0][: problem.contacts].ravel()
+        if found[2]:
             return
     alternate(problem, settings, forces)
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.cones.projection import project_truncated
 from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.projection import project_truncated
 
 
 @inline_kernel

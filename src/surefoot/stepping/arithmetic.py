@@ -5,44 +5,20 @@ Free of any robot library: it takes the mass matrix and the spatial Jacobian as 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.kernels import kernel
+from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 
 
 @kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:
     """Write the lower Cholesky factor of a matrix, given by its upper triangle, into L."""
-    n = L.shape[0]
-    for j in range(n):
-        for i in range(j, n):
-            total = upper[j, i]
-            for k in range(j):
-                total -= L[i, k] * L[j, k]
-            L[i, j] = math.sqrt(total) if i == j else total / L[j, j]
-
-
-@inline_kernel
-def solve_lower(L: FloatArray, x: FloatArray) -> None:
-    """Replace x by L⁻¹ x."""
-    for i in range(x.size):
-        total = x[i]
-        for k in range(i):
-            total -= L[i, k] * x[k]
-        x[i] = total / L[i, i]
-
-
-@inline_kernel
-def solve_upper(L: FloatArray, x: FloatArray) -> None:
-    """Replace x by L⁻ᵀ x."""
-    for i in range(x.size - 1, -1, -1):
-        total = x[i]
-        for k in range(i + 1, x.size):
-            total -= L[k, i] * x[k]
-        x[i] = total / L[i, i]
+    for i in range(L.shape[0]):
+        for j in range(i + 1):
+            L[i, j] = upper[j, i]
+    cholesky(L)
 
 
 @kernel
@@ -64,31 +40,6 @@ def largest(x: FloatArray) -> float:
         if not abs(x[i]) <= out:
             out = abs(x[i]) if abs(x[i]) < np.inf else np.inf
     return out
-
-
-@kernel
-def contact_rows(
-    spatial: FloatArray, support: BoolArray, points: FloatArray, frames: FloatArray, J: FloatArray
-) -> None:
-    """Write the contact Jacobians into J (3p, nv), rows in contact axes.
-
-    `spatial` is (6, nv), each joint's twist [linear at the world's origin; angular] in world axes,
-    `support` (p, nv) says which joints carry a point, `points` (p, 3) are the contact points and
-    `frames` (p, 3, 3) their rotation_world_contact.
-    """
-    for c in range(points.shape[0]):
-        px, py, pz = points[c]
-        R = frames[c]
-        for j in range(J.shape[1]):
-            if not support[c, j]:
-                J[3 * c, j] = J[3 * c + 1, j] = J[3 * c + 2, j] = 0.0
-                continue
-            wx, wy, wz = spatial[3, j], spatial[4, j], spatial[5, j]
-            x = spatial[0, j] + wy * pz - wz * py
-            y = spatial[1, j] + wz * px - wx * pz
-            z = spatial[2, j] + wx * py - wy * px
-            for a in range(3):
-                J[3 * c + a, j] = R[0, a] * x + R[1, a] * y + R[2, a] * z
 
 
 @kernel

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import ContactPoints
-from surefoot.stepping import arithmetic
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
 
@@ -73,7 +73,7 @@ class Detection:
         self.data = model.createData()
         self._jacobians, self._placed = pinocchio.computeJointJacobians, pinocchio.updateFramePlacement
         n = len(points)
-        self._support, self._radii = points.support, points.radii[:, None]
+        self._support, self._own, self._radii = points.support, np.arange(n), points.radii[:, None]
         self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
         self._J = np.zeros((3 * n, model.nv))
         self._plane = terrain.frame([0.0, 0.0])[:, 2] if terrain.planar else None
@@ -96,7 +96,7 @@ class Detection:
             gaps = np.asarray(self._terrain.gap(centres) - self._above)
             surface_frames(self._terrain.normal(centres[:, :2]), self._frames)
         positions = np.asarray(centres - self._radii * self._frames[:, :, 2])
-        arithmetic.contact_rows(data.J, self._support, positions, self._frames, self._J)
+        contact_jacobian(data.J, self._support, self._own, positions, self._frames, self._J)
         return Contacts(gaps, positions, self._frames, self._J)
 
     def twists(self, q: FloatArray) -> FloatArray:

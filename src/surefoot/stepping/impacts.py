@@ -13,7 +13,6 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import ContactProblem, ContactSolution
-from surefoot.contact.problem import Law
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
@@ -136,7 +135,7 @@ class Meeting(NamedTuple):
         return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)
 
 
-def finite_problem(G: FloatArray, g: FloatArray, mu: float, law: Law = "coulomb") -> ContactProblem:
+def finite_problem(G: FloatArray, g: FloatArray, mu: float, law: str = "coulomb") -> ContactProblem:
     """Return the contact problem, of finite numbers."""
     if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
         raise LostMotion("contact problem")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from surefoot.arrays import real_number
-from surefoot.contact.problem import LAWS, Law
+from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError, unknown_name
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
@@ -42,7 +42,7 @@ class StepOptions:
     dt: float = 1e-3
     restitution: float = 0.0
     stabilisation: Stabilisation = "projection"
-    law: Law = "coulomb"
+    law: str = "coulomb"
     solver: str = "auto"
     tol: float = 1e-8
 

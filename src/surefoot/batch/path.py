@@ -1,0 +1,212 @@
+"""Newton's equations on the central path of a batch, in NumPy's or JAX's arrays (`xp`).
+
+In the unknowns y = (λ_t / mu, λ_n) and their slacks s = (mu u_t, u_n + mu ||u_t||) the friction cone is the
+second-order cone, mu or not, and the laws are  y ∈ K,  s ∈ K,  y ∘ s = κ e  with κ = 0 (De Saxcé; the convex
+law leaves mu ||u_t|| out). With the smoothed projection p_κ onto K that is one equation,
+
+    F(y) = y - p_κ(y - s(y)) = 0,    p_κ(z) = (z + sqrt(z ∘ z + 4 κ e)) / 2
+
+which has a regular Jacobian for every κ > 0. Contacts are scaled to blocks of G with trace 3, and the problem
+to a free velocity of 1.
+
+Source: M. Fukushima, Z.-Q. Luo, P. Tseng, "Smoothing functions for second-order-cone complementarity
+problems", SIOPT 12(2), 2002; V. Acary et al., Optim. Methods Softw. 39(3), 2024 (the path for Coulomb's law).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from surefoot.batch.certificate import Scales, blocks_of
+from surefoot.batch.modes import spread
+
+
+class Path(NamedTuple):
+    """A batch in scaled unknowns.
+
+    Attributes
+    ----------
+    G, g
+        (..., 3n, 3n) and (..., 3n), zero at contacts that are off.
+    on
+        (..., n).
+    turn
+        (..., 3n) forces per y.
+    unit
+        (...,) the square of the free velocity that became 1; κ is divided by it.
+    tilt
+        (..., n) mu in units of velocity s, for the rounding of mu ||u_t||.
+    scales
+        Those of the problem as it was given.
+    convex
+        Whether the convex law.
+    """
+
+    G: Any
+    g: Any
+    on: Any
+    turn: Any
+    unit: Any
+    tilt: Any
+    scales: Scales
+    convex: bool
+
+
+def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) -> Path:
+    """Return the scaled problem; mu and on are (..., n)."""
+    flat = g.shape
+    one = xp.ones_like(mu)
+    T = xp.reshape(xp.stack([mu, mu, one], -1), flat)
+    keep = xp.reshape(xp.stack([on, on, on], -1), flat)
+    blocks = xp.moveaxis(xp.diagonal(blocks_of(xp, G), axis1=-4, axis2=-3), -1, -3)
+    trace = (mu**2 * (blocks[..., 0, 0] + blocks[..., 1, 1]) + blocks[..., 2, 2]) / 3.0
+    D = 1.0 / xp.sqrt(xp.where(on & (trace > 0.0), trace, one))
+    wide = xp.reshape(xp.stack([D, D, D], -1), flat)
+    side = xp.where(keep, T * wide, 0.0)
+    free = side * g
+    top = abs(free).max(-1)
+    top = xp.where(top > 0.0, top, 1.0)
+    scaled = side[..., :, None] * G * side[..., None, :]
+    tilt = mu * D / top[..., None]
+    return Path(scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex)
+
+
+def slacks(xp: Any, path: Path, y: Any, kappa: Any) -> tuple[Any, Any, Any]:
+    """Return s (..., n, 3), the slopes (..., n, 2) of the shift in u_t, and in its rounding (..., n)."""
+    shape = (*path.on.shape, 3)
+    u = xp.reshape((path.G @ xp.reshape(y, path.g.shape)[..., None])[..., 0] + path.g, shape)
+    if path.convex:
+        none = xp.zeros_like(u[..., :2])
+        return u, none, none[..., 0]
+    round_ = rounding(xp, path, kappa)
+    x, z = u[..., 0], u[..., 1]
+    speed = xp.sqrt(x * x + z * z + round_)
+    safe = xp.where(speed > 0.0, speed, xp.ones_like(speed))
+    slope = xp.stack([x / safe, z / safe], -1)
+    return xp.stack([x, z, u[..., 2] + speed], -1), slope, round_ / safe
+
+
+def rounding(xp: Any, path: Path, kappa: Any) -> Any:
+    """Return what is added to mu² ||u_t||² under the root, in scaled units; ε as in `derivative_path`."""
+    w, s = path.scales.weight, path.scales.speed
+    power = (kappa * path.unit)[..., None] * w
+    least = xp.where(s > 0.0, power / xp.where(s > 0.0, s, xp.ones_like(s)), xp.sqrt(power))
+    return path.tilt**2 * xp.minimum(power, least * least)
+
+
+def smoothed(xp: Any, z: Any, kappa: Any) -> tuple[Any, Any]:
+    """Return p_κ(z) and its Jacobian, (..., n, 3) and (..., n, 3, 3), normal last.
+
+    The tangential part is a multiple of z's, so nothing is divided by its length but the direction.
+    """
+    x, y, height = z[..., 0], z[..., 1], z[..., 2]
+    radius = xp.sqrt(x * x + y * y)
+    safe = xp.where(radius > 0.0, radius, xp.ones_like(radius))
+    ex, ey = xp.where(radius > 0.0, x / safe, xp.ones_like(x)), y / safe
+    high, low = height + radius, height - radius
+    q, r = xp.sqrt(high * high + 4.0 * kappa), xp.sqrt(low * low + 4.0 * kappa)
+
+    def part(value: Any, root: Any) -> Any:  # (value + root) / 2 without cancelling
+        other = xp.where(value > 0.0, xp.ones_like(root), root - value)
+        other = xp.where(other > 0.0, other, xp.ones_like(root))
+        return xp.where(value > 0.0, 0.5 * (value + root), 2.0 * kappa / other)
+
+    def slope(value: Any, root: Any) -> Any:
+        return xp.where(root > 0.0, 0.5 * (1.0 + value / xp.where(root > 0.0, root, 1.0)), 0.0)
+
+    a, b = slope(high, q), slope(low, r)
+    across = slope(2.0 * height, q + r)
+    mean, skew = 0.5 * (a + b), 0.5 * (a - b)
+    value = xp.stack([across * x, across * y, 0.5 * (part(high, q) + part(low, r))], -1)
+    turned = mean - across
+    J = [
+        [across + turned * ex * ex, turned * ex * ey, skew * ex],
+        [turned * ex * ey, across + turned * ey * ey, skew * ey],
+        [skew * ex, skew * ey, mean],
+    ]
+    return value, xp.stack([xp.stack(row, -1) for row in J], -2)
+
+
+def misses(xp: Any, path: Path, y: Any, kappa: Any) -> Any:
+    """Return F(y), (..., 3n), y itself at contacts that are off."""
+    point = xp.reshape(y, (*path.on.shape, 3))
+    s, _, _ = slacks(xp, path, y, kappa)
+    p, _ = smoothed(xp, point - s, kappa[..., None])
+    return xp.reshape(xp.where(path.on[..., None], point - p, point), path.g.shape)
+
+
+def jacobian(xp: Any, path: Path, y: Any, kappa: Any, proximal: Any) -> tuple[Any, Any]:
+    """Return the Jacobian of F with `proximal` (...,) added to G's diagonal, and that of p_κ by contact."""
+    point = xp.reshape(y, (*path.on.shape, 3))
+    s, tilt, _ = slacks(xp, path, y, kappa)
+    _, J = smoothed(xp, point - s, kappa[..., None])
+    J = xp.where(path.on[..., None, None], J, 0.0)
+    eye = xp.eye(path.g.shape[-1], dtype=path.G.dtype)
+    shift = _shift(xp, tilt)
+    H = path.G + proximal[..., None, None] * eye
+    inner = xp.eye(3, dtype=path.G.dtype) - J
+    return spread(xp, inner) + spread(xp, J @ shift) @ H, J
+
+
+def _shift(xp: Any, tilt: Any) -> Any:
+    """Return ds/du (..., n, 3, 3)."""
+    one, zero = xp.ones_like(tilt[..., 0]), xp.zeros_like(tilt[..., 0])
+    rows = [[one, zero, zero], [zero, one, zero], [tilt[..., 0], tilt[..., 1], one]]
+    return xp.stack([xp.stack(row, -1) for row in rows], -2)
+
+
+def path_gradients(
+    xp: Any,
+    path: Path,
+    y: Any,
+    kappa: Any,
+    G: Any,
+    g: Any,
+    mu: Any,
+    point: tuple[Any, Any],
+    weights: tuple[Any, Any],
+) -> tuple[Any, Any, Any]:
+    """Return the gradients in G, g, mu of weights (..., n, 3) on the path's forces and velocities."""
+    flat, shape = path.g.shape, weights[0].shape
+    forces, velocities = point
+    f, u = (xp.reshape(v, flat) for v in weights)
+    p = f + (G @ u[..., None])[..., 0]
+    M, J = jacobian(xp, path, y, kappa, xp.zeros_like(kappa))
+    v = xp.linalg.solve(xp.swapaxes(M, -1, -2), (path.turn * p)[..., None])
+    h = (xp.swapaxes(J, -1, -2) @ xp.reshape(v, (*shape, 1)))[..., 0]
+    _, tilt, bend = slacks(xp, path, y, kappa)
+    lean = xp.stack(
+        [h[..., 0] + h[..., 2] * tilt[..., 0], h[..., 1] + h[..., 2] * tilt[..., 1], h[..., 2]], -1
+    )
+    safe = xp.where(mu > 0.0, mu, xp.ones_like(mu))
+    per_mu = xp.reshape(path.turn, shape) / path.unit[..., None, None]  # s needs T D / top
+    back = -xp.reshape(per_mu * lean, flat)  # on u, as g
+    bare = per_mu[..., 2:] * lean[..., :2]  # without T
+    bent = -0.5 * h[..., 2] * bend
+    on_G, on_g = _of_rounding(xp, path, kappa, G, g, bent)
+    b = u + back
+    jump = xp.reshape(p + (G @ back[..., None])[..., 0], shape)
+    plain = xp.reshape(path.turn, shape)[..., 2:] * xp.reshape(y, shape)[..., :2]  # λ_t / mu
+    rate = (jump[..., :2] * plain - bare * velocities[..., :2]).sum(-1) - h[..., 2] * bend / safe
+    x = xp.reshape(forces, flat)
+    outer = b[..., :, None] * x[..., None, :]
+    return 0.5 * (outer + xp.swapaxes(outer, -1, -2)) + on_G, b + on_g, xp.where(path.on, rate, 0.0)
+
+
+def _of_rounding(xp: Any, path: Path, kappa: Any, G: Any, g: Any, weights: Any) -> tuple[Any, Any]:
+    """Return the gradients in G and g of weights (..., n) on log ε², which depends on w_k and s_k."""
+    w, s = path.scales.weight, path.scales.speed
+    fast = (s > 0.0) & ((kappa * path.unit)[..., None] * w < s * s)  # ε = κ w / s, else its root
+    safe = xp.where(w > 0.0, w, xp.ones_like(w))
+    per_w = xp.where(fast, 2.0, 1.0) * weights / safe
+    blocks = xp.moveaxis(xp.diagonal(blocks_of(xp, G), axis1=-4, axis2=-3), -1, -3)
+    axis = xp.linalg.eigh(blocks)[1][..., -1]
+    on_G = spread(xp, per_w[..., None, None] * axis[..., :, None] * axis[..., None, :])
+    free = xp.reshape(g, (*w.shape, 3))
+    size = xp.sqrt((free * free).sum(-1))
+    same = (abs(size[..., None, :] - s[..., :, None]) <= 1e-12 * s[..., :, None]) & path.on[..., None, :]
+    share = same / xp.maximum(same.sum(-1), 1)[..., None]  # whose velocity s_k is
+    per_s = (xp.where(fast, -2.0, 0.0) * weights)[..., :, None] * share
+    square = xp.where(size > 0.0, size * size, xp.ones_like(size))
+    on_g = (per_s.sum(-2) / square)[..., None] * free
+    return on_G, xp.reshape(on_g, g.shape)

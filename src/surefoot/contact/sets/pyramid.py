@@ -1,0 +1,105 @@
+"""A friction pyramid, three rows: Coulomb's cone linearised from inside or outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import nnls
+
+from surefoot.arrays import FloatArray
+from surefoot.cones import FrictionPyramid
+from surefoot.contact.admissible import nearest
+from surefoot.contact.sets.contact import Contact, Factor
+
+
+@dataclass(frozen=True)
+class Pyramid(Contact):
+    """Forces (f_x, f_y, f_z) of a pyramid with so many sides, inside or around the friction cone.
+
+    Maximum dissipation over the pyramid's own section: Γ(u) = max of -f_t · u_t over it at f_z = 1, which
+    is mu ||u_t|| only towards an inner pyramid's corners: linearised friction pulls to them.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient, finite and >= 0.
+    facets
+        Number of sides, >= 3.
+    fit
+        "inner" or "outer".
+
+    References
+    ----------
+    .. [1] D. Stewart, J. Trinkle, "An implicit time-stepping scheme for rigid body dynamics with inelastic
+       collisions and Coulomb friction", IJNME 39, 1996.
+
+    Examples
+    --------
+    >>> Pyramid(mu=0.5, facets=4).project([10.0, 0.0, 5.0]).round(9).tolist()
+    [4.0, 0.0, 8.0]
+    """
+
+    mu: float
+    facets: int = 8
+    fit: str = "inner"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        FrictionPyramid(0.5, self.facets, self.fit)  # type: ignore[arg-type]  # its checks are ours
+
+    @property
+    def short_form(self) -> tuple[int | None, str] | None:
+        """The pyramid."""
+        return self.facets, self.fit
+
+    @cached_property
+    def _edges(self) -> FloatArray:
+        """The (facets, 2) corners of the section f_z = 1."""
+        return FrictionPyramid(self.mu, self.facets, self.fit).rays[:, :2]  # type: ignore[arg-type]
+
+    @property
+    def polygon(self) -> tuple[int, bool] | None:
+        """The polygon."""
+        return self.facets, self.fit == "inner"
+
+    @property
+    def discs_inside(self) -> tuple[Factor, ...]:
+        """The round cone inside the pyramid."""
+        share = float(np.cos(np.pi / self.facets)) if self.fit == "inner" else 1.0
+        return (Factor((0, 1), self.mu * share),)
+
+    def nearest(self, y: FloatArray, low: float, high: float) -> FloatArray:
+        """Return the nearest point under other bounds."""
+        x, y_, z = (float(v) for v in y)
+        return np.array(
+            nearest(x, y_, z, float(self.mu), float(low), float(high), self.facets, self.fit == "inner")
+        )
+
+    def jacobian(self, force: FloatArray) -> FloatArray:
+        """Return the projector along the faces that hold the nearest point.
+
+        A polyhedron's projection is affine where the multipliers of its faces stay positive.
+        """
+        sector = np.pi / self.facets
+        angles = 2.0 * sector * np.arange(self.facets) + (sector if self.fit == "inner" else 0.0)
+        slope = self.mu * np.cos(sector) if self.fit == "inner" else self.mu
+        faces = np.column_stack([np.cos(angles), np.sin(angles), np.full(self.facets, -slope)])
+        A = np.vstack([faces, [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]])
+        limits = np.array([*np.zeros(self.facets), -self.normal_min, self.normal_max])
+        y = np.asarray(force, dtype=np.float64)
+        point = self.project(y)
+        active = A[limits - A @ point <= 1e-11 * (1.0 + float(np.abs(y).max()))]
+        if not len(active):
+            return np.eye(3)
+        held = active[nnls(active.T, y - point)[0] > 0.0]
+        return np.eye(3) - np.linalg.pinv(held) @ held if len(held) else np.eye(3)
+
+    def reach(self, direction: FloatArray, friction: bool | None = None) -> float:
+        """Return sup of direction · λ over the section λ_n = 1, the normal's part left out."""
+        return 0.0 if friction is False else float(np.max(self._edges @ np.asarray(direction)[:2]))
+
+    def power(self, force: FloatArray, velocity: FloatArray, friction: bool) -> float:
+        """Return the power of the tangents: all of them are friction [W]."""
+        return float(np.asarray(force)[:2] @ np.asarray(velocity)[:2]) if friction else 0.0

@@ -1,0 +1,16 @@
+"""Small dense algebra inside kernels, each piece once: a call into LAPACK would take longer than the work.
+
+Every public kernel here has its NumPy twin in `tests/conformance/`. Sizes decide which file serves:
+
+=================  =====================================================================================
+`six`              vectors and symmetric matrices of six, as scalars in registers
+`cholesky`         definite matrices of up to some dozens of unknowns, in the lower triangle
+`factorisation`    definite matrices of a hundred unknowns, four pivots at a time, in the upper triangle
+`elimination`      systems of a few dozen unknowns, solved once
+`orthogonal`       Gram-Schmidt and reflections: rows to orthonormal form, their rank
+`projection`       the nearest point of a truncated friction cone, and its generalised Jacobian
+`points`           from twists to velocities of points, contact Jacobians
+`vectors`          cross and dot products
+`line_search`      where a derivative along a step has all but vanished
+=================  =====================================================================================
+"""

@@ -1,0 +1,119 @@
+"""Cholesky's factor of small definite matrices, in place in the lower triangle, and triangular solves."""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import inline_kernel, kernel
+
+VANISHED, HUGE = 1e-15, 1e100
+"""A pivot below this share of its diagonal entry counts as zero; what takes its place, so that its unknown is
+zero."""
+
+
+@inline_kernel
+def _reduced(A: FloatArray, i: int, j: int) -> float:
+    """Return A[i, j] less the product of what rows i and j of the factor have before column j."""
+    total: float = A[i, j]
+    for k in range(j):
+        total -= A[i, k] * A[j, k]
+    return total
+
+
+@inline_kernel
+def _fill_column(A: FloatArray, j: int) -> None:
+    """Set column j of the factor below its diagonal: by columns no entry waits for another."""
+    for i in range(j + 1, A.shape[0]):
+        A[i, j] = _reduced(A, i, j) / A[j, j]
+
+
+@kernel
+def cholesky(A: FloatArray) -> bool:
+    """Replace the lower triangle of A (n, n) by its Cholesky factor; False if A is not positive definite."""
+    for j in range(A.shape[0]):
+        square = _reduced(A, j, j)
+        if not square > 0.0:
+            return False
+        A[j, j] = math.sqrt(square)
+        _fill_column(A, j)
+    return True
+
+
+@inline_kernel
+def guarded_cholesky(A: FloatArray) -> float:
+    """Factor a semidefinite A (n, n) as `cholesky` does; pivots that vanish are made huge.
+
+    Returns the least share of its diagonal entry that a pivot has kept (1 for no rows), NaN where A is not
+    finite.
+    """
+    least = 1.0
+    for j in range(A.shape[0]):
+        top, square = A[j, j], _reduced(A, j, j)
+        if not math.isfinite(square):
+            return math.nan
+        if square < least * top:
+            least = square / top
+        A[j, j] = math.sqrt(square) if square > VANISHED * top else HUGE
+        _fill_column(A, j)
+    return least
+
+
+@inline_kernel
+def solve_lower(L: FloatArray, x: FloatArray) -> None:
+    """Replace x (n,) by L⁻¹ x, L lower triangular."""
+    for i in range(x.size):
+        total = x[i]
+        for k in range(i):
+            total -= L[i, k] * x[k]
+        x[i] = total / L[i, i]
+
+
+@inline_kernel
+def solve_upper(L: FloatArray, x: FloatArray) -> None:
+    """Replace x (n,) by L⁻ᵀ x, L lower triangular."""
+    for i in range(x.size - 1, -1, -1):
+        total = x[i]
+        for k in range(i + 1, x.size):
+            total -= L[k, i] * x[k]
+        x[i] = total / L[i, i]
+
+
+@inline_kernel
+def _subtract_row(B: FloatArray, i: int, s: float, k: int) -> None:
+    if s != 0.0:  # factors of robots' matrices are full of zeros
+        for j in range(B.shape[1]):
+            B[i, j] -= s * B[k, j]
+
+
+@inline_kernel
+def _scale_row(B: FloatArray, i: int, s: float) -> None:
+    for j in range(B.shape[1]):
+        B[i, j] *= s
+
+
+@kernel
+def solve_columns(L: FloatArray, B: FloatArray) -> None:
+    """Replace the columns of B (n, m) by those of (L Lᵀ)⁻¹ B, row by row."""
+    n = L.shape[0]
+    for i in range(n):
+        for k in range(i):
+            _subtract_row(B, i, L[i, k], k)
+        _scale_row(B, i, 1.0 / L[i, i])
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            _subtract_row(B, i, L[k, i], k)
+        _scale_row(B, i, 1.0 / L[i, i])
+
+
+@kernel
+def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
+    """Set out to A B, for small matrices."""
+    for i in range(A.shape[0]):
+        for j in range(B.shape[1]):
+            out[i, j] = 0.0
+        for k in range(A.shape[1]):
+            s = A[i, k]
+            if s != 0.0:
+                for j in range(B.shape[1]):
+                    out[i, j] += s * B[k, j]

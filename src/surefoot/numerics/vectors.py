@@ -1,0 +1,30 @@
+"""Vectors: three numbers in registers, or arrays of any length."""
+
+from __future__ import annotations
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import inline_kernel
+
+Three = tuple[float, float, float]
+
+
+@inline_kernel
+def cross(a: Three, b: Three) -> Three:
+    """Return a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inline_kernel
+def dot(x: FloatArray, y: FloatArray) -> float:
+    """Return x . y for arrays (n,)."""
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] * y[i]
+    return total
+
+
+@inline_kernel
+def advance(x: FloatArray, t: float, d: FloatArray) -> None:
+    """Add t d to x (n,)."""
+    for i in range(x.size):
+        x[i] += t * d[i]

@@ -1,0 +1,100 @@
+"""Sweeps and Newton steps on the 3x3 blocks of a sparse G, and ADMM between them: the parts of `auto`.
+
+Each takes what a solver takes and returns an `Answer`; none is a solver of its own, since each leaves some
+kind of problem to the others.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.problem import ContactProblem
+from surefoot.contact.solution import Status
+from surefoot.solvers.admm import run_admm
+from surefoot.solvers.compiled import UNBOUNDED
+from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
+from surefoot.solvers.solver import Answer, Settings, start_forces
+
+CHUNK, STEP_WORTH = 10, 50
+"""Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
+Try = tuple[float, int, int, int | None]
+FIRST_TRY: Try = (0.3, 50, 8, 6)
+"""Newton on blocks: the proximal term's share, sweeps after a step, patience, and steps without a guess."""
+NO_GUESS_TRIES: tuple[Try, ...] = ((1e-4, 100, 20, 17),)
+GUESS_TRIES: tuple[Try, ...] = ((3.0, 50, 25, None), (0.03, 50, 25, None), (100.0, 50, 25, None))
+"""What follows, after ADMM, if that found no guess (mass ratios of 1e6 bear no large proximal term), and if
+it did."""
+FINISH = (0.1, 50, 5)
+"""Newton from the forces of ADMM: share, sweeps, patience."""
+
+
+def on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Solve few contacts as many are solved."""
+    forces = start_forces(problem, warm_start)
+    done, error, far = alternate(problem, settings, forces)
+    if error > settings.tol:
+        done += run_tries(problem, settings, forces, done, far)[0]
+    return Answer(forces.reshape(-1, 3), done, Status.STALLED)
+
+
+def more_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Take Newton steps under other proximal terms than the first try's."""
+    forces = start_forces(problem, warm_start)
+    done, _ = run_tries(problem, settings, forces, 0, 0.0)
+    return Answer(forces.reshape(-1, 3), done, Status.STALLED)
+
+
+def admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+    """Run ADMM, with Newton steps from where it is every now and then.
+
+    It sorts out who slides long before it converges.
+    """
+    newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
+
+    def finish(forces: FloatArray) -> tuple[FloatArray, float]:
+        found = forces.copy()
+        _, relative = newton.run(found, UNBOUNDED, *FINISH)
+        return found, relative
+
+    return run_admm(problem, settings, warm_start, finish)
+
+
+def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float, float]:
+    """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
+
+    Flat forces are updated in place; return the sweeps and steps, the velocity error and the force error.
+    """
+    tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
+    newton = BlockNewton(problem, tol, time.perf_counter() + settings.max_time)
+    done, before = 0, math.inf
+    _, error, far = newton.measure(forces)
+    while error > tol and done < most and time.perf_counter() < newton.end:
+        done += newton.sweep(forces, min(CHUNK, most - done))
+        before, (_, error, far) = error, newton.measure(forces)
+        if done > CHUNK and not tol > error * (error / before) ** (STEP_WORTH / CHUNK):
+            break
+    if error > tol and done < most and time.perf_counter() < newton.end:
+        used, error = newton.run(forces, most - done, *FIRST_TRY)
+        done, far = done + used, newton.measure(forces)[2]
+    return done, error, far
+
+
+def run_tries(
+    problem: ContactProblem, settings: Settings, forces: FloatArray, done: int, far: float
+) -> tuple[int, float]:
+    """Try Newton steps from flat forces, in place, under one proximal term after the other.
+
+    `done` iterations count against the limit; `far` is the force error so far. Return the sweeps and steps,
+    and the velocity error.
+    """
+    most = UNBOUNDED if settings.max_iterations is None else settings.max_iterations - done
+    newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
+    used, error = 0, newton.measure(forces)[1]
+    for now in NO_GUESS_TRIES if far > NO_GUESS else GUESS_TRIES:
+        if not (error > settings.tol and used < most and time.perf_counter() < newton.end):
+            break
+        steps, error = newton.run(forces, most - used, *now)
+        used += steps
+    return used, error

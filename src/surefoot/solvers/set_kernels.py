@@ -1,0 +1,309 @@
+"""Contacts of any kind in compiled code: projection, generalised Jacobian, De Saxcé shift, natural map.
+
+A problem's contacts are packed into three arrays, in scaled variables where moments are counted over their
+lengths: `offset` (n + 1,), `group` (m,) with the disc of each row (-1 for the normal one), `table` (n, 15)
+with what the columns below name. Kernels dispatch on its first column.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact.laws import Law
+from surefoot.contact.sets import ContactSet
+from surefoot.kernels import inline_kernel, kernel
+from surefoot.solvers.pyramid import project_any, shift_any
+
+DISCS, POLYGON, FREE = 0, 1, 2
+"""Codes: a section of discs, a polygon (three rows), any force."""
+CODE, LOW, HIGH, SHIFT, MU, SIDES, INNER, RADIUS, FRICTION = 0, 1, 2, 3, 4, 5, 6, 7, 11
+"""Columns: the code, normal bounds, θ of the law, a pyramid's mu, sides and fit, radii of up to four discs,
+and whether each is friction."""
+MOST_DISCS, WIDEST = 4, 6
+"""Discs of a section, and rows of a contact, at most."""
+
+
+def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return offset, group and table, the bounds over the (n,) unit of each contact's force."""
+    group = np.full(contacts.rows, -1, dtype=np.int64)
+    table = np.zeros((len(contacts), FRICTION + MOST_DISCS))
+    for k, contact in enumerate(contacts):
+        row, start = table[k], contacts.offsets[k]
+        row[LOW], row[HIGH] = contact.normal_min / unit[k], contact.normal_max / unit[k]
+        row[MU], row[SHIFT] = contact.coefficient, law.shift_at(contact.coefficient)
+        row[CODE] = FREE if contact.bilateral else DISCS if contact.polygon is None else POLYGON
+        if contact.polygon is not None:
+            row[SIDES], row[INNER] = contact.polygon
+        for b, disc in enumerate(contact.factors):
+            group[start + np.array(disc.rows)] = b
+            row[RADIUS + b], row[FRICTION + b] = disc.radius, disc.friction
+    return contacts.offsets, group, table
+
+
+@inline_kernel
+def _height(
+    group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, sizes: FloatArray
+) -> float:
+    """Return the normal force of the nearest point; fill the norms of the discs' rows.
+
+    s - z = Σ r_b (||x_b|| - r_b s)₊ is concave in s where it counts: Newton's method from s = 0 rises to the
+    root, one disc let go at a time.
+    """
+    z = 0.0
+    for b in range(MOST_DISCS):
+        sizes[b] = 0.0
+    for i in range(start, end):
+        if group[i] < 0:
+            z = x[i]
+        else:
+            sizes[group[i]] += x[i] * x[i]
+    for b in range(MOST_DISCS):
+        sizes[b] = math.sqrt(sizes[b])
+    s = 0.0
+    for _ in range(MOST_DISCS + 1):
+        push, slope = z, 1.0
+        for b in range(MOST_DISCS):
+            radius = row[RADIUS + b]
+            if sizes[b] > radius * s:
+                push += radius * sizes[b]
+                slope += radius * radius
+        if push / slope <= s:
+            break
+        s = push / slope
+    return float(min(max(s, row[LOW], 0.0), row[HIGH]))
+
+
+@kernel
+def project_sets(
+    offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, out: FloatArray
+) -> None:
+    """Fill the nearest admissible forces of flat x, in scaled variables."""
+    sizes = np.empty(MOST_DISCS)
+    for k in range(table.shape[0]):
+        start, end, row = offset[k], offset[k + 1], table[k]
+        if row[CODE] == FREE:
+            for i in range(start, end):
+                out[i] = x[i]
+        elif row[CODE] == POLYGON:
+            out[start], out[start + 1], out[start + 2] = project_any(
+                x[start], x[start + 1], x[start + 2], row[MU], row[LOW], row[HIGH], int(row[SIDES]),
+                row[INNER] != 0.0,
+            )  # fmt: skip
+        else:
+            s = _height(group, start, end, row, x, sizes)
+            for i in range(start, end):
+                b = group[i]
+                if b < 0:
+                    out[i] = s
+                else:
+                    limit = row[RADIUS + b] * s
+                    out[i] = x[i] * (limit / sizes[b]) if sizes[b] > limit else x[i]
+
+
+@kernel
+def shift_sets(offset: IntArray, group: IntArray, table: FloatArray, u: FloatArray, out: FloatArray) -> None:
+    """Fill u + θ Γ(u), the shift on the normal rows, for flat velocities in scaled variables."""
+    sizes = np.empty(MOST_DISCS)
+    for k in range(table.shape[0]):
+        start, end, row = offset[k], offset[k + 1], table[k]
+        gamma, normal = 0.0, -1
+        for b in range(MOST_DISCS):
+            sizes[b] = 0.0
+        for i in range(start, end):
+            out[i] = u[i]
+            if group[i] < 0:
+                normal = i
+            else:
+                sizes[group[i]] += u[i] * u[i]
+        if row[SHIFT] == 0.0 or row[CODE] == FREE:
+            continue
+        if row[CODE] == POLYGON:
+            normal = start + 2
+            gamma = shift_any(u[start], u[start + 1], row[MU], int(row[SIDES]), row[INNER] != 0.0)
+        else:
+            for b in range(MOST_DISCS):
+                gamma += row[FRICTION + b] * row[RADIUS + b] * math.sqrt(sizes[b])
+        out[normal] += row[SHIFT] * gamma
+
+
+@inline_kernel
+def _disc_jacobian(
+    group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, sizes: FloatArray, J: FloatArray
+) -> None:
+    """Fill the Jacobian of one contact's projection onto a section of discs; J is zero before."""
+    s = _height(group, start, end, row, x, sizes)
+    slope = 1.0
+    for b in range(MOST_DISCS):
+        if sizes[b] > row[RADIUS + b] * s:
+            slope += row[RADIUS + b] ** 2
+    moves = 1.0 / slope if max(row[LOW], 0.0) < s < row[HIGH] else 0.0
+    for i in range(start, end):
+        b = group[i]
+        p, held = 1.0, True  # row i is p s where it is held
+        if b >= 0:
+            held = sizes[b] > row[RADIUS + b] * s
+            p = row[RADIUS + b] * x[i] / sizes[b] if held else 0.0
+        for j in range(start, end):
+            c = group[j]
+            q = 1.0
+            if c >= 0:
+                q = row[RADIUS + c] * x[j] / sizes[c] if sizes[c] > row[RADIUS + c] * s else 0.0
+            value = p * moves * q if held else 0.0
+            if b >= 0 and held and b == c:
+                bend = row[RADIUS + b] * s / sizes[b]
+                value += bend * ((1.0 if i == j else 0.0) - x[i] * x[j] / (sizes[b] * sizes[b]))
+            if not held and i == j and s > 0.0:
+                value = 1.0
+            J[i - start, j - start] = value
+
+
+@inline_kernel
+def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray) -> None:
+    """Fill the Jacobian of one contact's projection onto a pyramid; see `pyramid.project_any`."""
+    half = math.pi / row[SIDES]
+    inner = row[INNER] != 0.0
+    slope = row[MU] * math.cos(half) if inner else row[MU]
+    corner = slope * math.tan(half)
+    middle = half if inner else 0.0
+    turn = middle + 2.0 * half * math.floor(
+        (math.atan2(x[start + 1], x[start]) - middle) / (2.0 * half) + 0.5
+    )
+    c, s = math.cos(turn), math.sin(turn)
+    out, side, z = c * x[start] + s * x[start + 1], c * x[start + 1] - s * x[start], x[start + 2]
+    sign = 1.0 if side >= 0.0 else -1.0
+    side = abs(side)
+    # rows of the map in (out, side, normal)
+    P = np.zeros((3, 3))
+    h = z
+    P[0, 0] = P[1, 1] = P[2, 2] = 1.0
+    if out > slope * z:
+        length = 1.0 + slope * slope
+        h = z + slope * (out - slope * z) / length
+        P[0, 0], P[0, 2], P[2, 0], P[2, 2] = (
+            slope * slope / length,
+            slope / length,
+            slope / length,
+            1.0 / length,
+        )
+        if side > corner * h:
+            length += corner * corner
+            h = (slope * out + corner * side + z) / length
+            ray = (slope, corner, 1.0)
+            for a in range(3):
+                for b in range(3):
+                    P[a, b] = ray[a] * ray[b] / length
+    if h <= 0.0 or h < row[LOW] or h > row[HIGH]:
+        height = 0.0 if h <= 0.0 and row[LOW] <= 0.0 else min(max(h, row[LOW]), row[HIGH])
+        for a in range(3):
+            for b in range(3):
+                P[a, b] = 0.0
+        P[0, 0] = 1.0 if out < slope * height else 0.0
+        P[1, 1] = 1.0 if side < corner * height else 0.0
+    T = np.zeros((3, 3))
+    T[0, 0], T[0, 1], T[1, 0], T[1, 1], T[2, 2] = c, s, -s * sign, c * sign, 1.0
+    for i in range(3):
+        for j in range(3):
+            total = 0.0
+            for a in range(3):
+                for b in range(3):
+                    total += T[a, i] * P[a, b] * T[b, j]
+            J[i, j] = total
+
+
+@kernel
+def jacobian_sets(offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, J: FloatArray) -> None:
+    """Fill a generalised Jacobian of `project_sets`, (n, 6, 6), zero beyond a contact's rows."""
+    sizes = np.empty(MOST_DISCS)
+    for k in range(table.shape[0]):
+        for a in range(WIDEST):
+            for b in range(WIDEST):
+                J[k, a, b] = 0.0
+        if table[k, CODE] == FREE:
+            for a in range(offset[k + 1] - offset[k]):
+                J[k, a, a] = 1.0
+        elif table[k, CODE] == POLYGON:
+            _polygon_jacobian(offset[k], table[k], x, J[k])
+        else:
+            _disc_jacobian(group, offset[k], offset[k + 1], table[k], x, sizes, J[k])
+
+
+@kernel
+def natural_sets(
+    offset: IntArray, group: IntArray, table: FloatArray, step: FloatArray, weight: FloatArray,
+    forces: FloatArray, velocities: FloatArray, point: FloatArray, gap: FloatArray,
+) -> float:  # fmt: skip
+    """Fill point = λ - step (u + θ Γ(u)) and gap = λ - P(point); return max_k weight_k ||gap_k||.
+
+    With step 1 / w_k and weight w_k / s_k that is the velocity error. A sum that is no number is infinite.
+    """
+    shift_sets(offset, group, table, velocities, point)
+    for k in range(table.shape[0]):
+        for i in range(offset[k], offset[k + 1]):
+            point[i] = forces[i] - step[k] * point[i]
+    project_sets(offset, group, table, point, gap)
+    worst = total = 0.0
+    for k in range(table.shape[0]):
+        square = 0.0
+        for i in range(offset[k], offset[k + 1]):
+            gap[i] = forces[i] - gap[i]
+            square += gap[i] * gap[i]
+        own = weight[k] * math.sqrt(square)
+        worst = max(worst, own)
+        total += own
+    return worst if total >= 0.0 else np.inf
+
+
+@inline_kernel
+def _corner_slope(p: float, q: float, row: FloatArray, slope: FloatArray) -> None:
+    """Fill the derivative of θ Γ for a pyramid: that of the corner against which friction pulls."""
+    half, inner = math.pi / row[SIDES], row[INNER] != 0.0
+    first = 0.0 if inner else half  # bearing of a corner
+    turn = first + 2.0 * half * math.floor((math.atan2(-q, -p) - first) / (2.0 * half) + 0.5)
+    radius = row[SHIFT] * (row[MU] if inner else row[MU] / math.cos(half))
+    slope[0], slope[1], slope[2] = -radius * math.cos(turn), -radius * math.sin(turn), 0.0
+
+
+@kernel
+def newton_matrix(
+    G: FloatArray, offset: IntArray, group: IntArray, table: FloatArray, step: FloatArray, u: FloatArray,
+    J: FloatArray, A: FloatArray,
+) -> None:  # fmt: skip
+    """Fill A = I - J (I - step (I + N) G), the derivative of the natural map; N is that of the shift."""
+    m = G.shape[0]
+    sizes, row_of_shift, moved = np.empty(MOST_DISCS), np.empty(WIDEST), np.empty((WIDEST, m))
+    for k in range(table.shape[0]):
+        start, end, row = offset[k], offset[k + 1], table[k]
+        normal = -1
+        for b in range(MOST_DISCS):
+            sizes[b] = 0.0
+        for i in range(start, end):
+            if group[i] >= 0:
+                sizes[group[i]] += u[i] * u[i]
+            else:
+                normal = i
+        for i in range(start, end):
+            b, value = group[i], 0.0
+            if row[CODE] == DISCS and b >= 0 and sizes[b] > 0.0:
+                value = row[FRICTION + b] * row[RADIUS + b] * u[i] / math.sqrt(sizes[b])
+            row_of_shift[i - start] = row[SHIFT] * value
+        if row[CODE] == POLYGON:
+            normal = start + 2
+            _corner_slope(u[start], u[start + 1], row, row_of_shift)
+        for i in range(start, end):
+            for j in range(m):
+                moved[i - start, j] = G[i, j]
+        if normal >= 0:
+            for i in range(start, end):
+                for j in range(m):
+                    moved[normal - start, j] += row_of_shift[i - start] * G[i, j]
+        for i in range(start, end):
+            for j in range(m):
+                total = 0.0
+                for a in range(start, end):
+                    total += J[k, i - start, a - start] * moved[a - start, j]
+                A[i, j] = step[k] * total
+            for j in range(start, end):
+                A[i, j] += (1.0 if i == j else 0.0) - J[k, i - start, j - start]

@@ -1,0 +1,251 @@
+"""Every public kernel has a twin: a test that holds it against NumPy, SciPy or another library.
+
+One line per kernel: the room's module, the kernel, the test and, after "by", the package's function through
+which the test reaches it where it does not call the kernel itself. A kernel without a line fails, and so does
+a line whose kernel or test is gone. Kernels that only their own file calls are private: their twins are those
+of the kernels that call them.
+"""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import surefoot
+
+TESTS = Path(__file__).parents[1]
+SOURCES = Path(surefoot.__file__).parent
+DECORATORS = {"kernel", "inline_kernel", "releasing_kernel"}
+
+TABLE = """
+audit.slides             slide_on             audit/test_laws.py::test_free_slides_kernel_against_plain_numpy by free_slides
+batch.active             add_product          batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             fill                 batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             gather               batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             least_squares        batch/test_batch.py::test_redundant_contacts_in_a_batch by solve_batch
+batch.active             read_modes           batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             regular_pivots       batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             scatter              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             unknowns             batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.active             unscale              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.kernel             contact_jvp          batch/test_batch.py::test_kernels_match_their_numpy_twin
+batch.kernel             contact_vjp          batch/test_batch.py::test_kernels_match_their_numpy_twin
+batch.kernel             solve_contacts       batch/test_batch.py::test_the_kernel_runs_in_a_callers_own_code
+batch.loops              derive_range         batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
+batch.loops              measure_range        batch/test_batch.py::test_kinks_in_a_batch_are_one_sided by solve_batch
+batch.loops              solve_range          batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
+cones.double_description polar_rays           cones/test_representation.py::test_engines_agree_with_exact_rationals by from_rays
+cones.nearest            nearest_points       cones/test_nearest.py::test_nearest_points
+contact.admissible       dissipation_limit    contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
+contact.admissible       length               contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
+contact.admissible       nearest              contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
+contact.blocks           block_determinant    conformance/test_small_kernels.py::test_block_determinant
+contact.blocks           block_product        solvers/test_solver_kernels.py::test_block_kernels
+contact.blocks           checked_mirror       solvers/test_solver_kernels.py::test_block_kernels
+contact.blocks           dense_blocks         solvers/test_solver_kernels.py::test_block_kernels by blocks
+contact.blocks           vectors_fit          conformance/test_small_kernels.py::test_vectors_fit
+contact.residuals        certify_dense        contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
+contact.scales           scales_blocks        contact/test_scales.py::test_speeds_are_those_of_connected_parts
+contact.scales           scales_dense         contact/test_scales.py::test_speeds_are_those_of_connected_parts by scales
+contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
+contact.spectral         spectral_norm        contact/test_contact_problem.py::test_norm_is_the_spectral_norm
+contact.spectral         spectral_norm_blocks contact/test_contact_problem.py::test_norm_is_the_spectral_norm
+control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
+control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
+control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
+control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
+control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
+control.mpc_model        finish               control/test_mpc_model.py::test_the_prediction_is_the_march by solve
+control.mpc_model        hessians             control/test_mpc_model.py::test_the_hessian_is_that_of_simulated_errors
+control.mpc_model        log_between          control/test_mpc_model.py::test_the_rotation_vector_is_scipys
+control.mpc_model        planned_sway         control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
+control.mpc_model        predict              control/test_mpc_model.py::test_the_prediction_is_the_march by solve
+control.standing_kernels contact_torques      control/test_standing.py::test_contact_torques_kernel_against_pinocchio
+control.standing_kernels foot_impedance       control/test_standing.py::test_foot_impedance_kernel_against_plain_numpy
+control.standing_kernels grasp_map_of_points  control/test_standing.py::test_grasp_map_kernel
+control.standing_kernels pd_wrench            control/test_standing.py::test_pd_wrench_kernel_against_plain_numpy
+control.standing_kernels within_limits        control/test_standing.py::test_within_limits_kernel
+control.swing            smooth_step          control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
+control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
+control.whole_body_kernels base_tasks         control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
+control.whole_body_kernels contact_rows       control/test_whole_body_kernels.py::test_contact_rows
+control.whole_body_kernels eliminate          control/test_whole_body.py::test_elimination_matches_a_plain_kkt_solve
+control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
+control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
+equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
+equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
+equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
+equilibrium.margin       depth                equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
+equilibrium.margin       load_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
+equilibrium.margin       most_margin          equilibrium/test_can_stand.py::test_pyramid_verdicts_agree_with_highs by agreement
+equilibrium.margin       proof_reach          equilibrium/test_equilibrium_kernels.py::test_the_reach_of_a_proof_is_a_lower_bound_that_a_linear_program_confirms
+equilibrium.margin       spread               equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
+equilibrium.margin       stand                equilibrium/test_can_stand.py::test_exact_verdicts_agree_with_clarabel by agreement
+equilibrium.outline      trace                equilibrium/test_regions.py::test_region_lies_between_inner_and_outer_pyramids_by_linear_programs by com_region
+equilibrium.polygons     enclose              equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners
+equilibrium.polygons     hull                 equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners
+equilibrium.polygons     intersection         equilibrium/test_equilibrium_kernels.py::test_half_planes_meet_where_qhull_says
+equilibrium.polygons     without_flat_corners equilibrium/test_regions.py::test_polygons
+equilibrium.scaling      apply                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
+equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation
+equilibrium.scaling      scale                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
+equilibrium.scaling      step_to_boundary     equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
+numerics.cholesky        cholesky             numerics/test_cholesky.py::test_factor_and_solves
+numerics.cholesky        guarded_cholesky     numerics/test_cholesky.py::test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot
+numerics.cholesky        product              numerics/test_cholesky.py::test_product
+numerics.cholesky        solve_columns        numerics/test_cholesky.py::test_factor_and_solves
+numerics.cholesky        solve_lower          numerics/test_cholesky.py::test_factor_and_solves
+numerics.cholesky        solve_upper          numerics/test_cholesky.py::test_factor_and_solves
+numerics.elimination     invert_shifted       numerics/test_elimination.py::test_inverse_is_numpy_inverse
+numerics.elimination     lu_solve             numerics/test_elimination.py::test_lu_is_numpy_solve
+numerics.elimination     symmetric_solve      numerics/test_elimination.py::test_symmetric_elimination_is_numpy_solve
+numerics.factorisation   factor               numerics/test_factorisation.py::test_the_factorisation_solves
+numerics.factorisation   solve_factored       numerics/test_factorisation.py::test_the_factorisation_solves
+numerics.line_search     search               numerics/test_line_search.py::test_smooth_derivatives_end_as_near_as_asked
+numerics.orthogonal      coordinates          numerics/test_orthogonal.py::test_reduction_finds_the_rank_and_factors
+numerics.orthogonal      orthonormal_rows     numerics/test_orthogonal.py::test_reduction_finds_the_rank_and_factors
+numerics.orthogonal      pull_back            numerics/test_orthogonal.py::test_reduction_finds_the_rank_and_factors
+numerics.orthogonal      reflect              numerics/test_orthogonal.py::test_turning_the_first_row
+numerics.orthogonal      remove_rows          numerics/test_orthogonal.py::test_what_lies_along_earlier_rows_is_removed
+numerics.orthogonal      scale_row            numerics/test_orthogonal.py::test_what_lies_along_earlier_rows_is_removed
+numerics.orthogonal      turn_first_row       numerics/test_orthogonal.py::test_turning_the_first_row
+numerics.points          contact_jacobian     numerics/test_points.py::test_velocities_and_their_jacobians
+numerics.points          point_jacobian       numerics/test_points.py::test_velocities_and_their_jacobians
+numerics.points          point_velocity       numerics/test_points.py::test_velocities_and_their_jacobians
+numerics.projection      differential         numerics/test_projection.py::test_generalised_jacobian
+numerics.projection      face                 numerics/test_projection.py::test_generalised_jacobian
+numerics.projection      project_cone         numerics/test_projection.py::test_projection
+numerics.projection      project_truncated    numerics/test_projection.py::test_projection
+numerics.six             add_outer            numerics/test_six.py::test_six_dimensional_algebra
+numerics.six             dot                  numerics/test_six.py::test_six_dimensional_algebra
+numerics.six             mix                  numerics/test_six.py::test_six_dimensional_algebra
+numerics.six             scale                numerics/test_six.py::test_six_dimensional_algebra
+numerics.six             scaled_identity      numerics/test_six.py::test_six_dimensional_algebra
+numerics.six             solve_six            numerics/test_six.py::test_six_dimensional_algebra
+numerics.six             times                numerics/test_six.py::test_six_dimensional_algebra
+numerics.vectors         advance              numerics/test_points.py::test_vectors
+numerics.vectors         cross                numerics/test_points.py::test_vectors
+numerics.vectors         dot                  numerics/test_points.py::test_vectors
+simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
+solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
+solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
+solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one
+solvers.dual_newton.horizon newton            solvers/test_dual_newton_horizon.py::test_the_answer_is_a_fixed_point_of_projected_gradients
+solvers.dual_newton.method descend            solvers/test_dual_newton_method.py::test_newton_finds_the_root_and_the_points_are_those_of_it
+solvers.dual_newton.method follow_path        solvers/test_dual_newton_method.py::test_the_path_ends_at_the_same_root
+solvers.dual_newton.rows distribute_with_rows control/test_force_distribution_torques.py::test_torque_limits_against_clarabel by solve
+solvers.dual_newton.rows row_violation        solvers/test_dual_newton_rows.py::test_row_violation_and_limits
+solvers.dual_newton.work column               solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored
+solvers.dual_newton.work combine              solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored
+solvers.dual_newton.work hold                 solvers/test_dual_newton_work.py::test_holding_brings_the_last_command_into_the_cones
+solvers.dual_newton.work load                 solvers/test_dual_newton_work.py::test_a_grasp_map_is_loaded_in_scaled_units
+solvers.dual_newton.work measure              solvers/test_dual_newton_work.py::test_what_is_left_of_the_wrench
+solvers.dual_newton.work predict              solvers/test_dual_newton.py::test_a_steady_change_is_foretold_and_noise_is_not
+solvers.dual_newton.work project              solvers/test_dual_newton_work.py::test_holding_brings_the_last_command_into_the_cones
+solvers.dual_newton.work remainder            solvers/test_dual_newton_work.py::test_what_is_left_of_the_wrench
+solvers.dual_newton.work remember             solvers/test_dual_newton.py::test_a_steady_change_is_foretold_and_noise_is_not
+solvers.dual_newton.work set_limits           solvers/test_dual_newton_rows.py::test_row_violation_and_limits
+solvers.dual_newton.work store                solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored
+solvers.dual_newton.work store_vector         solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored
+solvers.dual_newton.work unload               solvers/test_dual_newton_work.py::test_forces_leave_in_newtons_and_within_their_bounds
+solvers.dual_newton.work vector               solvers/test_dual_newton_work.py::test_rows_hold_what_is_stored
+solvers.dual_newton.work weigh                solvers/test_dual_newton_work.py::test_a_grasp_map_is_loaded_in_scaled_units
+solvers.dual_newton.wrench distribute_wrench  solvers/test_dual_newton.py::test_newton_against_the_same_in_numpy
+solvers.newton_step      classify             solvers/test_solver_kernels.py::test_newton_step_solves_the_linearised_equations by newton_dense
+solvers.newton_step      newton_dense         solvers/test_solver_kernels.py::test_newton_step_solves_the_linearised_equations
+solvers.newton_step      run_dense            conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
+solvers.newton_step      spread               solvers/test_solver_kernels.py::test_newton_step_solves_the_linearised_equations by newton_dense
+solvers.nsgs             prepare_blocks       solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks
+solvers.nsgs             prepare_dense        solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks
+solvers.nsgs             refresh_dense        solvers/test_solver_kernels.py::test_block_kernels
+solvers.nsgs             relaxation           conformance/test_small_kernels.py::test_relaxation_halves_where_sweeps_go_in_circles
+solvers.nsgs             run_blocks           conformance/test_small_kernels.py::test_sweeps_end_where_projected_steps_end
+solvers.nsgs             run_dense            conformance/test_small_kernels.py::test_sweeps_end_where_projected_steps_end
+solvers.nsgs             sweep_blocks         solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks
+solvers.nsgs             sweep_dense          solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks
+solvers.one_contact      block_of             solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks by sweep_dense
+solvers.one_contact      prepare              solvers/test_one_contact.py::test_prepare_inverts_the_block
+solvers.one_contact      slide_one            solvers/test_one_contact.py::test_matches_a_projected_fixed_point by solve_one
+solvers.one_contact      solve_one            solvers/test_one_contact.py::test_matches_a_projected_fixed_point
+solvers.pyramid          project_any          solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
+solvers.pyramid          shift_any            solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
+solvers.set_kernels      jacobian_sets        solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
+solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by error
+solvers.set_kernels      newton_matrix        solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map
+solvers.set_kernels      project_sets         solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
+solvers.set_kernels      shift_sets           solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
+solvers.stopping         fill_measure         conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
+solvers.stopping         force_error          solvers/test_solver_kernels.py::test_projection_and_errors
+solvers.stopping         project              solvers/test_solver_kernels.py::test_projection_and_errors
+solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
+solvers.stopping         velocity_error       solvers/test_solver_kernels.py::test_projection_and_errors
+stepping.arithmetic      apply_impulses       stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
+stepping.arithmetic      assemble             stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
+stepping.arithmetic      factorise            stepping/test_arithmetic.py::test_factor_and_solves
+stepping.arithmetic      free_velocity        stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
+stepping.arithmetic      largest              stepping/test_arithmetic.py::test_largest_magnitude
+stepping.arithmetic      mean_work            conformance/test_small_kernels.py::test_mean_work_and_swerves
+stepping.arithmetic      near_ground          stepping/test_arithmetic.py::test_near_ground_takes_what_may_touch
+stepping.arithmetic      swerves              conformance/test_small_kernels.py::test_mean_work_and_swerves
+stepping.arithmetic      with_missed          stepping/test_arithmetic.py::test_contacts_that_the_others_push_down_join_in
+stepping.motion          bent                 stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
+stepping.motion          bracket              stepping/test_motion.py::test_stage_twin_and_tangent_rate by stage
+stepping.motion          halfway              stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
+stepping.motion          pair_error           stepping/test_motion.py::test_stage_twin_and_tangent_rate
+stepping.motion          stage                stepping/test_motion.py::test_stage_twin_and_tangent_rate
+stepping.motion          straight             stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
+terrain.frames           surface_frames       stepping/test_arithmetic.py::test_surface_frames_are_those_of_single_normals
+terrain.heightfield      bicubic              terrain/test_heightfield_kernel.py::test_heights_match_plain_numpy by height
+terrain.heightfield      catmull_rom          terrain/test_heightfield_kernel.py::test_heights_match_plain_numpy by height
+"""  # noqa: E501  # one line per kernel
+
+LINES = [line.split() for line in TABLE.strip().splitlines()]
+
+
+def public_kernels() -> set[tuple[str, str]]:
+    """Return module and name of every decorated function without a leading underscore."""
+    found = set()
+    for path in SOURCES.rglob("*.py"):
+        module = ".".join(path.relative_to(SOURCES).with_suffix("").parts)
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+                names = {d.id for d in node.decorator_list if isinstance(d, ast.Name)}
+                if names & DECORATORS:
+                    found.add((module, node.name))
+    return found
+
+
+@cache
+def functions(path: Path) -> dict[str, set[str]]:
+    """Return the names that every function of a test file uses, those of its helpers in the file included."""
+    used = {}
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef):
+            inside = list(ast.walk(node))
+            names = {n.id for n in inside if isinstance(n, ast.Name)}
+            used[node.name] = names | {n.attr for n in inside if isinstance(n, ast.Attribute)}
+    for _ in range(3):
+        for names in used.values():
+            names |= {more for name in names & set(used) for more in used[name]}
+    return used
+
+
+def test_every_public_kernel_has_a_twin() -> None:
+    listed = {(line[0], line[1]) for line in LINES}
+    assert len(listed) == len(LINES), "a kernel is listed twice"
+    missing, gone = public_kernels() - listed, listed - public_kernels()
+    assert not missing, f"without a twin (write one, or make them private): {sorted(missing)}"
+    assert not gone, f"listed, but no longer there: {sorted(gone)}"
+
+
+@pytest.mark.parametrize("line", LINES, ids=lambda line: f"{line[0]}.{line[1]}")
+def test_the_twin_is_there_and_reaches_the_kernel(line: list[str]) -> None:
+    kernel, where = line[1:3]
+    file, _, test = where.partition("::")
+    used = functions(TESTS / file)
+    assert test in used, f"{file} has no {test}"
+    name = line[4] if len(line) > 3 else kernel
+    assert name in used[test], f"{test} does not call {name}"

@@ -1,0 +1,189 @@
+"""The dual Newton method over a horizon: each kernel against plain NumPy."""
+
+import numpy as np
+import pytest
+from scipy.optimize import approx_fprime
+
+from surefoot.kernels import kernel
+from surefoot.numerics.line_search import search
+from surefoot.numerics.projection import project_truncated
+from surefoot.solvers.dual_newton import horizon
+
+N, CONTACTS, RHO = 4, 7, 1e-2
+
+
+def project(point, bound):
+    return np.array(project_truncated(*point, *bound))
+
+
+def jacobian(point, bound, size=1e-6):
+    columns = [
+        (project(point + size * e, bound) - project(point - size * e, bound)) / (2.0 * size)
+        for e in np.eye(3)
+    ]
+    return np.stack(columns, axis=1)
+
+
+@pytest.fixture
+def program():
+    return random_program(7)
+
+
+def random_program(seed):
+    """Return P, its inverse K, q, step, M, bounds, wanted forces and points of every kind."""
+    rng = np.random.default_rng(seed)
+    roots = rng.normal(size=(6, N, N))
+    P = np.einsum("jab,jcb->jac", roots, roots) + 0.1 * np.eye(N)
+    step = np.sort(rng.integers(0, N, CONTACTS))
+    M = rng.normal(size=(CONTACTS, 3, 6))
+    bounds = np.column_stack(
+        [rng.uniform(0.2, 1.0, CONTACTS), np.full(CONTACTS, 0.3), np.full(CONTACTS, 2.0)]
+    )
+    bounds[1, 1], bounds[2, 2] = 0.0, np.inf
+    centre = rng.normal(size=(CONTACTS, 3)) + np.array([0.0, 0.0, 1.0])
+    point = np.array(
+        [[0.1, 0.1, 1], [0.2, 0.1, -3], [2, 1, 1], [0.1, 0, 0.1], [0.1, 0, 5], [3, 1, 1.5], [0, -4, 9]], float
+    )
+    return P, np.linalg.inv(P), rng.normal(size=6 * N), step, M, bounds, centre, point
+
+
+def memory_of(program, y):
+    """Return the memory of the method with the points of multipliers y."""
+    P, K, q, step, M, bounds, centre, _ = program
+    places, vectors = np.empty((6, CONTACTS, 3)), np.empty((4, 6 * N))
+    places[horizon.CENTRE], places[horizon.BOUNDS] = centre, bounds
+    vectors[horizon.SLOPE], vectors[horizon.DUAL] = q, y
+    memory = horizon.Memory(K, P, M, step, places, vectors, np.empty((6 * N, 6 * N)))
+    run_pull_back(memory, vectors[horizon.DUAL])
+    return memory
+
+
+@kernel
+def run_pull_back(memory, y):
+    horizon._pull_back(memory, y, RHO, horizon.CENTRE, horizon.POINT)
+
+
+@kernel
+def run_search(memory, y, d):
+    """Return where the search along d from y ends; a step is tried in full first, as the method does."""
+    places, end = memory.places, y.copy()
+    for i in range(places.shape[1]):
+        for a in range(3):
+            places[horizon.OLD, i, a] = places[horizon.POINT, i, a]
+    horizon._pull_back(memory, d, RHO, -1, horizon.MOVE)
+    _, _, _, at_0 = horizon._take(memory, end, d, RHO, 0.0, 0.0)
+    _, _, _, at_1 = horizon._take(memory, end, d, RHO, 1.0, 0.0)
+    ahead, curve = horizon._line(memory, end, d)
+    t = search(horizon._derivative, (memory, RHO, ahead, curve), at_0, at_1, 0.01) if at_1 > 0.0 else 1.0
+    _, _, _, slope = horizon._take(memory, end, d, RHO, t, 1.0)
+    return t, at_0, at_1, slope
+
+
+def wide(step, M):
+    """Return the (6 N, 3 c) matrix of all contacts' accelerations, step by step."""
+    out = np.zeros((6 * N, 3 * CONTACTS))
+    for i, k in enumerate(step):
+        out[6 * k : 6 * k + 6, 3 * i : 3 * i + 3] = M[i].T
+    return out
+
+
+def over_steps(K):
+    """Return the (6 N, 6 N) matrix of per-axis matrices, step by step."""
+    out = np.zeros((N, 6, N, 6))
+    for j in range(6):
+        out[:, j, :, j] = K[j]
+    return out.reshape(6 * N, 6 * N)
+
+
+def test_the_newton_matrix_is_the_gradients_jacobian(program):
+    _, K, _, step, M, bounds, _, point = program
+    force = np.array([project(p, b) for p, b in zip(point, bounds, strict=True)])
+    memory = memory_of(program, np.zeros(6 * N))
+    memory.places[horizon.POINT], memory.places[horizon.FORCE] = point, force
+    horizon._assemble(memory, RHO)
+    D = np.zeros((3 * CONTACTS, 3 * CONTACTS))
+    for i in range(CONTACTS):
+        D[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = jacobian(point[i], bounds[i])
+    wanted = over_steps(K) + wide(step, M) @ D @ wide(step, M).T / RHO
+    assert np.allclose(np.triu(memory.V), np.triu(wanted), rtol=1e-6, atol=1e-6)
+
+
+def dual(y, program):
+    """The dual function, in its plain words: minima over accelerations and over forces."""
+    P, K, q, step, M, bounds, centre, _ = program
+    a = over_steps(K) @ (y - q)
+    value = 0.5 * a @ over_steps(P) @ a + q @ a - y @ a
+    pull = (wide(step, M).T @ y).reshape(-1, 3)
+    for i in range(CONTACTS):
+        f = project(centre[i] - pull[i] / RHO, bounds[i])
+        value += 0.5 * RHO * np.sum((f - centre[i]) ** 2) + pull[i] @ f
+    return value
+
+
+def primal(forces, program):
+    P, _, q, step, M, _, centre, _ = program
+    a = wide(step, M) @ forces.ravel()
+    return 0.5 * a @ over_steps(P) @ a + q @ a + 0.5 * RHO * np.sum((forces - centre) ** 2)
+
+
+def test_gradient_and_gap_are_those_of_the_dual(program):
+    y = np.random.default_rng(1).normal(size=6 * N)
+    memory = memory_of(program, y)
+    F, error = horizon._enter(memory, y, RHO)
+    slope = approx_fprime(y, lambda v: -dual(v, program), 1e-6)  # the kernel minimises minus the dual
+    assert np.allclose(F, slope, rtol=0, atol=1e-3 * np.abs(F).max())
+    gap = primal(memory.places[horizon.FORCE], program) - dual(y, program)
+    assert RHO * error / 2.0 == pytest.approx(gap, rel=1e-9)
+
+
+def test_the_search_finds_the_lowest_point_of_a_step(program):
+    rng = np.random.default_rng(2)
+    searched = 0
+    for _ in range(20):
+        y, d = rng.normal(size=(2, 6 * N))
+        memory = memory_of(program, y)
+        d *= -np.sign(horizon._enter(memory, y, RHO)[0] @ d) * 3.0
+        t, at_0, at_1, slope = run_search(memory, y, d)
+        numeric = (dual(y - 1e-6 * d, program) - dual(y + 1e-6 * d, program)) / 2e-6
+        assert at_0 == pytest.approx(numeric, rel=1e-5)
+        assert abs(slope) <= 0.011 * abs(at_0) or (t == 1.0 and at_1 <= 0.0)
+        searched += t < 1.0
+    assert searched > 5
+
+
+def solve(program, tol=1e-8, patience=30, limit=100, guess=None):
+    P, K, q, step, M, bounds, centre, _ = program
+    point = np.full((CONTACTS, 3), np.nan) if guess is None else guess.copy()
+    force = np.empty((CONTACTS, 3))
+    count, error = horizon.newton(K, P, q, step, M, bounds, centre, RHO, tol, patience, limit, point, force)
+    return count, error, point, force
+
+
+@pytest.mark.parametrize("patience", [0, 30])
+@pytest.mark.parametrize("seed", range(12))
+def test_the_answer_is_a_fixed_point_of_projected_gradients(seed, patience):
+    """With patience, and by lowering the force weight in stages."""
+    program = random_program(seed)
+    P, _, q, step, M, bounds, centre, _ = program
+    _, error, _, force = solve(program, patience=patience)
+    assert error <= 1e-8
+    A = wide(step, M)
+    H = A.T @ over_steps(P) @ A + RHO * np.eye(3 * CONTACTS)
+    slope = (H @ force.ravel() + A.T @ q - RHO * centre.ravel()).reshape(-1, 3)
+    s = 1.0 / np.linalg.eigvalsh(H)[-1]
+    again = np.array([project(f - s * v, b) for f, v, b in zip(force, slope, bounds, strict=True)])
+    assert np.allclose(again, force, rtol=0, atol=1e-8)
+
+
+def test_the_bound_on_the_error_holds_at_every_stop(program):
+    best = solve(program)[3]
+    for limit in range(12):
+        _, error, _, force = solve(program, limit=limit, guess=np.full((CONTACTS, 3), 3.0))
+        assert np.linalg.norm(force - best) <= error + 1e-8
+
+
+def test_a_right_guess_needs_no_step(program):
+    _, _, point, force = solve(program)
+    count, _, _, again = solve(program, guess=point)
+    assert count == 0
+    assert np.allclose(again, force, rtol=0, atol=1e-8)

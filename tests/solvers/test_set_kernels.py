@@ -1,0 +1,85 @@
+"""Compiled code for contacts of any kind against the NumPy operations of the contacts themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.solvers import set_kernels
+from surefoot.solvers.set_admm import Scaled
+
+C = sf.contacts
+CONTACTS = [
+    C.Frictionless(normal_min=0.2, normal_max=2.0),
+    C.Planar(0.6),
+    C.Planar(0.0),
+    C.Point(0.6, normal_min=0.5, normal_max=2.0),
+    C.Point(0.6, normal_max=0.0),
+    C.SoftFinger(0.5, 0.03),
+    C.SoftFinger(0.5, 0.0),
+    C.Rolling(0.5, 0.02),
+    C.Patch(0.6, 0.2, 0.1, 0.03),
+    C.Patch(0.6, 0.2, 0.1, 0.0, normal_min=0.3),
+    C.Pyramid(0.6, 5),
+    C.Pyramid(0.6, 8, "outer", normal_min=0.5, normal_max=2.0),
+    C.Bilateral(2),
+]
+SET = sf.ContactSet(CONTACTS)
+
+
+def draws(count: int) -> list[np.ndarray]:
+    """Points of all sizes, some of them on the axes."""
+    rng = np.random.default_rng(0)
+    out = [rng.normal(size=SET.rows) * 10.0 ** rng.uniform(-1.0, 1.0) for _ in range(count)]
+    for x in out[: count // 4]:
+        x[rng.random(SET.rows) < 0.4] = 0.0
+    return out
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.2])
+def test_projection_shift_and_jacobian_are_those_of_the_contacts(unit: float) -> None:
+    """Scaled variables: forces over lengths and over the contact's unit, bounds over the unit."""
+    packed = set_kernels.pack(SET, sf.laws.Law("most of it", 0.7), np.full(len(SET), unit))
+    out, gamma = np.empty(SET.rows), np.empty(SET.rows)
+    J = np.empty((len(SET), 6, 6))
+    scale = unit * SET.lengths
+    for x in draws(200):
+        set_kernels.project_sets(*packed, x, out)
+        set_kernels.shift_sets(*packed, x, gamma)
+        set_kernels.jacobian_sets(*packed, x, J)
+        parts = zip(CONTACTS, *(SET.split(v) for v in (scale * x, scale * out, x, gamma)), strict=True)
+        for k, (contact, own, nearest, velocity, shifted) in enumerate(parts):
+            assert np.allclose(contact.project(own) / contact.lengths, nearest / contact.lengths, atol=1e-12)
+            expected = velocity.copy()
+            expected[contact.normal] += 0.7 * contact.shift(velocity / contact.lengths)
+            assert np.allclose(shifted, expected, atol=1e-12)
+            r = contact.rows
+            metric = contact.lengths[:, None] / contact.lengths[None, :]
+            if np.all(own != 0.0):  # at a kink each may choose its own side
+                assert np.allclose(contact.jacobian(own), J[k, :r, :r] * metric, atol=1e-9), contact
+
+
+@pytest.mark.parametrize("law", [sf.laws.COULOMB, sf.laws.CONVEX])
+def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) -> None:
+    rng = np.random.default_rng(1)
+    A = rng.normal(size=(SET.rows, 2 * SET.rows)) / SET.lengths[:, None]
+    problem = sf.ContactProblem(A @ A.T / SET.rows, A[:, 0], contacts=CONTACTS, law=law)
+    s = Scaled(problem)
+    J, matrix = np.empty((len(SET), 6, 6)), np.empty((SET.rows, SET.rows))
+    for x in draws(10)[3:]:
+        u, _ = s.error(x)
+        base = s.gap.copy()
+        set_kernels.jacobian_sets(*s.packed, s.point, J)
+        set_kernels.newton_matrix(s.G, *s.packed, s.step, u, J, matrix)
+        h = 1e-6
+        for _ in range(10):
+            d = rng.normal(size=SET.rows)
+            s.error(x + h * d)
+            ahead = (s.gap - base) / h
+            s.error(x - h * d)
+            behind = (base - s.gap) / h
+            smooth = np.abs(ahead - behind) < 1e-3 * (1.0 + np.abs(ahead))  # no kink in between
+            assert smooth.mean() > 0.8
+            expected = 0.5 * (ahead + behind)
+            assert np.allclose((matrix @ d)[smooth], expected[smooth], rtol=1e-4, atol=1e-4)
