@@ -11,6 +11,7 @@ from surefoot.batch.kernel import contact_blocks
 from surefoot.batch.loops import measure_range
 from surefoot.contact import ContactSolution
 from surefoot.contact.derivative import KINK, ContactDerivative
+from surefoot.solvers.compiled import COMPILED_CONTACTS
 
 
 class Response:
@@ -49,6 +50,12 @@ class Response:
         return np.concatenate([self.solution.forces, self.solution.velocities])
 
     @cached_property
+    def _laws(self) -> FloatArray:
+        """The problem's mu and bounds (3, k), as compiled calls take them."""
+        p = self.solution.problem
+        return np.array([p.mu, p.normal_min, p.normal_max])
+
+    @cached_property
     def distance(self) -> float:
         """Distance to the nearest change of a mode, see `Kink.distance`."""
         if self.smoothing > 0.0:
@@ -56,7 +63,7 @@ class Response:
         p = self.solution.problem
         found, mask = np.empty(1), np.zeros((0, p.contacts), dtype=np.bool_)
         measure_range(
-            p.G[None], p.g[None], p.laws[None], mask, p.law == "convex", self._buffer[None], found, 0, 1
+            p.G[None], p.g[None], self._laws[None], mask, p.law == "convex", self._buffer[None], found, 0, 1
         )
         return float(found[0])
 
@@ -64,9 +71,9 @@ class Response:
     def blocks(self) -> tuple[FloatArray, FloatArray]:
         """The derivative of the impulses by b (3k, 3k), and by one mu of all contacts (3k,)."""
         p = self.solution.problem
-        if self.smoothing == 0.0 and p.compiled is not None:
+        if self.smoothing == 0.0 and 0 < p.contacts <= COMPILED_CONTACTS:
             out = np.empty((3 * p.contacts, 4 * p.contacts))
-            if contact_blocks(p.G, p.laws, p.law == "convex", self._buffer, out):
+            if contact_blocks(p.G, self._laws, p.law == "convex", self._buffer, out):
                 return out[:, : 3 * p.contacts], out[:, 3 * p.contacts :].sum(axis=1)
         d = self.derivative
         return d.dforces_dg, np.asarray(d.dforces_dmu.sum(axis=1))

@@ -43,7 +43,8 @@ class FlowDerivative:
     Raises
     ------
     ProblemError
-        For joints whose velocities do not commute and that are neither free flyers nor ball joints.
+        For joints whose velocities do not commute and that are neither free flyers nor ball joints, and for
+        models whose joints are not in depth-first order: Pinocchio's derivatives are wrong for those.
     """
 
     def __init__(self, motion: FreeMotion) -> None:
@@ -51,6 +52,11 @@ class FlowDerivative:
 
         self.motion, self.data = motion, motion.model.createData()
         self._derive = pinocchio.computeABADerivatives
+        for k, below in enumerate(motion.model.subtrees):
+            if k and len(below) != max(below) - min(below) + 1:
+                raise ProblemError(
+                    f"no derivative: what joint {motion.model.names[k]} carries must follow it in the model"
+                )
         self._balls, self._free = [], []
         for joint in list(motion.model.joints)[1:]:
             name = joint.shortname()

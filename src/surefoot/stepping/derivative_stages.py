@@ -259,6 +259,13 @@ class Stages:
         T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
         return np.vstack([T, impulses + given, left])
 
+    def by_inertia(self) -> FloatArray:
+        """Return the derivatives (2nv + 6p, 10 bodies) by all inertial parameters."""
+        model, points = self.stepper.bodies.model, len(self.stepper.robot.contact_points)
+        count = 10 * (model.njoints - 1)
+        sizes = (model.nv, model.nv, self.stepper.robot.joints, 1, 3, 3 * points)
+        return self.through(*(np.zeros((size, count)) for size in sizes), inertia=np.eye(count))
+
     def _pushed(
         self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool
     ) -> FloatArray:
