@@ -33,9 +33,7 @@ def outcome(stepper: Stepper, a: Step, b: Step) -> np.ndarray:
     assert b.state.memory is not None
     left = (b.state.memory.leaving - a.state.memory.leaving) if a.impact is not None else 0.0 * a.impulses
     moved = pinocchio.difference(model, a.state.q, b.state.q)
-    return np.concatenate(
-        [moved, b.state.v - a.state.v, (b.impulses - a.impulses).ravel(), left.ravel()]
-    )
+    return np.concatenate([moved, b.state.v - a.state.v, (b.impulses - a.impulses).ravel(), left.ravel()])
 
 
 def differences(stepper: Stepper, state: State, torques, push, mu) -> dict[str, np.ndarray]:
@@ -58,7 +56,9 @@ def differences(stepper: Stepper, state: State, torques, push, mu) -> dict[str, 
 
     def slope(name: str, e: np.ndarray) -> np.ndarray:
         """Central differences over two widths, of fourth order together."""
-        near, far = (outcome(stepper, taken(name, -w * e), taken(name, w * e)) / (2.0 * w) for w in (STEP, 2.0 * STEP))
+        near, far = (
+            outcome(stepper, taken(name, -w * e), taken(name, w * e)) / (2.0 * w) for w in (STEP, 2.0 * STEP)
+        )
         return (4.0 * near - far) / 3.0
 
     return {name: np.array([slope(name, e) for e in np.eye(size)]).T for name, size in sizes.items() if size}
@@ -82,7 +82,12 @@ def check(stepper: Stepper, state: State, torques, push=None, mu=0.5, touching=F
     nv, rest = stepper.bodies.model.nv, 3 * len(stepper.robot.contact_points)
     for name, block in wanted.items():
         own = d._blocks[name]
-        for rows in (slice(0, nv), slice(nv, 2 * nv), slice(2 * nv, 2 * nv + rest), slice(2 * nv + rest, None)):
+        for rows in (
+            slice(0, nv),
+            slice(nv, 2 * nv),
+            slice(2 * nv, 2 * nv + rest),
+            slice(2 * nv + rest, None),
+        ):
             if block[rows].size:
                 scale = max(float(np.abs(block[rows]).max()), 0.1)  # below, rounding shows
                 assert np.abs(own[rows] - block[rows]).max() < near * scale, name
@@ -153,7 +158,7 @@ def test_bodies_hit_a_slope(body: sf.Robot, options: StepOptions, speed: float) 
 )
 @pytest.mark.parametrize("mu", [0.05, 5.0], ids=["slide", "stick"])
 def test_a_sphere_on_curved_ground(mu: float, stabilisation: str, gap: float) -> None:
-    """Normals and frames turn below the centre; in the ground, the projection and Baumgarte's term take part."""
+    """Normals and frames turn below the centre; in the ground, projection and Baumgarte's term act."""
     body = ball(2.0, 0.2)
     stepper = Stepper(body, ROUGH, replace(EXACT, stabilisation=stabilisation))
     q = body.nominal.copy()
@@ -167,7 +172,7 @@ def test_a_sphere_on_curved_ground(mu: float, stabilisation: str, gap: float) ->
 
 
 def test_g1_lands_on_both_soles() -> None:
-    """Eight corners make redundant contacts: q, v and the wrench have derivatives where single forces have none."""
+    """Eight corners are redundant: q and v have derivatives where single forces have none."""
     robot = sf.load_robot("g1")
     stepper = Stepper(robot)
     rng = np.random.default_rng(3)
@@ -216,7 +221,8 @@ def test_products_are_adjoint_and_agree_with_the_blocks() -> None:
     state = stepper.step(stepper.start(q, v), torques, mu=0.5).state
     d = step_derivative(stepper, state, torques, mu=0.5)
     given = {"q": rng.normal(size=18), "v": rng.normal(size=18), "torques": rng.normal(size=12), "mu": 0.3,
-             "push": rng.normal(size=3), "inertia": rng.normal(size=(13, 10)), "leaving": rng.normal(size=(4, 3))}  # fmt: skip
+             "push": rng.normal(size=3), "inertia": rng.normal(size=(13, 10)),
+             "leaving": rng.normal(size=(4, 3))}  # fmt: skip
     weights = {"q": rng.normal(size=18), "v": rng.normal(size=18), "forces": rng.normal(size=(4, 3)),
                "leaving": rng.normal(size=(4, 3))}  # fmt: skip
     ahead, back = d.jvp(**given), d.vjp(**weights)
@@ -233,8 +239,11 @@ def test_products_are_adjoint_and_agree_with_the_blocks() -> None:
 
 def test_a_run_of_steps_passes_on_what_they_leave() -> None:
     """Ten steps of a sliding ball against differences of the run: q, v and leaving are passed on."""
-    stepper = Stepper(ball(), sf.SlopeTerrain(3.0), StepOptions(stabilisation="none"))
-    start = stepper.start(stepper.robot.nominal + np.array([0, 0, 2e-3, 0, 0, 0, 0]), np.array([1.0, 0.3, -1.0, 2.0, 1.0, 0.5]))
+    body = ball()
+    stepper = Stepper(body, sf.SlopeTerrain(3.0), StepOptions(stabilisation="none"))
+    start = stepper.start(
+        stepper.robot.nominal + np.array([0, 0, 2e-3, 0, 0, 0, 0]), np.array([1.0, 0.3, -1.0, 2.0, 1.0, 0.5])
+    )
 
     def run(q, v, mu=0.2):
         state = State(q, v)
@@ -249,9 +258,9 @@ def test_a_run_of_steps_passes_on_what_they_leave() -> None:
         out = d.jvp(dq, dv, mu=1.0, leaving=left)
         dq, dv, left, state = out.q, out.v, out.leaving, d.step.state
     ends = [
-        run(pinocchio.integrate(stepper.bodies.model, start.q, s * STEP * way[:6]), start.v + s * STEP * way[6:],
-            0.2 + s * STEP) for s in (-1.0, 1.0)
-    ]  # fmt: skip
+        run(pinocchio.integrate(body.model, start.q, w * way[:6]), start.v + w * way[6:], 0.2 + w)
+        for w in (-STEP, STEP)
+    ]
     assert d.modes == ("slide",)
     wanted = (ends[1].v - ends[0].v) / (2.0 * STEP)
     assert dv == pytest.approx(wanted, abs=1e-5 * np.abs(wanted).max())
@@ -348,7 +357,15 @@ def paired_arms() -> sf.Robot:
     joints = (pinocchio.JointModelFreeFlyer(), pinocchio.JointModelSpherical(), pinocchio.JointModelRX())
     for k, joint in enumerate(joints):
         model.appendBodyToJoint(model.addJoint(k, joint, place, f"j{k}"), body, place)
-    return sf.Robot("arms", model, pinocchio.GeometryModel(), pinocchio.GeometryModel(), (), np.array(pinocchio.neutral(model)), True)
+    return sf.Robot(
+        "arms",
+        model,
+        pinocchio.GeometryModel(),
+        pinocchio.GeometryModel(),
+        (),
+        np.array(pinocchio.neutral(model)),
+        True,
+    )
 
 
 @pytest.mark.usefixtures("fine_motion")

@@ -17,7 +17,7 @@ from surefoot.batch.active import (
     AT_LOW,
     FREE,
     HELD,
-    SLIDE,
+    STICK,
     add_product,
     fill,
     gather,
@@ -134,7 +134,7 @@ def contact_vjp(
         out[k, 2] = weights[n + k, 2] - back[h + 2]
         normal, tangent, e_p = mode[k, 0], mode[k, 1], mode[k, 2] * p[h] + mode[k, 3] * p[h + 1]
         own = mode[k, 7] * e_p if normal != HELD else 0.0
-        if convex and normal == FREE and tangent == SLIDE:
+        if convex and normal == FREE and tangent != STICK:
             own += mode[k, 6] * b[i]
         along = p[h + 2] + laws[0, k] * e_p
         out[n + k, 0] = own
@@ -185,7 +185,7 @@ def contact_jvp(
         gather(laws, mode, convex, True, v, b)
         i = 0
         for k in range(n):
-            if convex and mode[k, 0] == FREE and mode[k, 1] == SLIDE:
+            if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
                 b[i] -= mode[k, 6] * rates[n + k, 0]
             i += unknowns(mode[k, 0], mode[k, 1])
         if attempt == 0:
@@ -211,11 +211,13 @@ def contact_jvp(
 
 
 @kernel
-def contact_blocks(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, out: FloatArray) -> bool:
+def contact_blocks(
+    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, out: FloatArray
+) -> bool:
     """Fill out (3n, 4n) with the derivatives of the forces (3n,) by g (3n,) and by every contact's mu (n,).
 
-    G, laws, convex and buffer are as `solve_contacts` took and filled them. False, and out is of no use, where
-    the active system is singular: redundant contacts.
+    G, laws, convex and buffer are as `solve_contacts` took and filled them. False, and out is of no use,
+    where the active system is singular: redundant contacts.
     """
     n = laws.shape[1]
     m = 3 * n
@@ -237,7 +239,7 @@ def contact_blocks(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatA
     if convex:
         i = 0
         for k in range(n):
-            if mode[k, 0] == FREE and mode[k, 1] == SLIDE:
+            if mode[k, 0] == FREE and mode[k, 1] != STICK:
                 right[i, m + k] += mode[k, 6]
             i += unknowns(mode[k, 0], mode[k, 1])
     if not (size == 0 or (lu_solve_many(work, right, size) and regular_pivots(work, size))):

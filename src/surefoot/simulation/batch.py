@@ -1,4 +1,4 @@
-"""Many robots of one model at once: state arrays in, state arrays out, each robot as in a `RigidWorld` of its own.
+"""Many robots of one model at once: state arrays in, state arrays out, each as in a `RigidWorld` of its own.
 
 A step of one robot is a dozen short calls that hold Python's lock, so threads would wait for each other:
 `workers` are processes, which share the arrays and are told only to go on. The answers do not depend on their
@@ -7,8 +7,10 @@ number: robots are apart, and a step depends on its own state alone.
 
 from __future__ import annotations
 
+import copy
 import multiprocessing
 from dataclasses import dataclass
+from itertools import pairwise
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -67,7 +69,9 @@ class RigidBatch:
     options
         None for the defaults of `StepOptions`.
     workers
-        Processes that share the work; 1 for none but this one. `close` (or a with statement) ends them.
+        Processes that share the work; 1 for none but this one. They take a second or two to start, and a
+        script that asks for them needs its ``if __name__ == "__main__"``. `close`, or a with statement, ends
+        them.
 
     Raises
     ------
@@ -99,7 +103,7 @@ class RigidBatch:
         model, points = robot.model, len(robot.contact_points)
         shapes = {"q": (model.nq,), "v": (model.nv,), "torques": (robot.joints,), "push": (3,), "mu": (),
                   "forces": (points, 3), "gaps": (points,), "counts": (3,)}  # fmt: skip
-        context = multiprocessing.get_context()
+        context = multiprocessing.get_context("spawn")  # forks of processes with threads can hang
         raw = {
             name: context.RawArray("d", self.count * int(np.prod(shape))) for name, shape in shapes.items()
         }
@@ -109,9 +113,9 @@ class RigidBatch:
         edges = np.linspace(0, self.count, workers + 1).astype(int).tolist()
         self._own = Crew(robot, terrain, self.options, loads, self._arrays, 0, edges[1])
         self._rest: list[tuple[Connection, Any]] = []
-        for start, stop in zip(edges[1:-1], edges[2:], strict=True):
+        for start, stop in pairwise(edges[1:]):
             here, there = context.Pipe()
-            arguments = (there, robot, terrain, self.options, loads, raw, shapes, start, stop)
+            arguments = (there, _lean(robot), terrain, self.options, loads, raw, shapes, start, stop)
             process = context.Process(target=_serve, args=arguments, daemon=True)
             process.start()
             self._rest.append((here, process))
@@ -124,7 +128,9 @@ class RigidBatch:
         a = self._arrays
         chosen = np.ones(self.count, dtype=np.bool_) if which is None else np.asarray(which)
         if chosen.shape != (self.count,) or chosen.dtype != np.bool_:
-            raise ProblemError(f"which must be a mask of shape ({self.count},), got {chosen.dtype} {chosen.shape}")
+            raise ProblemError(
+                f"which must be a mask of shape ({self.count},), got {chosen.dtype} {chosen.shape}"
+            )
         new_q = _rows("q", q, self.count, a["q"].shape[1])
         new_v = np.zeros_like(a["v"]) if v is None else _rows("v", v, self.count, a["v"].shape[1])
         for k in np.flatnonzero(chosen).tolist():
@@ -249,6 +255,16 @@ def _serve(
             pipe.send(error)
         else:
             pipe.send(None)
+
+
+def _lean(robot: Robot) -> Robot:
+    """Return a robot without meshes, which can be sent to another process; contact spheres stay."""
+    import pinocchio
+
+    out = copy.copy(robot)
+    out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
+    out.__dict__.pop("visual", None)
+    return out
 
 
 def _view(raw: Any, shape: tuple[int, ...]) -> FloatArray:

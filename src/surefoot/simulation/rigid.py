@@ -115,7 +115,10 @@ class RigidWorld:
             the step.
         """
         self.last = step = self.stepper.step(self._state, torques, push, self.mu)
-        given = np.array(torques, dtype=np.float64), None if push is None else np.array(push, dtype=np.float64)
+        given = (
+            np.array(torques, dtype=np.float64),
+            None if push is None else np.array(push, dtype=np.float64),
+        )
         self._given = self._state, *given, self.mu
         self._state = step.state
         self.unsolved += step.unsolved

@@ -1,7 +1,8 @@
 """The derivative of a step: the state behind it and its contact forces, by everything that goes into it.
 
-The step is taken stage by stage (`stepper`): free motion, what moves the robot out of the ground, the exchange
-of impulses, free motion. Each stage multiplies the columns so far (`derivative_flow`, `derivative_impact`).
+The step is taken stage by stage (`stepper`): free motion, what moves the robot out of the ground, the
+exchange of impulses, free motion. Each stage multiplies the columns so far (`derivative_flow`,
+`derivative_impact`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact.derivative import KINK, Kink
-from surefoot.contact.problem import LAWS
+from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError
 from surefoot.stepping.derivative_impact import TOUCHING
 from surefoot.stepping.derivative_stages import Request, Stages
@@ -35,7 +36,10 @@ class StepTangents(NamedTuple):
 
 
 class StepCotangents(NamedTuple):
-    """Gradients of one number: q, v (nv,), torques (joints,), mu, push (3,), inertia (bodies, 10), leaving (p, 3)."""
+    """Gradients of one number: q, v (nv,), torques (joints,), mu, push (3,), inertia, leaving (p, 3).
+
+    `inertia` is (bodies, 10), see `StepDerivative.inertia`.
+    """
 
     q: FloatArray
     v: FloatArray
@@ -53,9 +57,9 @@ class StepDerivative:
     velocities in its own axes. A step remembers contact velocities for the next (`Memory.leaving`); `A` holds
     them still, and derivatives of several steps in a row need their `leaving` passed on as well.
 
-    Contacts and their modes are those of the step: who may touch, which of two guesses of the swerve is taken,
-    whether a gap is open. Where a mode is about to change `kinks` says so; `jvp` is one-sided there, and
-    the rest belongs to the modes named. Redundant contacts: see `ContactDerivative`.
+    Contacts and their modes are those of the step: who may touch, which of two guesses of the swerve is
+    taken, whether a gap is open. Where a mode is about to change `kinks` says so; `jvp` is one-sided there,
+    and the rest belongs to the modes named. Redundant contacts: see `ContactDerivative`.
 
     Attributes
     ----------
@@ -81,9 +85,9 @@ class StepDerivative:
 
     @cached_property
     def _blocks(self) -> dict[str, FloatArray]:
-        """Derivatives (2nv + 6p, size) of q, v, impulses and leaving, by name of what they are taken after."""
+        """Derivatives (2nv + 6p, size) of q, v, impulses and leaving, by name of the input."""
         sizes = self._sizes
-        columns = self._stages.through(*self._inputs(np.eye(sum(sizes.values()))))
+        columns = self._stages.through(self._inputs(np.eye(sum(sizes.values()))))
         edges = np.cumsum(list(sizes.values()))[:-1]
         return dict(zip(sizes, np.split(columns, edges, axis=1), strict=True))
 
@@ -136,7 +140,7 @@ class StepDerivative:
 
     @property
     def forces(self) -> dict[str, FloatArray]:
-        """(3p, size) derivatives of the mean contact forces, contact axes, by name of what they are taken after."""
+        """(3p, size) derivatives of the mean contact forces, contact axes, by name of the input."""
         start = 2 * self._sizes["v"]
         rows = slice(start, start + self._sizes["leaving"])
         return {name: block[rows] / self._dt for name, block in self._blocks.items()}
@@ -153,7 +157,7 @@ class StepDerivative:
 
     @property
     def touching(self) -> IntArray:
-        """Contact points of the problem whose gap is zero to 1e-9 m, where motions off the ground and into it differ.
+        """Contact points of the problem whose gap is zero to 1e-9 m: motions off and into the ground differ.
 
         One that opens is put back on the ground by the step, one that is pressed in is not (up to the
         stabilisation): dense blocks belong to the gap's sign as it came out.
@@ -206,7 +210,9 @@ class StepDerivative:
         own = None if inertia is None else finite_array("inertia", inertia, self.inertia.shape[1:]).ravel()
         kinked = any(response.distance <= 10.0 * KINK for response, _ in self._stages.responses)
         if kinked or self.touching.size:
-            out = self._stages.through(*self._inputs(flat[:, None]), inertia=None if own is None else own[:, None], one_sided=True)[:, 0]
+            out = self._stages.through(
+                self._inputs(flat[:, None]), inertia=None if own is None else own[:, None], one_sided=True
+            )[:, 0]
         else:
             out = np.hstack(list(self._blocks.values())) @ flat
             if own is not None:
@@ -243,8 +249,8 @@ class StepDerivative:
         bodies = self._stepper.bodies.model.njoints - 1
         own = (weights @ self._inertia) if inertia else np.zeros(10 * bodies)
         return StepCotangents(
-            back["q"], back["v"], back["torques"], float(back["mu"][0]), back["push"], own.reshape(bodies, 10),
-            back["leaving"].reshape(-1, 3),
+            back["q"], back["v"], back["torques"], float(back["mu"][0]), back["push"],
+            own.reshape(bodies, 10), back["leaving"].reshape(-1, 3),
         )  # fmt: skip
 
     def _split(self, rows: FloatArray) -> list[Any]:

@@ -89,5 +89,3 @@ class Response:
             return self.linear(b, mu)
         found = [self.derivative.jvp(g=b[:, j], mu=mu[j]).forces.ravel() for j in range(b.shape[1])]
         return np.stack(found, axis=1)
-
-

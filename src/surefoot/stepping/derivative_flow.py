@@ -11,7 +11,8 @@ fourth order at the two points of Gauss. ∂a are Pinocchio's (articulated-body 
 This is the derivative of the motion itself; that of the integrator differs by as much as its tolerance.
 
 Source: S. Blanes, F. Casas, J. A. Oteo, J. Ros, "The Magnus expansion and some of its applications", Physics
-Reports 470, 2009; J. Carpentier, N. Mansard, "Analytical derivatives of rigid body dynamics algorithms", RSS 2018.
+Reports 470, 2009; J. Carpentier, N. Mansard, "Analytical derivatives of rigid body dynamics algorithms",
+RSS 2018.
 """
 
 from __future__ import annotations

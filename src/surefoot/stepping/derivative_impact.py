@@ -33,6 +33,8 @@ TOUCHING = 1e-9
 """Gaps up to this are none: whether they open or close makes two derivatives [m]."""
 SPACING = 1e-5
 """Step of the central differences of a curved ground's normals and gaps [m]."""
+Shape = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""The first arguments of `derivative_kernels.velocity_rates`."""
 Respond = Callable[[FloatArray, FloatArray], FloatArray]
 """Rates of the impulses (3k, c) from b (3k, c) and those of mu (c,)."""
 
@@ -132,7 +134,7 @@ class Bumps:
     base_rotation: FloatArray
 
     @property
-    def _shape(self) -> tuple[Any, ...]:
+    def _shape(self) -> Shape:
         c = self.contacts
         return self.twists, self.first, self.support, c.positions, self.radii, c.frames, self.ground.turns
 
@@ -227,9 +229,12 @@ class Bumps:
         if half:
             change = 0.5 * (change - rates.leaving)
         change = change.reshape(*leaving.shape, -1)
+        loaded, out = last[:, 2] > 0.0, np.zeros_like(change)
+        if len(loaded) == len(np.unique(self.foot)):  # point feet have no mean to share
+            out[loaded] = change[loaded]
+            return out.reshape(leaving.size, -1)
         turn = self._frame_rates(rates)  # (p, 3, 3, c)
         world = np.einsum("cia,cax->cix", frames, change) + np.einsum("ciax,ca->cix", turn, value)
-        loaded, out = last[:, 2] > 0.0, np.zeros_like(change)
         for foot in np.unique(self.foot[loaded]):
             mine = np.flatnonzero(loaded & (self.foot == foot))
             mean = world[mine].mean(axis=0)

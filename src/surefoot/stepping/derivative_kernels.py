@@ -1,8 +1,8 @@
 """How contact velocities, generalised contact forces and gaps turn with the configuration, compiled.
 
-Columns of the spatial Jacobian are twists X_j = [linear at the world's origin; angular] in world axes. Turning
-joint k takes along every column behind it: ∂X_j/∂q_k = X_k × X_j where the joint of k carries that of j, or is
-it. A contact is a point of its body, at the radius below a sphere's centre along the ground's normal there.
+Columns of the spatial Jacobian are twists X_j = [linear at the world's origin; angular] in world axes.
+Turning joint k takes along every column behind it: ∂X_j/∂q_k = X_k × X_j where the joint of k carries that of
+j, or is it. A contact is a point of its body, a radius below a sphere's centre along the ground's normal.
 
 Source: R. Featherstone, Rigid Body Dynamics Algorithms, Springer 2008, chapters 2 and 4.
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -17,7 +18,6 @@ from surefoot.stepping.derivative_flow import FlowDerivative
 from surefoot.stepping.derivative_impact import Bumps, Ground, Rates, pull_of
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.impacts import Tally, finite_problem
-from surefoot.stepping.motion import FreeMotion
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact, State, Step
 from surefoot.stepping.stepper import PROJECTIONS, Stepper
@@ -66,7 +66,15 @@ class Exchange(NamedTuple):
         r = self.response
         respond = None if r is None else (r.one_sided if one_sided else r.linear)
         return self.bumps.through(
-            self.impact, rates, self.last, self.leaving, self.horizon, self.options, self.pull, respond, one_sided
+            self.impact,
+            rates,
+            self.last,
+            self.leaving,
+            self.horizon,
+            self.options,
+            self.pull,
+            respond,
+            one_sided,
         )
 
     def takes(self, inertia: FloatArray | None) -> FloatArray | float:
@@ -119,7 +127,9 @@ class Stages:
         v = state.v
         if (stopped := stepper.stopped(state, mu, Tally())) is not None:
             seen = self._seen(state.q)
-            self.arrival = self._exchange(work.weightless, 1.0, stopped, seen, 0.5 * dt, pull_of(stepper.options))
+            self.arrival = self._exchange(
+                work.weightless, 1.0, stopped, seen, 0.5 * dt, pull_of(stepper.options)
+            )
             v = stopped.after
         self.coasts = [Coast(work.coasting, state.q, v, 0.5 * dt, None)]
         self._push_out(impact)
@@ -157,8 +167,8 @@ class Stages:
         return self.stepper.contacts(State(q, self.request.state.v))
 
     def _exchange(
-        self, model: tuple[Any, Any], span: float, impact: Impact, seen: Contacts, horizon: float, pull: float,
-        smoothing: float = 0.0,
+        self, model: tuple[Any, Any], span: float, impact: Impact, seen: Contacts, horizon: float,
+        pull: float, smoothing: float = 0.0,
     ) -> Exchange:  # fmt: skip
         """Return an exchange of impulses with what its derivative needs."""
         stepper, work = self.stepper, self._work
@@ -225,7 +235,9 @@ class Stages:
 
         return inputs
 
-    def _coasted(self, k: int, T: FloatArray, more: FloatArray | None, inertia: FloatArray | None) -> FloatArray:
+    def _coasted(
+        self, k: int, T: FloatArray, more: FloatArray | None, inertia: FloatArray | None
+    ) -> FloatArray:
         """Return the rates of (q, v) (2nv, c) after a piece of free motion."""
         flow = self._flows[k]
         out = flow[:, : len(T)] @ T
@@ -236,10 +248,16 @@ class Stages:
         return np.asarray(out)
 
     def through(
-        self, q: FloatArray, v: FloatArray, torques: FloatArray, mu: FloatArray, push: FloatArray,
-        leaving: FloatArray, inertia: FloatArray | None = None, one_sided: bool = False,
-    ) -> FloatArray:  # fmt: skip
-        """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for c columns of what goes in."""
+        self,
+        columns: Sequence[FloatArray],
+        inertia: FloatArray | None = None,
+        one_sided: bool = False,
+    ) -> FloatArray:
+        """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for c columns of what goes in.
+
+        The columns are those of q, v, torques, mu, push and leaving.
+        """
+        q, v, torques, mu, push, leaving = columns
         n, points = len(v), len(leaving)
         T = np.vstack([q, v])
         effort = np.zeros_like(v)
@@ -264,7 +282,7 @@ class Stages:
         model, points = self.stepper.bodies.model, len(self.stepper.robot.contact_points)
         count = 10 * (model.njoints - 1)
         sizes = (model.nv, model.nv, self.stepper.robot.joints, 1, 3, 3 * points)
-        return self.through(*(np.zeros((size, count)) for size in sizes), inertia=np.eye(count))
+        return self.through([np.zeros((size, count)) for size in sizes], np.eye(count))
 
     def _pushed(
         self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool

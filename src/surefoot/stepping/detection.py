@@ -100,5 +100,5 @@ class Detection:
         return Contacts(gaps, positions, self._frames, self._J)
 
     def twists(self, q: FloatArray) -> FloatArray:
-        """Return the spatial Jacobian (6, nv) at q: every velocity's twist, at the world's origin and axes."""
+        """Return the spatial Jacobian (6, nv) at q: every velocity's twist, world origin and axes."""
         return np.array(self._jacobians(self._model, self.data, q))

@@ -206,7 +206,7 @@ class Stepper:
         return impact.after, nothing, impact.leaving, impact.impulses
 
     def stopped(self, state: State, mu: float, tally: Tally) -> Impact | None:
-        """Return what stops a start that would hit the ground before the first impulses; None if nothing does."""
+        """Return what stops a start that would hit the ground before the first impulses, if it would."""
         if state.memory is not None:
             return None
         nothing, soon = np.zeros((len(self._foot), 3)), 0.5 * self.options.dt
