@@ -72,12 +72,12 @@ def test_a_log_format_from_outside_comes_back_to_the_last_bit() -> None:
     assert again.facts["feet"] == log.facts["feet"]
     assert log_laws(again).broken(157.8) == []
     with pytest.raises(sf.ProblemError, match="exists already"):
-        log.save("stand.csv")
-    Path("broken.csv").write_text("no facts\n")
-    with pytest.raises(sf.ProblemError, match=r"broken.csv is not a Surefoot log \(csv\)"):
-        sf.read_log("broken.csv")
-    with pytest.raises(sf.ProblemError, match=r"should end in one of \.csv, \.npz, \.parts"):
-        sf.read_log("log.bag")
+        log.save("stand.table")
+    Path("broken.table").write_text("no facts\n")
+    with pytest.raises(sf.ProblemError, match=r"broken.table is not a Surefoot log \(table\)"):
+        sf.read_log("broken.table")
+    with pytest.raises(sf.ProblemError, match=r"should end in one of \.bag, \.csv, \.db3, \.mcap, \.npz"):
+        sf.read_log("log.xyz")
 
 
 def test_a_gait_from_outside_walks() -> None:

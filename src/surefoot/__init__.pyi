@@ -3,6 +3,8 @@
 from . import laws as laws
 from .audit import summarise_stand as summarise_stand
 from .audit import summarise_walk as summarise_walk
+from .audit.contact_times import contact_times as contact_times
+from .audit.sensor_scale import sensor_scale as sensor_scale
 from .batch import BatchSolution as BatchSolution
 from .batch import DifferentiableSolver as DifferentiableSolver
 from .batch import solve_batch as solve_batch
@@ -70,6 +72,7 @@ from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
 from .log import Log as Log
+from .log import log_from_arrays as log_from_arrays
 from .log import read_log as read_log
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
@@ -77,6 +80,7 @@ from .robot import place as place
 from .robot import robot_names as robot_names
 from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.mujoco import MujocoWorld as MujocoWorld
+from .simulation.record import record as record
 from .simulation.rigid import RigidWorld as RigidWorld
 from .simulation.run import run as run
 from .simulation.scenario import Ice as Ice

@@ -84,6 +84,12 @@ def _value(size: int | str, sizes: Mapping[str, int], channel: str) -> int:
     return factor * sizes[name] if name else factor
 
 
+def size_of(size: int | str, sizes: Mapping[str, int]) -> int | None:
+    """Return a size as a number; None where its name is not among `sizes`."""
+    factor, name = _split(size)
+    return factor * sizes.get(name, 0) or None if name else factor
+
+
 _TABLE = (
     Channel("time", (), "s", optional=False, meaning="at the start of each step"),
     Channel("q", ("nq",), "m, rad", "world", meaning="configuration, Pinocchio's order"),
@@ -104,6 +110,17 @@ _TABLE = (
     Channel("mu", (), "1", meaning="friction of the ground"),
     Channel("planned", ("n",), flag=True, meaning="whether the gait wants a foot on the ground"),
     Channel("command", (3,), "m/s, rad/s", "heading", meaning="wanted velocity: forward, left, yaw rate"),
+    Channel("contact_normals", ("p", 3), "1", "world", meaning="normals of the ground there, unit"),
+    Channel("contact_friction", ("p",), "1", meaning="friction of each contact, where they differ"),
+    Channel("foot_sensors", ("n",), "raw", meaning="readings of the feet's sensors, not calibrated"),
+    Channel("joint_positions", ("joints",), "rad, m", meaning="in the order of the fact joints"),
+    Channel("joint_velocities", ("joints",), "rad/s, m/s", meaning="in the order of the fact joints"),
+    Channel("base_position", (3,), "m", "world", meaning="of the base's origin"),
+    Channel("base_orientation", (4,), "1", "world", meaning="quaternion x, y, z, w from base to world"),
+    Channel("base_velocity", (3,), "m/s", "world", meaning="of the base's origin"),
+    Channel("base_angular_velocity", (3,), "rad/s", "base", meaning="of the base"),
+    Channel("imu_acceleration", (3,), "m/s^2", "base", meaning="specific force: +9.81 upwards at rest"),
+    Channel("imu_angular_velocity", (3,), "rad/s", "base", meaning="as the IMU says"),
     Channel("controller_time", (), "s", meaning="wall time of the controller's step"),
 )
 CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _TABLE}

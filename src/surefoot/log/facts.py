@@ -70,6 +70,11 @@ FACTS: dict[str, Fact] = {
     "normal_max": Fact("largest one [N]"),
     "mu_controller": Fact("friction that the controller believes in"),
     "gait": Fact("name of the gait", text=True),
+    "contact_with": Fact("what each contact point touches", ("p",), text=True),
+    "source": Fact("file or program that it comes from", text=True),
+    "start": Fact("stamp of its first row in the clock of its source [s]"),
+    "mapping": Fact("how its channels were made from the source, YAML", text=True),
+    "doubts": Fact("what is not plausible in it, see Log.doubts", ("doubts",), text=True),
     "notes": Fact("what the controller changed in its command", ("lines",), text=True),
 }
 """Facts that Surefoot writes and reads by name; a log may hold others."""

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.errors import ProblemError, SurefootError, WriteError
-from surefoot.log import npz, parts
+from surefoot.log import csv_file, foxglove, mcap_file, npz, parts, rosbag
 from surefoot.log.log import Log
+from surefoot.log.mapped import log_from_source
+from surefoot.log.mapping import LogMapping
+from surefoot.log.source import Source
 
 
 @dataclass(frozen=True)
@@ -23,20 +26,29 @@ class Format:
         How its files' names end, in lower case with their dot.
     read
         From the path of an existing file or folder to its log. Whatever it raises is told as
-        "is not a log of this format"; an error of Surefoot's own goes on as it is.
+        "is not a log of this format"; an error of Surefoot's own goes on as it is. None where `source` is.
     write
         Writes a log to an empty file; None for a format that is only read.
+    source
+        From the path to topics and fields that a mapping turns into a log, for files that others wrote.
+    marker
+        A file by which a folder is known to be of this format.
     """
 
     name: str
     suffixes: tuple[str, ...]
-    read: Callable[[Path], Log]
+    read: Callable[[Path], Log] | None = None
     write: Callable[[Log, Path], None] | None = None
+    source: Callable[[Path], Source] | None = None
+    marker: str = ""
 
 
 FORMATS: dict[str, Format] = {
     "npz": Format("npz", (".npz",), npz.read, npz.write),
-    "parts": Format("parts", (".parts",), parts.read),
+    "parts": Format("parts", (".parts",), parts.read, marker=parts.FACTS_FILE),
+    "csv": Format("csv", (".csv", ".tsv"), source=csv_file.source),
+    "mcap": Format("mcap", (".mcap",), write=foxglove.write, source=mcap_file.source),
+    "rosbag": Format("rosbag", (".bag", ".db3"), source=rosbag.source, marker=rosbag.MARKER),
 }
 
 
@@ -51,7 +63,7 @@ def format_names() -> list[str]:
 
 
 def format_of(path: Path) -> Format:
-    """Return the format of a file by its suffix; a folder without one holds parts.
+    """Return the format of a file by its suffix, of a folder by what lies in it; else it holds parts.
 
     Raises
     ------
@@ -62,29 +74,69 @@ def format_of(path: Path) -> Format:
         if path.name.lower().endswith(entry.suffixes):
             return entry
     if path.is_dir():
-        return FORMATS["parts"]
+        marked = (f for f in FORMATS.values() if f.marker and (path / f.marker).exists())
+        return next(marked, FORMATS["parts"])
     valid = ", ".join(sorted(s for entry in FORMATS.values() for s in entry.suffixes))
     raise ProblemError(f"{path} is not a Surefoot log: its name should end in one of {valid}")
 
 
-def read_log(path: Path | str) -> Log:
+def read_log(path: Path | str, mapping: LogMapping | Path | str | None = None) -> Log:
     """Read a log from a file of any format, or from the folder of parts that a killed run left.
 
-    A long log is mapped from files and not read into memory.
+    A long log of Surefoot's own is mapped from files and not read into memory. What others wrote (CSV,
+    MCAP, ROS bags) is turned into a log by a mapping; see docs/logs.md. What is not plausible in it stands in
+    `Log.doubts`.
+
+    Parameters
+    ----------
+    path
+        File or folder.
+    mapping
+        From fields to channels, or the YAML file that holds it; None for what the file brings itself or else
+        a guess, which is told in the fact ``mapping``.
 
     Raises
     ------
     ProblemError
-        If the file is missing, not a log, or of a schema that this version does not know.
+        If the file is missing, not a log, or of a schema that this version does not know; for a mapping that
+        does not fit.
+    MissingExtra
+        If the format needs a package that is not installed.
     """
     path = Path(path)
     entry = format_of(path)
     try:
+        if entry.source is not None:
+            return log_from_source(entry.source(path), mapping, str(path))
+        if entry.read is None or mapping is not None:
+            raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
         return entry.read(path)
     except SurefootError:
         raise
     except Exception as error:  # readers from outside raise what they like
-        raise ProblemError(f"{path} is not a Surefoot log ({entry.name}): {error}") from error
+        told = " ".join(str(error).split())[:300] or type(error).__name__
+        raise ProblemError(f"{path} is not a Surefoot log ({entry.name}): {told}") from error
+
+
+def read_source(path: Path | str) -> Source:
+    """Return what a file of others holds before any mapping: topics, fields, numbers.
+
+    Raises
+    ------
+    ProblemError
+        If the file cannot be read, or is of a format that needs no mapping.
+    """
+    path = Path(path)
+    entry = format_of(path)
+    if entry.source is None:
+        raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
+    try:
+        return entry.source(path)
+    except SurefootError:
+        raise
+    except Exception as error:
+        told = " ".join(str(error).split())[:300] or type(error).__name__
+        raise ProblemError(f"{path} cannot be read ({entry.name}): {told}") from error
 
 
 def write_log(log: Log, path: Path) -> Path:

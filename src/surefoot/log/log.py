@@ -97,6 +97,12 @@ class Log:
             raise ProblemError(f"the log does not tell {name!r}{meaning}")
         return self.facts[name] if known is None else known.checked(name, self.facts[name], self.sizes)
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is not plausible in a log from outside, one line each; see `surefoot.log.find_doubts`."""
+        told = self.facts.get("doubts", ())
+        return (told,) if isinstance(told, str) else tuple(map(str, told))
+
     def rows(self, which: Any) -> Log:
         """Return the log of some rows: a slice or a (T,) mask."""
         arrays = {name: array[which] for name, array in self.arrays.items()}

@@ -12,13 +12,14 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import ModelError
+from surefoot.simulation.drops.task import Drop
 
 PACKAGE, EXTRA = "drake", "drake"
 VARIABLE = "SUREFOOT_DRAKE_PYTHON"
@@ -42,30 +43,12 @@ def present() -> bool:
     return True
 
 
-def run(
-    engine: str,
-    settings: dict[str, Any],
-    mass: float,
-    gravity: float,
-    gap: float,
-    speed: float,
-    dt: float,
-    steps: int,
-    until: str = "",
-) -> tuple[FloatArray, FloatArray]:
-    """Return gaps [m] and speeds [m/s] at every step; `until` "apart" ends the run when the mass has left."""
-    task = {
-        "settings": settings,
-        "mass": mass,
-        "gravity": gravity,
-        "gap": gap,
-        "speed": speed,
-        "dt": dt,
-        "steps": steps,
-        "until": until,
-    }
+def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
+    """Return gaps [m] and speeds [m/s] at every step."""
     python = os.environ.get(VARIABLE) or sys.executable
-    done = subprocess.run([python, str(WORKER)], input=json.dumps(task), capture_output=True, text=True)
+    done = subprocess.run(
+        [python, str(WORKER)], input=json.dumps(asdict(drop)), capture_output=True, text=True
+    )
     if done.returncode:
         last = (done.stderr.strip().splitlines() or ["no message"])[-1]
         raise ModelError(f"Drake's run failed: {last}")

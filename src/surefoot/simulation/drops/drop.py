@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from surefoot.contact.laws.soft.behaviour import SETTLED, Behaviour
 from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
+from surefoot.simulation.drops.task import Drop
 
 RUNNERS: dict[str, str] = {
     "mujoco": "surefoot.simulation.drops.mujoco_drop",
@@ -21,7 +21,6 @@ RUNNERS: dict[str, str] = {
 """Engine -> module with `run` (see `surefoot.simulation.drops.mujoco_drop`), `present`, PACKAGE, EXTRA."""
 NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
-Runner = Callable[..., Any]
 
 
 @dataclass(frozen=True)
@@ -94,7 +93,7 @@ def measure(
 
     def run(gap: float, velocity: float, seconds: float, until: str = "") -> Track:
         steps = max(4, math.ceil(seconds / dt))
-        return Track(*module.run(engine, settings, mass, gravity, gap, velocity, dt, steps, until))
+        return Track(*module.run(Drop(settings, mass, gravity, gap, velocity, dt, steps, until)))
 
     settle = expected.settling_time if math.isfinite(expected.settling_time) else 20.0 / expected.frequency
     rest = run(-expected.rest_depth, 0.0, 6.0 * settle)

@@ -1,0 +1,191 @@
+"""The mapping from somebody's fields to a log's channels, and its YAML file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.log.channels import CHANNELS, Channel
+
+QUATERNIONS = ("xyzw", "wxyz")
+"""Orders of a quaternion's numbers."""
+FRAMES = ("contact", "world", "base")
+"""Axes that vectors may be given in."""
+_TAKE_KEYS = ("from", "unit", "frame", "quaternion", "scale")
+_KEYS = ("time", "feet", "joints", "channels", "facts", "define")
+_PLACES = {"axis": "xyz", "AXIS": "XYZ"}
+
+
+@dataclass(frozen=True)
+class Take:
+    """Where a channel's numbers come from.
+
+    Attributes
+    ----------
+    fields
+        Names of the fields, their numbers one after the other. ``{foot}``, ``{joint}``, ``{axis}`` (x, y, z)
+        and ``{AXIS}`` (X, Y, Z) in a name stand for all of them.
+    unit
+        Theirs; empty for the channel's own.
+    frame
+        Axes that vectors are in; empty for the channel's own.
+    quaternion
+        "xyzw" or "wxyz": order of a quaternion in them; empty where there is none.
+    scale
+        Factor: -1 for the force on the ground, or what a sensor's unit is worth.
+    """
+
+    fields: tuple[str, ...]
+    unit: str = ""
+    frame: str = ""
+    quaternion: str = ""
+    scale: float = 1.0
+
+    def expanded(self, feet: tuple[str, ...], joints: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names with their places filled: feet and joints first, axes inside."""
+        names = self.fields
+        for place, values in {"foot": feet, "joint": joints, **_PLACES}.items():
+            mark = "{" + place + "}"
+            if any(mark in name for name in names) and not values:
+                raise ProblemError(f"{names[0]!r} stands for every {place}, and the mapping names no {place}")
+            names = tuple(n.replace(mark, v) for n in names for v in (values if mark in n else ("",)))
+        return names
+
+
+@dataclass(frozen=True)
+class LogMapping:
+    """From fields to channels.
+
+    Attributes
+    ----------
+    channels
+        Name of a channel to where it comes from; the channel ``time`` for the stamps, which messages have
+        without being told.
+    feet, joints
+        Names in the order of the numbers; joints may pick from the names that a message brings.
+    facts
+        Facts of the log, such as ``mass``.
+    define
+        Channels of one's own.
+    guessed
+        Whether nobody said so.
+    """
+
+    channels: Mapping[str, Take]
+    feet: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    define: Mapping[str, Channel] = field(default_factory=dict)
+    guessed: bool = False
+
+    def __post_init__(self) -> None:
+        known = {**CHANNELS, **self.define}
+        for name, take in self.channels.items():
+            if name not in known:
+                raise ProblemError(unknown_name("channel", name, known))
+            if take.quaternion and take.quaternion not in QUATERNIONS:
+                raise ProblemError(unknown_name("order of a quaternion", take.quaternion, QUATERNIONS))
+            if take.frame and take.frame not in FRAMES:
+                raise ProblemError(unknown_name("frame", take.frame, FRAMES))
+
+    def as_yaml(self) -> str:
+        """Return the mapping as a YAML file holds it."""
+        out: dict[str, Any] = {}
+        if self.feet:
+            out["feet"] = list(self.feet)
+        if self.joints:
+            out["joints"] = list(self.joints)
+        if self.facts:
+            out["facts"] = dict(self.facts)
+        if self.define:
+            from surefoot.log.npz import channels_to
+
+            out["define"] = [{**c, "shape": list(c["shape"])} for c in channels_to(self.define.values())]
+        out["channels"] = {name: _take_to(take) for name, take in self.channels.items()}
+        return yaml.safe_dump(out, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+
+
+def _take_to(take: Take) -> Any:
+    fields = take.fields[0] if len(take.fields) == 1 else list(take.fields)
+    rest = {"unit": take.unit, "frame": take.frame, "quaternion": take.quaternion}
+    told = {key: value for key, value in rest.items() if value}
+    return {"from": fields, **told, **({} if take.scale == 1.0 else {"scale": take.scale})}
+
+
+def read_mapping(path: Path | str) -> LogMapping:
+    """Read a mapping from a YAML file.
+
+    Raises
+    ------
+    ProblemError
+        If the file cannot be read, or says what no mapping says.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ProblemError(f"cannot read the mapping {path}: {error}") from error
+    return mapping_from_yaml(text, str(path))
+
+
+def mapping_from_yaml(text: str, name: str = "the mapping") -> LogMapping:
+    """Return the mapping that a YAML text holds; `name` is what errors call it."""
+    try:
+        told = yaml.safe_load(text)
+    except (yaml.YAMLError, RecursionError) as error:
+        raise ProblemError(f"{name} is no YAML: {' '.join(str(error).split())[:200]}") from error
+    if not isinstance(told, dict):
+        raise ProblemError(f"{name} must hold the keys {', '.join(_KEYS)}, got {text[:60]!r}")
+    _only(name, told, _KEYS)
+    takes = told.get("channels", {})
+    if not isinstance(takes, dict):
+        raise ProblemError(f"{name}: channels must be a table of names, got {takes!r:.80}")
+    if "time" in told:
+        takes = {"time": told["time"], **takes}
+    facts = told.get("facts") or {}
+    if not isinstance(facts, dict):
+        raise ProblemError(f"{name}: facts must be a table, got {facts!r:.80}")
+    return LogMapping(
+        {str(channel): _take_from(name, str(channel), take) for channel, take in takes.items()},
+        _texts(name, "feet", told.get("feet", ())),
+        _texts(name, "joints", told.get("joints", ())),
+        facts,
+        _defined(name, told.get("define", [])),
+    )
+
+
+def _defined(name: str, told: Any) -> dict[str, Channel]:
+    from surefoot.log.npz import channels_from
+
+    try:
+        return channels_from(told)
+    except (TypeError, KeyError) as error:
+        raise ProblemError(f"{name}: define must list channels with name, shape, unit: {error}") from error
+
+
+def _take_from(name: str, channel: str, told: Any) -> Take:
+    """Return where a channel comes from: a field's name, a list of them, or a table with ``from``."""
+    table = told if isinstance(told, dict) else {"from": told}
+    _only(f"{name}, {channel}", table, _TAKE_KEYS)
+    scale = table.get("scale", 1.0)
+    if isinstance(scale, bool) or not isinstance(scale, (int, float)):
+        raise ProblemError(f"{name}, {channel}: scale must be a number, got {scale!r:.40}")
+    texts = {key: str(table.get(key, "")) for key in ("unit", "frame", "quaternion")}
+    return Take(_texts(name, channel, table.get("from")), scale=float(scale), **texts)
+
+
+def _only(name: str, table: Mapping[Any, Any], keys: tuple[str, ...]) -> None:
+    for key in table:
+        if key not in keys:
+            raise ProblemError(f"{name}: {unknown_name('key', key, keys)}")
+
+
+def _texts(name: str, key: str, value: Any) -> tuple[str, ...]:
+    listed = [value] if isinstance(value, str) else value
+    if not isinstance(listed, (list, tuple)) or not all(isinstance(v, str) and v for v in listed):
+        raise ProblemError(f"{name}: {key} must be a name or a list of names, got {value!r:.80}")
+    return tuple(listed)
