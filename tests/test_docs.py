@@ -19,7 +19,7 @@ def test_links_and_commands(page: Path) -> None:
     assert CHECK["wrong_commands"](page) == []
 
 
-@pytest.mark.parametrize("name", ["derivatives.md", "batches.md"])
+@pytest.mark.parametrize("name", ["derivatives.md", "batches.md", "soft-contact.md"])
 def test_shown_python_runs(name: str) -> None:
     failed, tried = doctest.testfile(
         str(ROOT / "docs" / name), module_relative=False, optionflags=doctest.NORMALIZE_WHITESPACE

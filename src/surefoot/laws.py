@@ -1,6 +1,7 @@
 """Contact laws by name: `surefoot.laws.COULOMB`, `surefoot.laws.HuntCrossley(stiffness=2e5, ...)`."""
 
 from surefoot.contact.laws import CONVEX, COULOMB, Law
+from surefoot.contact.laws.pressure import CompliantSolid, PressureField, PressurePatch
 from surefoot.contact.laws.soft import (
     Behaviour,
     ExactFriction,
@@ -15,6 +16,8 @@ from surefoot.contact.laws.soft import (
     SpringDamper,
     behaviour,
     rebound,
+    stable_step,
+    stable_step_together,
     validate_law,
 )
 
@@ -22,6 +25,7 @@ __all__ = [
     "CONVEX",
     "COULOMB",
     "Behaviour",
+    "CompliantSolid",
     "ExactFriction",
     "ForceJacobian",
     "Friction",
@@ -30,10 +34,14 @@ __all__ = [
     "Law",
     "Linearisation",
     "MujocoLaw",
+    "PressureField",
+    "PressurePatch",
     "RegularisedFriction",
     "SoftLaw",
     "SpringDamper",
     "behaviour",
     "rebound",
+    "stable_step",
+    "stable_step_together",
     "validate_law",
 ]

@@ -13,6 +13,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import NoSolution
+from surefoot.laws import SpringDamper
 from surefoot.simulation.bodies import ball, box, falling_cat
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.spatial import GRAVITY
@@ -337,6 +338,9 @@ def test_wrong_arguments_are_named() -> None:
     state = stepper.start(*go2_at(sf.FlatTerrain(), 2e-4, 0)[1:3])
     with pytest.raises(NoSolution):
         step_derivative(stepper, state, np.zeros(12)).A  # noqa: B018
+    soft = Stepper(robot, options=StepOptions(law=SpringDamper(2e4, 100.0)))
+    with pytest.raises(sf.ProblemError, match="got a SpringDamper"):
+        step_derivative(soft, state, np.zeros(12))
     stepper = Stepper(robot)
     with pytest.raises(sf.ProblemError, match="torques"):
         step_derivative(stepper, state, np.zeros(3))

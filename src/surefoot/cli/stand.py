@@ -10,6 +10,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import run_options as options
+from surefoot.cli import world_options as worlds
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
@@ -35,7 +36,11 @@ def stand(
     ice: options.IcePatches = None,
     lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
     seed: options.Seed = None,
-    world: Annotated[str, typer.Option(help=f"Physics: {' or '.join(WORLDS)}.")] = "mujoco",
+    world: worlds.WorldName = "mujoco",
+    law: worlds.ContactLaw = None,
+    explicit: worlds.Explicit = False,
+    solref: worlds.Solref = None,
+    solimp: worlds.Solimp = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
     out: options.Out = Path("runs"),
     video: options.Video = True,
@@ -51,9 +56,8 @@ def stand(
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
     console = plain_console(quiet=as_json)
-    if world not in WORLDS:
-        raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
@@ -72,7 +76,7 @@ def stand(
             print(to_json(_impossible(setup, statics)))
         return 1
     controller = setup.controller(mu, allocation)
-    physics = setup.world(world, mu, payload)
+    physics = worlds.build_world(world, setup.robot, setup.terrain, mu, payload, told, console)
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
     run = SimulatedRun(setup.robot, setup.terrain, folder, video, report, as_json, console)
     return run.carry_out(physics, controller, replace(scenario, start=setup.q), _account(statics))
@@ -88,11 +92,6 @@ class _Setup:
         from surefoot.control.standing import StandingController
 
         return StandingController(self.robot, self.plan, self.terrain, self.q, mu, allocation=allocation)
-
-    def world(self, name: str, mu: float, payload: float) -> Any:
-        from surefoot.simulation.worlds import make_world
-
-        return make_world(name, self.robot, self.terrain, mu, payload=payload)
 
 
 def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:

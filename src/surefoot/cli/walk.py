@@ -10,10 +10,12 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import run_options as options
+from surefoot.cli import world_options as worlds
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.simulation.worlds import WORLDS
 
 SHORTEST = 0.5
 """Length of a walk that says something [s]: about a cycle of a trot."""
@@ -51,6 +53,11 @@ def walk(
     delay: Annotated[float, typer.Option(help="Delay of the torques [s].")] = 0.0,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
+    world: worlds.WorldName = "mujoco",
+    law: worlds.ContactLaw = None,
+    explicit: worlds.Explicit = False,
+    solref: worlds.Solref = None,
+    solimp: worlds.Solimp = None,
     out: options.Out = Path("runs"),
     video: options.Video = True,
     report: options.Report = True,
@@ -70,19 +77,21 @@ def walk(
         parsing.friction("--believed-mu", believed_mu)
     real_number("--noise", noise, low=0.0, high=100.0)
     real_number("--delay", delay, low=0.0, high=1.0)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))
-    options.require(robot, urdf, ["mujoco"], video, report)
+    options.require(robot, urdf, WORLDS[world][1], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     schedule = _schedule(model, gait, gait_file, period)
     _check_steps(model, schedule, command)
-    controller, world, q = _set_up(model, ground, schedule, command, mu, believed_mu, payload)
+    controller, q = _set_up(model, ground, schedule, command, mu, believed_mu)
+    physics = worlds.build_world(world, model, ground, mu, payload, told, console)
     for note in controller.notes:
         console.print(note, soft_wrap=True, highlight=False)
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
-    return run.carry_out(world, controller, replace(scenario, start=q), _account())
+    return run.carry_out(physics, controller, replace(scenario, start=q), _account())
 
 
 def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) -> Any:
@@ -119,18 +128,17 @@ def _command(velocity: str, file: Path | None) -> Any:
 
 
 def _set_up(
-    robot: Any, ground: Any, schedule: Any, command: Any, mu: float, believed: float | None, payload: float
-) -> tuple[Any, Any, Any]:
-    """Return controller, world and the configuration to start from."""
+    robot: Any, ground: Any, schedule: Any, command: Any, mu: float, believed: float | None
+) -> tuple[Any, Any]:
+    """Return controller and the configuration to start from."""
     from surefoot.control.walking import WalkingController, WalkSettings
     from surefoot.simulation.walk_terrain import check_ground, start_pose
-    from surefoot.simulation.worlds import make_world
 
     settings = WalkSettings(mu=mu if believed is None else believed)
     controller = WalkingController(robot, command, schedule, ground, settings)
     q = start_pose(robot, ground)
     check_ground(robot, ground, q, mu)
-    return controller, make_world("mujoco", robot, ground, mu, payload=payload), q
+    return controller, q
 
 
 def _account() -> Any:

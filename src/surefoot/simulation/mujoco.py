@@ -10,11 +10,13 @@ from __future__ import annotations
 import ctypes.util
 import os
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.contact.laws.soft import MujocoLaw
 from surefoot.errors import MissingExtra, ModelError, SimulationError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import read_contacts
@@ -85,6 +87,14 @@ class MujocoWorld:
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
+    solref, solimp
+        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others); a solimp of fewer
+        than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+
+    Raises
+    ------
+    ProblemError
+        For numbers that MuJoCo would not take, or would silently replace.
     """
 
     def __init__(
@@ -94,12 +104,15 @@ class MujocoWorld:
         mu: float = 0.6,
         dt: float = 1e-3,
         payload: float = 0.0,
+        *,
+        solref: Sequence[float] | None = None,
+        solimp: Sequence[float] | None = None,
     ) -> None:
         mujoco = import_mujoco()
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = FlatTerrain() if terrain is None else terrain
         spec = robot_spec(robot, real_number("payload", payload, low=0.0))
-        add_ground(spec, self.terrain, real_number("mu", mu, low=0.0))
+        add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         spec.option.timestep = self.dt
         self._mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is told, not hidden
@@ -257,23 +270,33 @@ def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
     return spec
 
 
-def add_ground(spec: Any, terrain: Terrain, mu: float) -> None:
-    """Add the terrain to an MjSpec as geoms named ``ground...``.
+def add_ground(
+    spec: Any,
+    terrain: Terrain,
+    mu: float,
+    solref: Sequence[float] | None = None,
+    solimp: Sequence[float] | None = None,
+) -> None:
+    """Add the terrain to an MjSpec as geoms named ``ground...``; see `MujocoWorld` for the softness.
 
     Raises
     ------
     ProblemError
-        If this world has no shape for the terrain.
+        If this world has no shape for the terrain, or for numbers that are no softness.
     """
     mujoco = import_mujoco()
+    softness = MujocoLaw(
+        (CONTACT_TIME, 1.0) if solref is None else tuple(solref),  # type: ignore[arg-type]
+        IMPEDANCE if solimp is None else tuple(solimp),
+    )
     common = {
         "contype": 1,
         "conaffinity": 0,
         "condim": 3,
         "priority": 1,
         "friction": [max(mu, 1e-5), 0.0, 0.0],
-        "solref": [CONTACT_TIME, 1.0],
-        "solimp": list(IMPEDANCE),
+        "solref": list(softness.solref),
+        "solimp": list(softness.solimp),
         "rgba": [0.91, 0.89, 0.85, 1.0],
     }
     add_shapes(mujoco, spec, terrain, common)

@@ -1,19 +1,22 @@
-"""A rigid world: hard contacts with exact Coulomb friction, one contact problem per time step.
+"""A world of rigid bodies: hard or soft contacts with exact Coulomb friction, a contact problem per step.
 
 A run of steps of `surefoot.stepping`; the scheme and what it keeps are described in `stepping/stepper.py`.
 """
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.contact import ContactSolution
-from surefoot.errors import ProblemError
+from surefoot.contact.laws.soft import SoftLaw
+from surefoot.errors import ProblemError, StiffContactWarning
 from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
-from surefoot.stepping.options import Stabilisation
+from surefoot.stepping.options import Integration, Stabilisation
 from surefoot.terrain import Terrain
 
 
@@ -27,13 +30,13 @@ class RigidWorld:
     terrain
         None for flat ground.
     mu
-        Friction of the ground.
+        Friction of the ground; None for that of a soft law, else 0.6.
     dt
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
-    restitution, stabilisation, law, solver, tol
-        See `surefoot.stepping.StepOptions`.
+    restitution, stabilisation, law, solver, tol, integration
+        See `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
 
     Attributes
     ----------
@@ -47,34 +50,60 @@ class RigidWorld:
         Steps so far whose contact problem was left above the tolerance.
     worst_residual
         Largest velocity error so far, see `Residuals`.
+    law_error
+        Largest distance of normal forces from a soft law so far, as a share of the largest force.
+    stable_step
+        Shortest of the steps' stability limits so far [s], of explicit integration; infinite otherwise.
 
     Raises
     ------
     ProblemError
         For a value out of range or an unknown stabilisation.
+
+    Warns
+    -----
+    StiffContactWarning
+        Once, if explicit integration is not stable at `dt`: at once if that shows in the nominal stance, else
+        when a contact gets so stiff.
+
+    Examples
+    --------
+    >>> from surefoot.laws import SpringDamper
+    >>> from surefoot.simulation.bodies import ball
+    >>> world = RigidWorld(ball(4.0, 0.1), law=SpringDamper(2e4, 400.0))
+    >>> for _ in range(1000):
+    ...     world.step(np.zeros(0))
+    >>> round(-1e3 * float(world.contacts().gaps[0]), 6)  # rest depth [mm], m g / k
+    1.962
     """
 
     def __init__(
         self,
         robot: Robot,
         terrain: Terrain | None = None,
-        mu: float = 0.6,
+        mu: float | None = None,
         dt: float = 1e-3,
         payload: float = 0.0,
         *,
         restitution: float = 0.0,
         stabilisation: Stabilisation = "projection",
-        law: str = "coulomb",
+        law: str | SoftLaw | None = None,
         solver: str = "auto",
         tol: float = 1e-8,
+        integration: Integration = "implicit",
     ) -> None:
-        options = StepOptions(dt, restitution, stabilisation, law, solver, tol)
-        self.set_friction(mu)
+        law = "coulomb" if law is None else law
+        options = StepOptions(dt, restitution, stabilisation, law, solver, tol, integration)
+        own = 0.6 if options.soft is None else options.soft.friction.mu
+        self.set_friction(own if mu is None else mu)
         self.stepper = Stepper(robot, terrain, options, payload)
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
         self.model = self.stepper.bodies.model
         self.contact_foot = robot.contact_points.foot
+        self._warned = False
         self.reset(robot.nominal)
+        if integration == "explicit":
+            self._check_step(self.stepper.stable_step(self._state))
 
     @property
     def time(self) -> float:
@@ -92,6 +121,7 @@ class RigidWorld:
         self._start = self.stepper.contacts(self._state)
         self.last: Step | None = None
         self.unsolved, self.worst_residual = 0, 0.0
+        self.law_error, self.stable_step = 0.0, np.inf
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) and v (nv,) in Pinocchio's order."""
@@ -123,6 +153,16 @@ class RigidWorld:
         self._state = step.state
         self.unsolved += step.unsolved
         self.worst_residual = max(self.worst_residual, step.worst_residual)
+        self.law_error = max(self.law_error, step.law_error)
+        if step.stable_step < self.stable_step:
+            self.stable_step = step.stable_step
+            self._check_step(step.stable_step)
+
+    def _check_step(self, stable: float) -> None:
+        """Warn once of an explicit step that is too long."""
+        if stable < self.dt and not self._warned:
+            self._warned = True
+            warnings.warn(StiffContactWarning(self.dt, stable), stacklevel=3)
 
     def contacts(self) -> ContactReading:
         """Return what the ground did during the last step.
@@ -143,7 +183,7 @@ class RigidWorld:
         Raises
         ------
         ProblemError
-            Before the first step.
+            Before the first step, and with a soft law.
         NoSolution
             If the step's contact problem is not SOLVED.
         """
@@ -152,8 +192,15 @@ class RigidWorld:
         return step_derivative(self.stepper, *self._given, smoothing)
 
     def energy(self) -> float:
-        """Return kinetic plus potential energy [J], zero potential at z = 0."""
-        return self.stepper.energy(self._state)
+        """Return kinetic plus potential energy [J], zero potential at z = 0, and what soft contacts store.
+
+        See `Stepper.stored`; before the first step soft contacts store what their overlap does.
+        """
+        energy, law = self.stepper.energy(self._state), self.stepper.options.soft
+        if law is None:
+            return energy
+        start = law.energy(self._start.gaps).sum() if self.last is None else self.stepper.stored(self.last)
+        return energy + float(start)
 
     def contact_work(self) -> float:
         """Return the work of the ground's impulses during the last step [J], see `Step.contact_work`."""

@@ -70,8 +70,9 @@ class StepDerivative:
     """
 
     def __init__(self, stepper: Stepper, request: Request) -> None:
-        if stepper.options.law not in LAWS:
-            raise ProblemError(f"derivatives of steps take the laws {LAWS}, got {stepper.options.law!r}")
+        if stepper.options.soft is not None:
+            law = type(stepper.options.soft).__name__
+            raise ProblemError(f"derivatives of steps take the laws {', '.join(LAWS)}, got a {law}")
         self._stages = Stages(stepper, request)
         self.step: Step = self._stages.step
         self.smoothing = request.smoothing

@@ -196,7 +196,7 @@ class Stages:
             options.restitution, 2.0 * options.dt * GRAVITY, pull_of(options),
         )  # fmt: skip
         swerve = impact.velocities - impact.leaving
-        problem = finite_problem(G, g + swerve.ravel(), self.request.mu, options.law)
+        problem = finite_problem(G, g + swerve.ravel(), self.request.mu, options.problem_law)
         solution = stepper.solve(problem, impact.impulses)
         forces = Response(solution, self.request.smoothing).forces
         after = arithmetic.apply_impulses(stepper.bodies.L, rows, forces.ravel(), impact.free)

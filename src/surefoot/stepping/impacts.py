@@ -35,15 +35,28 @@ class LostMotion(Exception):
 
 
 class Tally:
-    """Counts the contact problems of one step that were left unsolved, and keeps the worst residual."""
+    """Counts the contact problems of one step that were left unsolved, and keeps the worst residual.
+
+    Of soft laws also the largest distance of normal impulses from the law, and the longest stable step.
+    """
 
     def __init__(self) -> None:
         self.unsolved, self.worst = 0, 0.0
+        self.law_error, self.stable_step = 0.0, np.inf
 
     def add(self, solution: ContactSolution) -> None:
         """Count one solution."""
         self.unsolved += not solution.solved
         self.worst = max(self.worst, solution.residuals.velocity_error)
+
+    def add_law(self, error: float, agreed: float) -> None:
+        """Count how far the normal impulses ended from their law, as a share of the largest one."""
+        self.unsolved += not error <= agreed
+        self.law_error = max(self.law_error, error)
+
+    def add_step(self, stable: float) -> None:
+        """Keep the longest step [s] at which an explicit exchange would be stable."""
+        self.stable_step = min(self.stable_step, stable)
 
 
 class Meeting(NamedTuple):
@@ -123,7 +136,7 @@ class Meeting(NamedTuple):
             )  # fmt: skip
             if swerve is not None:
                 g += swerve[near].ravel()
-            problem = finite_problem(G, g, self.mu, options.law)
+            problem = finite_problem(G, g, self.mu, options.problem_law)
             solution = solve(problem, options.solver, options.tol, warm_start=warm[near])
             self.tally.add(solution)
             impulses[near] = solution.forces

@@ -7,10 +7,13 @@ from typing import Literal, get_args
 
 from surefoot.arrays import real_number
 from surefoot.contact.laws import LAWS
+from surefoot.contact.laws.soft import SoftLaw
 from surefoot.errors import ProblemError, unknown_name
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
 STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
+Integration = Literal["implicit", "explicit"]
+INTEGRATIONS: tuple[Integration, ...] = get_args(Integration)
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,11 @@ class StepOptions:
         lets it be.
     law
         "coulomb", or "convex" to see what that relaxation does: a sliding contact then separates with
-        mu ||u_t||, and floats at dt mu ||u_t|| over the ground.
+        mu ||u_t||, and floats at dt mu ||u_t|| over the ground. Or a soft law (`surefoot.laws`): restitution
+        and stabilisation are then its own affair. Which friction coefficient holds, the ground says.
+    integration
+        Of a soft law: "implicit", the force at the end of the step, stable for any stiffness, which takes
+        exact friction; "explicit", the force at its beginning, stable for short steps only.
     solver, tol
         For `surefoot.solve`.
 
@@ -42,16 +49,49 @@ class StepOptions:
     dt: float = 1e-3
     restitution: float = 0.0
     stabilisation: Stabilisation = "projection"
-    law: str = "coulomb"
+    law: str | SoftLaw = "coulomb"
     solver: str = "auto"
     tol: float = 1e-8
+    integration: Integration = "implicit"
 
     def __post_init__(self) -> None:
         if self.stabilisation not in STABILISATIONS:
             raise ProblemError(unknown_name("stabilisation", self.stabilisation, STABILISATIONS))
-        if self.law not in LAWS:
+        if self.integration not in INTEGRATIONS:
+            raise ProblemError(unknown_name("integration", self.integration, INTEGRATIONS))
+        if self.soft is not None:
+            self._fit_soft_law(self.soft)
+        elif self.law not in LAWS:
             raise ProblemError(unknown_name("law", self.law, LAWS))
+        elif self.integration != "implicit":
+            raise ProblemError("integration='explicit' is of soft laws: rigid contact has no explicit force")
         object.__setattr__(self, "dt", real_number("dt", self.dt, low=1e-6))
         object.__setattr__(
             self, "restitution", real_number("restitution", self.restitution, low=0.0, high=1.0)
         )
+
+    @property
+    def soft(self) -> SoftLaw | None:
+        """The soft law, None where contacts are rigid."""
+        return self.law if isinstance(self.law, SoftLaw) else None
+
+    @property
+    def problem_law(self) -> str:
+        """The law of the contact problems: soft laws keep exact Coulomb friction."""
+        return "coulomb" if isinstance(self.law, SoftLaw) else self.law
+
+    def _fit_soft_law(self, law: SoftLaw) -> None:
+        """Refuse what does not go with a soft law."""
+        if self.restitution != 0.0:
+            raise ProblemError(
+                f"restitution is of rigid contacts, got {self.restitution:g} with a {type(law).__name__}: a "
+                "soft law bounces by its own damping, e.g. SpringDamper.bouncing"
+            )
+        if self.stabilisation == "baumgarte":
+            raise ProblemError("stabilisation='baumgarte' is of rigid contacts: overlap is a soft law's own")
+        if self.integration == "implicit" and not law.friction.exact:
+            raise ProblemError(
+                f"{type(law.friction).__name__} goes with integration='explicit'; the implicit step solves "
+                "ExactFriction, which it replaces"
+            )
+        object.__setattr__(self, "stabilisation", "none")

@@ -69,7 +69,7 @@ class Impact(NamedTuple):
     before, free, after
         (nv,) velocities on arrival, after all forces but the ground's, and after the impulses.
     near
-        (k,) contacts of the problem.
+        (k,) contacts of the problem; under a soft law those that press.
     rows
         (3k, nv) (L⁻¹ Jᵀ)ᵀ of those contacts, with M = L Lᵀ: G = rows rowsᵀ; None without any.
     impulses
@@ -115,6 +115,10 @@ class Step(NamedTuple):
         How many of the step's contact problems were left above the tolerance.
     worst_residual
         Their largest velocity error, see `Residuals`.
+    law_error
+        Under a soft law: largest distance of the normal impulses from it, as a share of the largest one.
+    stable_step
+        Longest step at which an explicit exchange would have been stable [s]; infinite where none was made.
     """
 
     state: State
@@ -126,6 +130,8 @@ class Step(NamedTuple):
     impact: Impact | None
     unsolved: int
     worst_residual: float
+    law_error: float = 0.0
+    stable_step: float = np.inf
 
     @property
     def forces(self) -> FloatArray:
@@ -147,10 +153,13 @@ class Step(NamedTuple):
         """Work of the ground's impulses [J].
 
         λᵀ (u⁺ + u⁻) / 2 with u⁻ the velocity without them; never positive without restitution and
-        Baumgarte's term.
+        Baumgarte's term. Soft ground gives back what it stored.
         """
-        if self.solution is None:
+        if self.impact is None or self.impact.rows is None:
             return 0.0
-        impulses = self.solution.forces.ravel()
         power = float(np.sum(self.impulses * self.velocities))
-        return power - 0.5 * float(impulses @ self.solution.problem.G @ impulses)
+        if self.solution is not None and self.solution.problem.compliance is None:
+            impulses = self.solution.forces.ravel()
+            return power - 0.5 * float(impulses @ self.solution.problem.G @ impulses)
+        change = self.impact.rows.T @ self.impact.impulses[self.impact.near].ravel()
+        return power - 0.5 * float(change @ change)

@@ -1,4 +1,4 @@
-"""One step of a robot with hard contacts and exact Coulomb friction, as a function of the state.
+"""One step of a robot with hard or soft contacts and exact Coulomb friction, as a function of the state.
 
 Near the ground a step is free motion for half of it, all forces at once, free motion for the other half::
 
@@ -16,6 +16,8 @@ An open contact enters with u_n + gap / dt >= 0, so that a foot that would hit t
 impulses stops at the surface and does not go below it. Impulses never do positive work where the restitution
 is zero and positions are not pulled by velocities.
 
+Soft laws (`soft_impacts`, `explicit`) take the place of Signorini's at the same point of the step.
+
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
 the ground; a sphere on curved ground sees the tangent plane below its centre.
 
@@ -31,15 +33,19 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact import ContactProblem, ContactSolution
+from surefoot.contact.laws.soft import stable_step_together
 from surefoot.errors import SimulationError
 from surefoot.robot import Robot
 from surefoot.solvers import solve
+from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import Bodies, finite_vector
 from surefoot.stepping.detection import Contacts
+from surefoot.stepping.explicit import ExplicitMeeting
 from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
 from surefoot.stepping.motion import Ahead, FreeMotion
 from surefoot.stepping.options import StepOptions
+from surefoot.stepping.soft_impacts import SoftMeeting
 from surefoot.stepping.state import Impact, Memory, State, Step
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -94,6 +100,8 @@ class Stepper:
         self.terrain = FlatTerrain() if terrain is None else terrain
         self.bodies = Bodies(robot, self.terrain, real_number("payload", payload, low=0.0))
         self._foot = robot.contact_points.foot
+        soft = {"implicit": SoftMeeting, "explicit": ExplicitMeeting}
+        self._meeting = Meeting if self.options.soft is None else soft[self.options.integration]
         self._still = np.zeros(self.bodies.model.nv)
         self._seen: tuple[FloatArray, Contacts] | None = None
 
@@ -118,8 +126,37 @@ class Stepper:
         return Contacts(seen.gaps.copy(), seen.positions.copy(), seen.frames.copy(), seen.J.copy())
 
     def energy(self, state: State) -> float:
-        """Return kinetic plus potential energy [J], zero potential at z = 0."""
+        """Return kinetic plus potential energy [J], zero potential at z = 0; see also `stored`."""
         return self.bodies.energy(state.q, state.v)
+
+    def stored(self, step: Step) -> float:
+        """Return the elastic energy of soft contacts [J] after a step, where its velocities lead.
+
+        That is the middle of the next step, the end of the span on which the step's forces act: so counted,
+        implicit contacts never make energy beyond normal impulses times g dt / 2.
+        """
+        law = self.options.soft
+        ahead = step.gaps + step.dt * step.velocities[:, 2]
+        return 0.0 if law is None else float(law.energy(ahead).sum())
+
+    def stable_step(self, state: State) -> float:
+        """Return the longest step [s] at which the soft law is stable explicitly, its points loaded alike.
+
+        All points within `REACH` of the ground press with their share of the weight, at the state's q;
+        infinity for none and for rigid contacts. See `surefoot.laws.stable_step`.
+        """
+        law, seen = self.options.soft, self.contacts(state)
+        every = np.flatnonzero(seen.gaps < REACH)
+        if law is None or not every.size:
+            return np.inf
+        self.bodies.weigh(state.q)
+        still = self._still
+        _, G, _ = arithmetic.assemble(
+            seen.J, self.bodies.L, still, still, 0.0 * seen.gaps, every, 1.0, 0.0, np.inf, 0.0
+        )
+        depth = np.full(every.shape, law.rest_depth(self.robot.mass * GRAVITY / every.size))
+        _, by_depth, by_rate = law.pressed(depth, 0.0 * depth)
+        return stable_step_together(G[2::3, 2::3], by_depth, by_rate)
 
     def step(
         self, state: State, torques: FloatArray, push: FloatArray | None = None, mu: float = 0.6
@@ -180,7 +217,7 @@ class Stepper:
             raise LostMotion("velocity under the given torques")
         # the ground's
         near = arithmetic.near_ground(contacts.J, before, free, contacts.gaps, dt, REACH)
-        meeting = Meeting(q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
+        meeting = self._meeting(q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
         impact = meeting.collide(near, last, leaving)
         impulses = impact.impulses if arrival is None else impact.impulses + arrival
         # free motion to the end
@@ -188,7 +225,7 @@ class Stepper:
         memory = Memory(impulses, impact.leaving, not near.size, rate, q, v)
         return Step(
             State(q, v, state.steps + 1, memory), dt, impulses, impact.velocities, contacts.gaps,
-            contacts.positions, impact, tally.unsolved, tally.worst,
+            contacts.positions, impact, tally.unsolved, tally.worst, tally.law_error, tally.stable_step,
         )  # fmt: skip
 
     def _arrived(
@@ -207,7 +244,7 @@ class Stepper:
 
     def stopped(self, state: State, mu: float, tally: Tally) -> Impact | None:
         """Return what stops a start that would hit the ground before the first impulses, if it would."""
-        if state.memory is not None:
+        if state.memory is not None or self.options.soft is not None:  # soft ground takes what arrives
             return None
         nothing, soon = np.zeros((len(self._foot), 3)), 0.5 * self.options.dt
         contacts = self._detect(state.q)

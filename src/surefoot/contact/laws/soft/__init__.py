@@ -6,6 +6,7 @@ from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
 from surefoot.contact.laws.soft.law import ForceJacobian, Linearisation, SoftLaw
 from surefoot.contact.laws.soft.mujoco import MujocoLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper
+from surefoot.contact.laws.soft.stability import stable_step, stable_step_together
 from surefoot.contact.laws.soft.validation import validate_law
 
 __all__ = [
@@ -22,5 +23,7 @@ __all__ = [
     "SpringDamper",
     "behaviour",
     "rebound",
+    "stable_step",
+    "stable_step_together",
     "validate_law",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,8 +21,11 @@ class Friction(ABC):
     ----------
     mu
         Friction coefficient, >= 0.
+    exact
+        Whether it is Coulomb's law itself, which a contact problem solves.
     """
 
+    exact: ClassVar[bool] = False
     mu: float = 0.6
 
     def __post_init__(self) -> None:
@@ -43,6 +47,8 @@ class ExactFriction(Friction):
     A foot that rests may take any force in the disc: as a function of the velocity the law then gives the
     least one, zero, and which one it is must be asked of a contact problem (`surefoot.solve`).
     """
+
+    exact: ClassVar[bool] = True
 
     def ratio(self, sliding: FloatArray) -> FloatArray:
         """Return f_t / f_n for (..., 2) sliding velocities [m/s]; zero at rest."""

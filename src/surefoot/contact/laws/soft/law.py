@@ -170,6 +170,29 @@ class SoftLaw(ABC):
             )
         return Linearisation(1.0 / (step * slope), -force / slope - parting)
 
+    def over_step(
+        self, gap: FloatArray, speed: FloatArray, arriving: FloatArray, dt: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the formula at the end of an implicit step, and how steeply it falls with the speed there.
+
+        Parameters
+        ----------
+        gap
+            (...,) at the beginning of the step [m].
+        speed, arriving
+            (...,) normal velocities over the step and before it [m/s]; only a law that speaks of
+            accelerations (MuJoCo's) asks for the second.
+        dt
+            Step [s].
+
+        Returns
+        -------
+        The normal force [N], a pull not cut off, and minus its derivative by `speed` [N s/m]; where the step
+        ends above the ground, those at the surface.
+        """
+        force, by_depth, by_rate = self.pressed(np.maximum(-(gap + dt * speed), 0.0), -speed)
+        return force, dt * by_depth + by_rate
+
     def words(self, engine: str) -> dict[str, Any] | None:
         """Return this law's parameters where it is an engine's own law, None otherwise."""
         return None

@@ -103,6 +103,22 @@ class MujocoLaw(SoftLaw):
         by_depth = self.mass * (slope * wanted + d * stiff * (d + slope * depth))
         return self.mass * d * wanted, by_depth, self.mass * d * damp
 
+    def over_step(
+        self, gap: FloatArray, speed: FloatArray, arriving: FloatArray, dt: float
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return MuJoCo's force from the acceleration that the step really makes; see `SoftLaw.over_step`.
+
+        Its program says f (1 - d) / (d mass) = -b v - k r - a with a the acceleration *with* all contacts;
+        for one contact of effective mass `mass` that is the class's formula. `free_acceleration` is not used.
+        """
+        stiff, damp = self.stiffness_and_damping
+        depth = np.maximum(-(gap + dt * speed), 0.0)
+        d, rise = self.impedance(depth)
+        wanted = -damp * speed + stiff * d * depth - (speed - arriving) / dt
+        gain = self.mass * d / (1.0 - d)
+        by_depth = self.mass * rise / (1.0 - d) ** 2 * wanted + gain * stiff * (rise * depth + d)
+        return gain * wanted, dt * by_depth + gain * (damp + 1.0 / dt)
+
     def stored(self, depth: FloatArray) -> FloatArray:
         """Return the work that a slow overlap takes [J], by quadrature: the force at rest, integrated."""
         deep = np.asarray(depth, dtype=float)

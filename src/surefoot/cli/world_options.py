@@ -1,0 +1,130 @@
+"""Which physics a simulated run obeys: the options of its world, and what they make."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+from rich.console import Console
+
+from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
+from surefoot.simulation.worlds import WORLDS
+
+if TYPE_CHECKING:
+    from surefoot.laws import SoftLaw
+    from surefoot.robot import Robot
+    from surefoot.simulation.world import World
+    from surefoot.terrain import Terrain
+
+WorldName: TypeAlias = Annotated[str, typer.Option(help=f"Physics: {' or '.join(WORLDS)}.")]
+ContactLaw: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        help="Soft ground of the rigid world: spring-damper:k=2e4,d=100, hunt-crossley:k=2e5,a=0.5, "
+        "hertz:radius=0.02,modulus=1e7 or mujoco:tc=0.02,zeta=1,mass=4 (effective mass of a contact)."
+    ),
+]
+Explicit: TypeAlias = Annotated[
+    bool, typer.Option("--explicit", help="Integrate --law explicitly, to see it chatter.")
+]
+Solref: TypeAlias = Annotated[
+    str | None, typer.Option(help="MuJoCo's TC,ZETA [s, 1] or -K,-B [1/s^2, 1/s] of the ground.")
+]
+Solimp: TypeAlias = Annotated[
+    str | None, typer.Option(help="MuJoCo's DMIN,DMAX,WIDTH,MIDPOINT,POWER of the ground, or fewer.")
+]
+
+_WORDS: dict[str, dict[str, str]] = {
+    "spring-damper": {"k": "stiffness", "d": "damping"},
+    "hunt-crossley": {"k": "stiffness", "a": "dissipation", "p": "exponent"},
+    "hertz": {"k": "stiffness", "a": "dissipation", "radius": "", "modulus": "", "poisson": ""},
+    "mujoco": {"tc": "", "zeta": "", "mass": "", "dmin": "", "dmax": "", "width": ""},
+}
+"""Law -> the names that it takes, and what they are called in `surefoot.laws`."""
+
+
+def contact_law(text: str, mu: float) -> SoftLaw:
+    """Return the soft law of "NAME:KEY=VALUE,...", with exact friction.
+
+    >>> contact_law("spring-damper:k=2e4,d=100", 0.6).stiffness
+    20000.0
+    """
+    from surefoot import laws
+    from surefoot.cli import parsing
+
+    name, _, rest = text.partition(":")
+    if name not in _WORDS:
+        raise ProblemError(unknown_name("law", name, _WORDS))
+    values: dict[str, float] = {}
+    for part in filter(None, rest.split(",")):
+        key, equals, value = part.partition("=")
+        if not equals or key not in _WORDS[name]:
+            raise ProblemError(f"--law {text!r}: " + unknown_name(f"parameter of {name}", key, _WORDS[name]))
+        if key in values:
+            raise ProblemError(f"--law {text!r}: {key} is given twice")
+        values[key] = parsing.number("--law", value)
+    friction = laws.ExactFriction(mu)
+    named = {_WORDS[name][key] or key: value for key, value in values.items()}
+    try:
+        if name == "mujoco":
+            pair = (named.pop("tc", 0.02), named.pop("zeta", 1.0))
+            limits = (named.pop("dmin", 0.9), named.pop("dmax", 0.95), named.pop("width", 0.001))
+            return laws.MujocoLaw(pair, limits, friction=friction, **named)
+        if name == "hertz" and "stiffness" not in named:
+            ball = laws.Hertz.sphere(**named)
+            return laws.Hertz(ball.stiffness, ball.dissipation, friction=friction)
+        kind: Any = {
+            "spring-damper": laws.SpringDamper, "hunt-crossley": laws.HuntCrossley, "hertz": laws.Hertz,
+        }[name]  # fmt: skip
+        made: SoftLaw = kind(friction=friction, **named)
+        return made
+    except TypeError as error:
+        raise ProblemError(f"--law {text!r}: {name} takes {', '.join(_WORDS[name])}: {error}") from error
+
+
+def world_settings(
+    world: str, mu: float, law: str | None, explicit: bool, solref: str | None, solimp: str | None
+) -> dict[str, Any]:
+    """Return what the options say to the world, or raise for an option that it does not have."""
+    from surefoot.cli import parsing
+
+    if world not in WORLDS:
+        raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
+    told: dict[str, Any] = {}
+    for option, text, owner in (
+        ("--law", law, "rigid"), ("--solref", solref, "mujoco"), ("--solimp", solimp, "mujoco"),
+    ):  # fmt: skip
+        if text is None:
+            continue
+        if world != owner:
+            raise ProblemError(f"{option} is of --world {owner}, got --world {world}")
+        if option == "--law":
+            told["law"] = contact_law(text, mu)
+        else:
+            told[option[2:]] = tuple(parsing.number(option, part) for part in text.split(","))
+    if explicit:
+        if law is None:
+            raise ProblemError("--explicit goes with --law")
+        told["integration"] = "explicit"
+    return told
+
+
+def build_world(
+    name: str,
+    robot: Robot,
+    terrain: Terrain,
+    mu: float,
+    payload: float,
+    told: dict[str, Any],
+    console: Console,
+) -> World:
+    """Return the world; what it says about the chosen step is printed."""
+    from surefoot.simulation.worlds import make_world
+
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", StiffContactWarning)
+        world = make_world(name, robot, terrain, mu, payload=payload, **told)
+    for warning in said:
+        console.print(str(warning.message), soft_wrap=True, highlight=False)
+    return world

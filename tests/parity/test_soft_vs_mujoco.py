@@ -1,0 +1,81 @@
+"""MuJoCo's contact law in our world and in MuJoCo's: the same bodies come to the same depth the same way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.control.controller import RobotState
+from surefoot.control.standing import StandingController
+from surefoot.control.standing_plan import StandingPlan
+from surefoot.laws import MujocoLaw
+from surefoot.robot import place
+from surefoot.simulation.bodies import ball
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.terrain import FlatTerrain
+
+SOFTNESS = {
+    "default": ((0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)),
+    "bouncy": ((0.02, 0.6), (0.9, 0.95, 0.001, 0.5, 2.0)),
+    "direct": ((-3000.0, -40.0), (0.3, 0.95, 0.003, 0.3, 3.0)),
+}
+
+
+@pytest.mark.parametrize(("solref", "solimp"), SOFTNESS.values(), ids=SOFTNESS.keys())
+def test_a_dropped_ball(solref, solimp):
+    mass, paths, dt = 3.0, [], 2e-4
+    body = ball(mass, 0.1)
+    law = MujocoLaw(solref, solimp, mass=mass)
+    for world in (
+        MujocoWorld(body, dt=dt, solref=solref, solimp=solimp),
+        RigidWorld(body, dt=dt, law=law),
+    ):
+        q = body.nominal.copy()
+        q[2] += 0.02
+        world.reset(q)
+        path = []
+        for _ in range(15000):
+            world.step(np.zeros(0))
+            path.append(world.state()[0][2] - 0.1)
+        paths.append(np.array(path))
+    mujoco, ours = paths
+    depth = law.rest_depth(mass * 9.81)
+    assert -ours[-1] == pytest.approx(depth, rel=1e-6)
+    assert -mujoco[-1] == pytest.approx(depth, rel=1e-6)
+    deepest = -mujoco.min()
+    assert -ours.min() == pytest.approx(deepest, rel=0.02)
+    assert np.abs(ours - mujoco)[: round(0.2 / dt)].max() < 0.05 * deepest
+
+
+def test_go2_rests_at_mujocos_depth():
+    robot = sf.load_robot("go2")
+    depths, law = [], None
+    terrain = FlatTerrain()
+    q = place(robot, terrain)
+    for kind in ("mujoco", "rigid"):
+        if kind == "mujoco":
+            world = MujocoWorld(robot, solref=(0.02, 1.0), solimp=(0.9, 0.95))
+            bodies = world.model.geom_bodyid[world._geoms]
+            inverse = world.model.body_invweight0[bodies, 0]
+            assert np.ptp(inverse) < 5e-3 * inverse.mean()  # one effective mass does for four feet
+            law = MujocoLaw((0.02, 1.0), (0.9, 0.95), mass=float(1.0 / inverse.mean()))
+        else:
+            world = RigidWorld(robot, law=law)
+        world.reset(q)
+        controller = StandingController(robot, StandingPlan(robot, terrain, q, []), terrain, q, 0.6)
+        for _ in range(1500):
+            world.step(controller.step(RobotState(*world.state(), world.time)).torques)
+        seen = world.contacts()
+        assert seen.forces[:, 2].sum() == pytest.approx(robot.mass * 9.81, rel=1e-3)
+        depths.append(-seen.gaps)
+    mujoco, ours = depths
+    assert mujoco.min() > 1e-3  # 4 kg on each 0.4 kg: ten times as deep as a free body
+    assert np.abs(ours / mujoco - 1.0).max() < 5e-3
+
+
+@pytest.mark.parametrize("softness", [{"solref": (0.02, -1.0)}, {"solimp": ()}, {"solref": (0.02,)}])
+def test_no_softness(softness):
+    with pytest.raises(sf.ProblemError, match=next(iter(softness))):
+        MujocoWorld(ball(), **softness)
