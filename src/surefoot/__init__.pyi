@@ -71,6 +71,12 @@ from .errors import NoSolution as NoSolution
 from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
+from .estimation import TossErrors as TossErrors
+from .estimation import Tosses as Tosses
+from .estimation import TossFit as TossFit
+from .estimation import identify as identify
+from .estimation import read_tosses as read_tosses
+from .estimation import write_tosses as write_tosses
 from .log import Log as Log
 from .log import log_from_arrays as log_from_arrays
 from .log import read_log as read_log

@@ -21,6 +21,8 @@ from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
 from surefoot.control.gait_files import write_gaits
 from surefoot.control.gait_library import named_gait
+from surefoot.estimation import write_tosses
+from surefoot.problems.tosses import random_tosses
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.solvers import solver as solvers
 
@@ -88,6 +90,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for foot, name in zip(find("a1").feet, "abcd", strict=True):
         text = text.replace(f'"{foot}"', f'"{name}"')
     (place / "my.urdf").write_text(text)
+    for name, seed in (("tosses", 0), ("train", 1), ("test", 2)):
+        write_tosses(random_tosses(8, [0.2, 0.1, 0.05], seed=seed, frames=90), place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     return place
 

@@ -11,6 +11,7 @@ import pytest
 import surefoot as sf
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
+from surefoot.estimation import Cube, Tosses, write_tosses
 from surefoot.log import read_log
 
 STANCE = Path(__file__).parents[2] / "examples" / "stances" / "slope.yaml"
@@ -44,6 +45,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "heavy.yaml").write_text(text.format("1.0e+300", 0.5))
     (place / "nan.yaml").write_text(text.format(".nan", 0.5))
     (place / "sticky.yaml").write_text(text.format(10, 5000))
+    states = np.zeros((80, 13))
+    states[:, 6] = 1.0
+    for name, count, side in (("tosses", 8, 0.05), ("other", 8, 0.06), ("few", 2, 0.05)):
+        starts = np.arange(count + 1) * 10
+        cube = Cube(half_side=side)
+        write_tosses(Tosses(states[: 10 * count], starts, 0.01, cube=cube), place / f"{name}.npz")
     sf.write_problem(ContactProblem(np.eye(3), [0.0, 0.0, -1.0], 0.5), place / "good.npz")
     return place
 
@@ -108,6 +115,16 @@ CASES = [
         for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz", "stance.yaml")
     ),
     *((f"solve good.npz --tol {n}", "--tol") for n in NOT_FINITE),
+    *((f"identify {f}", "surefoot: ") for f in ("empty.npz", "noise.dat", "folder.npz", "none.npz")),
+    ("identify good.npz", "good.npz holds no tosses: it has no states"),
+    ("identify tosses.npz --test good.npz", "good.npz holds no tosses"),
+    ("identify tosses.npz --test other.npz", "other.npz holds tosses of another cube than tosses.npz"),
+    ("identify tosses.npz --law hertz", "unknown contact law 'hertz'; valid names: hunt-crossley, rigid"),
+    ("identify tosses.npz --rivals bullet", "unknown rival 'bullet'; valid names: drake, mujoco"),
+    ("identify tosses.npz --seed -1", "--seed must be"),
+    ("identify tosses.npz --resamples 1", "--resamples must be"),
+    ("identify tosses.npz --out good.npz/x", "cannot write to --out good.npz/x"),
+    ("identify few.npz", "a fit needs 8 tosses or more, got 2"),
     ("bench contact --quick --tol 0", "--tol must be"),
     ("bench contact --quick --tol nan", "--tol must be"),
     ("bench contact --quick --seed -1", "--seed must be"),

@@ -93,6 +93,12 @@ equilibrium.scaling      apply                equilibrium/test_equilibrium_kerne
 equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation
 equilibrium.scaling      scale                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
 equilibrium.scaling      step_to_boundary     equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
+estimation.cube_contact  exchange             estimation/test_cube_motion.py::test_impulses_obey_the_laws_of_the_problem_as_numpy_writes_it
+estimation.cube_contact  place                estimation/test_cube_motion.py::test_corners_and_their_speeds_are_those_of_a_rotated_box
+estimation.cube_contact  rise                 estimation/test_cube_motion.py::test_corners_and_their_speeds_are_those_of_a_rotated_box
+estimation.cube_motion   fly                  estimation/test_cube_motion.py::test_fly_turns_slowly_and_not_at_all
+estimation.cube_motion   simulate             estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
+estimation.cube_motion   step                 estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 numerics.cholesky        cholesky             numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        guarded_cholesky     numerics/test_cholesky.py::test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot
 numerics.cholesky        product              numerics/test_cholesky.py::test_product

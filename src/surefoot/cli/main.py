@@ -9,7 +9,7 @@ from typing import Annotated, cast
 import typer
 
 from surefoot import __version__
-from surefoot.cli import bench, check, cone, model, region, solve, stand, translate, walk, warmup
+from surefoot.cli import bench, check, cone, identify, model, region, solve, stand, translate, walk, warmup
 from surefoot.cli.compiling import announce_compilation
 from surefoot.cli.literal_help import LiteralHelpCommand
 from surefoot.errors import SurefootError
@@ -28,7 +28,7 @@ app = typer.Typer(
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, warmup.warmup,
+    translate.translate, identify.identify, warmup.warmup,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
 app.add_typer(bench.app, name="bench")

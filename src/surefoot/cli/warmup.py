@@ -191,6 +191,20 @@ def _cones() -> None:
     PolyhedralCone.from_rays(pyramid.rays, "dd")
 
 
+def _identify() -> None:
+    import numpy as np
+
+    from surefoot.estimation import Cube
+    from surefoot.estimation.cube_model import CubeModel
+    from surefoot.estimation.ground_plane import Plane
+    from surefoot.estimation.toss_model import Scene
+
+    start = np.zeros((1, 13))
+    start[0, 2], start[0, 6] = 0.06, 1.0
+    scene = Scene(start, np.array([20]), 0.01, Plane(0.0, np.zeros(2)), 9.81, Cube())
+    CubeModel().rollout(np.array([0.2, 0.1, 0.0]), scene)
+
+
 def _command(*arguments: str) -> Callable[[], None]:
     """Return the task that runs a command, its words kept back and its files thrown away."""
 
@@ -216,6 +230,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "solve, complementarity": _lcp,
     "check, region": _statics,
     "contact forces": _forces,
+    "identify": _identify,
     "stand": _command("stand", "go2", *RUN, "0.1"),
     "stand, rigid": _command("stand", "go2", "--world", "rigid", *RUN, "0.1"),
     "walk": _command("walk", "go2", "--terrain", "stairs:0.05,0.3", *RUN, "0.6"),

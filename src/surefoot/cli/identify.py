@@ -1,0 +1,241 @@
+"""`surefoot identify`: friction, restitution or stiffness, and the ground, from recorded tosses of a cube."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.arrays import whole_number
+from surefoot.cli.console import plain_console
+from surefoot.cli.extras import picture_folder
+from surefoot.cli.output import check_out, to_json
+from surefoot.cli.progress import progress_bar
+from surefoot.errors import ProblemError
+
+if TYPE_CHECKING:  # the other commands need no compiled code
+    from surefoot.estimation import Tosses, TossFit
+
+EXPECTED = 45.0
+"""Simulations of all tosses that a fit takes, give or take: for the progress bar."""
+NAMED = "auto"
+
+
+def identify(
+    tosses: Annotated[Path, typer.Argument(help="An .npz file of tosses; see docs/identify.md.")],
+    test: Annotated[
+        Path | None, typer.Option(help="Other tosses, which the fit does not see: errors on them.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(help="rigid, spring-damper or hunt-crossley; repeatable, the first is 'fit' in --json."),
+    ] = None,
+    rivals: Annotated[
+        str,
+        typer.Option(
+            help="Simulators to be tuned by the same search: mujoco, drake, comma-separated, or none; auto: "
+            "with --test, all that are there."
+        ),
+    ] = NAMED,
+    resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
+    seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
+    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw errors and a toss.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
+    from surefoot.estimation import read_tosses
+
+    whole_number("--seed", seed)
+    whole_number("--resamples", resamples, low=20)
+    check_out(out if picture else None)
+    recorded = read_tosses(tosses)
+    others = None if test is None else read_tosses(test)
+    if others is not None and others.cube != recorded.cube:
+        raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
+    models = [*_laws(law or ["rigid"]), *_rivals(rivals, test is not None)]
+    fits: dict[str, TossFit] = {}
+    for model, most in models:
+        with progress_bar(not as_json, f"{model.name}: simulating tosses", 1.0) as moved:
+            fits[model.name] = _fit(model, most, recorded, others, resamples, seed, moved)
+    names = [model.name for model, _ in models]
+    facts = _facts(fits, names[: len(law or ["rigid"])], recorded, others)
+    folder, note = picture_folder(out, "identify") if picture else (None, "")
+    if folder is not None:
+        from surefoot.viz.toss_plots import draw_tosses
+
+        facts["picture"] = str(draw_tosses(recorded, others, fits, folder / "tosses.png"))
+    if note:
+        facts["notes"].append(note)
+    if as_json:
+        print(to_json(facts))
+    else:
+        _print(facts)
+    return 0
+
+
+def _laws(names: list[str]) -> list[Any]:
+    """Return (model, None) for each law, each once."""
+    from surefoot.estimation.cube_model import CubeModel
+
+    return [(CubeModel(name), None) for name in dict.fromkeys(names)]
+
+
+def _rivals(names: str, testing: bool) -> list[Any]:
+    """Return (model, tosses it is tuned on) for each rival."""
+    from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
+
+    if names == NAMED:
+        wanted = present_rivals() if testing else []
+    else:
+        wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
+    return [(make_rival(name), RIVALS[name].most) for name in dict.fromkeys(wanted)]
+
+
+def _fit(
+    model: Any,
+    most: int | None,
+    recorded: Tosses,
+    others: Tosses | None,
+    resamples: int,
+    seed: int,
+    moved: Any,
+) -> TossFit:
+    """Fit one model, moving the bar."""
+    from surefoot.estimation import identify as fit
+
+    expected = EXPECTED * len(recorded)
+
+    def progress(simulated: float) -> None:
+        if moved is not None:
+            moved(1.0 - math.exp(-2.0 * simulated / expected))
+
+    return fit(recorded, model, test=others, most=most, resamples=resamples, seed=seed, progress=progress)
+
+
+def _facts(
+    fits: dict[str, TossFit], laws: list[str], recorded: Tosses, others: Tosses | None
+) -> dict[str, Any]:
+    """Return everything that the command says."""
+    first = fits[laws[0]]
+    laws = list(dict.fromkeys(laws))
+    rivals = [name for name in fits if name not in laws]
+    facts: dict[str, Any] = {
+        "law": laws[0],
+        "tosses": len(recorded),
+        "width": recorded.cube.width,
+        "fit": _numbers(first),
+        "train": _part(fits, laws[0], rivals, "train"),
+        "test": None if others is None else _part(fits, laws[0], rivals, "test"),
+        "laws": {
+            name: {
+                "fit": _numbers(fits[name]),
+                "train": _part(fits, name, rivals, "train"),
+                "test": None if others is None else _part(fits, name, rivals, "test"),
+            }
+            for name in laws[1:]
+        },
+        "noise": {"position": first.position_noise, "rotation_deg": math.degrees(first.rotation_noise)},
+        "effort": {name: {"simulations": f.evaluations, "seconds": f.seconds} for name, f in fits.items()},
+        "notes": list(dict.fromkeys(note for f in fits.values() for note in f.notes)),
+        "picture": None,
+    }
+    return facts
+
+
+def _numbers(fit: TossFit) -> dict[str, Any]:
+    """Return the fitted numbers as the JSON has them."""
+    return {
+        name: {"value": e.value, "low": e.low, "high": e.high, "unit": e.unit}
+        for name, e in fit.parameters.items()
+    }
+
+
+def _part(fits: dict[str, TossFit], name: str, rivals: list[str], part: str) -> dict[str, Any]:
+    """Return the errors of one law on one part of the tosses, and those of its rivals."""
+    ours = getattr(fits[name], part)
+    out: dict[str, Any] = {"tosses": len(ours.position), **_errors(ours), "rivals": {}}
+    from surefoot.estimation.toss_errors import paired_difference
+
+    for rival in rivals:
+        theirs = getattr(fits[rival], part)
+        gaps = {
+            kind: vars(paired_difference(getattr(ours, kind), getattr(theirs, kind)))
+            for kind in ("position", "rotation")
+        }
+        out["rivals"][rival] = {**_errors(theirs), "fit": _numbers(fits[rival]), "ours_less_theirs": gaps}
+    return out
+
+
+def _errors(errors: Any) -> dict[str, Any]:
+    """Return means, medians and errors toss by toss."""
+    import numpy as np
+
+    return {
+        "position_error_mean": float(errors.position.mean()),
+        "rotation_error_mean": float(errors.rotation.mean()),
+        "position_error_median": float(np.median(errors.position)),
+        "rotation_error_median": float(np.median(errors.rotation)),
+        "position_error": errors.position,
+        "rotation_error": errors.rotation,
+    }
+
+
+def _print(facts: dict[str, Any]) -> None:
+    from rich.table import Table
+
+    console = plain_console()
+    for law, fit in ((facts["law"], facts["fit"]), *((n, d["fit"]) for n, d in facts["laws"].items())):
+        table = Table(title=f"{law}, fitted to {facts['tosses']} tosses", title_justify="left")
+        for name in ("", "value", "95 % interval", "unit"):
+            table.add_column(name)
+        for name, e in fit.items():
+            table.add_row(name, f"{e['value']:.5g}", f"{e['low']:.5g} to {e['high']:.5g}", e["unit"])
+        console.print(table)
+    for part in ("train", "test"):
+        if facts[part] is not None:
+            console.print(_error_table(facts, part))
+    if facts["test"] is None:
+        console.print("No --test: errors are those on the tosses it was fitted to.", highlight=False)
+    noise = facts["noise"]
+    console.print(
+        f"noise of the recording in free flight: {1e3 * noise['position']:.3g} mm, "
+        f"{noise['rotation_deg']:.2g} deg; simulated in all: "
+        + ", ".join(
+            f"{name} {e['simulations']:.0f} x in {e['seconds']:.0f} s" for name, e in facts["effort"].items()
+        ),
+        soft_wrap=True,
+        highlight=False,
+    )
+    for note in facts["notes"]:
+        console.print(note, soft_wrap=True, highlight=False)
+    if facts["picture"]:
+        console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
+
+
+def _error_table(facts: dict[str, Any], part: str) -> Any:
+    """Return the table of mean errors of one part, a row per law and rival."""
+    from rich.table import Table
+
+    first = facts[part]
+    known = "not seen by the fit" if part == "test" else "fitted to"
+    table = Table(title=f"{first['tosses']} tosses {known}", title_justify="left")
+    for name in ("", "position [width]", "rotation [deg]", "less the rival's: position", "rotation"):
+        table.add_column(name)
+    rows = [(facts["law"], first), *((name, law[part]) for name, law in facts["laws"].items())]
+    for name, errors in rows:
+        table.add_row(name, *_means(errors), "", "")
+    for name, errors in first["rivals"].items():
+        gaps = [_gap(errors["ours_less_theirs"][kind]) for kind in ("position", "rotation")]
+        table.add_row(name, *_means(errors), *gaps)
+    return table
+
+
+def _means(errors: dict[str, Any]) -> tuple[str, str]:
+    return f"{errors['position_error_mean']:.4f}", f"{errors['rotation_error_mean']:.2f}"
+
+
+def _gap(gap: dict[str, float]) -> str:
+    return f"{gap['value']:+.2g} ({gap['low']:+.2g} to {gap['high']:+.2g})"

@@ -1,0 +1,133 @@
+"""Where the ground is: the plane through the faces on which the cube came to rest.
+
+A cube at rest touches with a face, so that the middle of that face lies in the ground. Height and slopes are
+then a linear regression over the tosses, with nothing to simulate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.estimation.tosses import Tosses
+
+AT_REST = 0.5
+"""Speed over the last frames under which a toss has come to rest, in sides and radians per second."""
+LAST = 3
+"""Frames at the end that must agree."""
+FLAT = 0.06
+"""Largest angle between face and vertical of a cube at rest [rad]."""
+FEWEST = 3
+"""Tosses at rest that make a plane."""
+OUTLIER = 5.0
+"""Distances from the plane beyond this many median ones do not count."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The ground z = height + slope · (x, y).
+
+    Attributes
+    ----------
+    height
+        [m].
+    slope
+        (2,) rise per metre along x and y.
+    """
+
+    height: float
+    slope: FloatArray
+
+    @property
+    def rotation(self) -> Rotation:
+        """From the plane's axes to the world's, turning about a horizontal axis."""
+        normal = np.array([-self.slope[0], -self.slope[1], 1.0])
+        normal /= np.linalg.norm(normal)
+        axis = np.array([-normal[1], normal[0], 0.0])
+        sine = float(np.linalg.norm(axis))
+        return Rotation.from_rotvec(axis * (np.arcsin(sine) / sine if sine > 0.0 else 0.0))
+
+    def above(self, points: FloatArray) -> FloatArray:
+        """Return the distance of (..., 3) points from the plane [m], positive above."""
+        lift = points[..., 2] - self.height - points[..., :2] @ self.slope
+        return np.asarray(lift / np.sqrt(1.0 + self.slope @ self.slope))
+
+
+@dataclass(frozen=True)
+class GroundPoints:
+    """One point of the ground from each toss that gives one.
+
+    Attributes
+    ----------
+    points
+        (B, 3) [m]; what is in the rows of other tosses means nothing.
+    use
+        (B,) which tosses gave one.
+    resting
+        Whether they are from cubes at rest; else they are the lowest places that a corner reached.
+    """
+
+    points: FloatArray
+    use: BoolArray
+    resting: bool
+
+    def planes(self, weights: FloatArray) -> FloatArray:
+        """Return (S, 3) height and slopes for (S, B) weights of the tosses, by least squares."""
+        x = np.column_stack([np.ones(len(self.points)), self.points[:, :2]])
+        w = weights * self.use
+        normal = np.einsum("sb,bi,bj->sij", w, x, x)
+        right = np.einsum("sb,bi,b->si", w, x, self.points[:, 2])
+        # a shade of damping: a resample may hold one toss only
+        normal += 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
+
+
+def corners(tosses: Tosses) -> FloatArray:
+    """Return (N, 8, 3) the corners in every row [m]."""
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    R = Rotation.from_quat(tosses.states[:, 3:7]).as_matrix()
+    arms = np.einsum("nij,kj->nki", R, signs * tosses.cube.half_side)
+    return np.asarray(tosses.states[:, None, :3] + arms)
+
+
+def ground_points(tosses: Tosses) -> GroundPoints:
+    """Return a point of the ground from each toss: the face it rests on, or its lowest corner."""
+    ends = tosses.starts[1:] - 1
+    last = tosses.states[ends]
+    R = Rotation.from_quat(last[:, 3:7]).as_matrix()
+    upward = R[:, 2, :]
+    axis = np.abs(upward).argmax(axis=1)
+    row = np.arange(len(tosses))
+    face = R[row, :, axis] * np.sign(upward[row, axis])[:, None]
+    early = tosses.states[ends - (LAST - 1)]
+    moved = np.linalg.norm(last[:, :3] - early[:, :3], axis=1)
+    turned = (Rotation.from_quat(last[:, 3:7]) * Rotation.from_quat(early[:, 3:7]).inv()).magnitude()
+    shift = moved / tosses.cube.width + turned
+    use = (face[:, 2] > np.cos(FLAT)) & (shift < AT_REST * (LAST - 1) * tosses.dt)
+    points = last[:, :3] - tosses.cube.half_side * face
+    resting = bool(use.sum() >= max(FEWEST, len(tosses) // 4))
+    if not resting:
+        places = corners(tosses)
+        which = places[:, :, 2].argmin(axis=1)
+        low = places[np.arange(len(places)), which]
+        rows = [
+            a + int(low[a:b, 2].argmin()) for a, b in zip(tosses.starts[:-1], tosses.starts[1:], strict=True)
+        ]
+        points, use = low[rows], np.ones(len(tosses), dtype=bool)
+    return _without_outliers(GroundPoints(points, use, resting))
+
+
+def _without_outliers(found: GroundPoints) -> GroundPoints:
+    """Drop points far from the plane through the others."""
+    for _ in range(3):
+        height, *slope = found.planes(np.ones((1, len(found.points))))[0]
+        off = np.abs(Plane(height, np.array(slope)).above(found.points))
+        limit = OUTLIER * float(np.median(off[found.use])) + 1e-6
+        keep = found.use & (off <= limit)
+        if keep.sum() < FEWEST:
+            break
+        found = GroundPoints(found.points, keep, found.resting)
+    return found

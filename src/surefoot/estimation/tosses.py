@@ -1,0 +1,212 @@
+"""Recorded tosses of a cube: the value, and its file.
+
+A file is an .npz without pickles: `states` (N, 13), the tosses one after the other, each row position of
+the centre [m], quaternion (x, y, z, w) from body to world, velocity [m/s] in world axes and angular velocity
+[rad/s] in body axes; `starts` (B + 1,), the first row of each toss, and the end; `dt`, the time between rows
+[s]. `ids` (B,), and the cube's `half_side` [m], `mass` [kg] and `inertia` [kg m²] may be there too.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
+from surefoot.errors import ProblemError, WriteError
+
+UNIT = 1e-3
+"""How far a quaternion's length may be from one."""
+ROUNDED = 1e-14
+"""And how far it is by rounding alone."""
+SHORTEST = 4
+"""Frames of the shortest toss that says anything."""
+
+
+@dataclass(frozen=True)
+class Cube:
+    """A homogeneous-looking cube: its inertia is the same about every axis.
+
+    Attributes
+    ----------
+    half_side
+        [m].
+    mass
+        [kg].
+    inertia
+        About every axis through the centre [kg m²].
+    """
+
+    half_side: float = 0.0524
+    mass: float = 0.37
+    inertia: float = 0.00081
+
+    def __post_init__(self) -> None:
+        for name in ("half_side", "mass", "inertia"):
+            real_number(name, getattr(self, name), low=1e-9, high=1e9)
+
+    @property
+    def width(self) -> float:
+        """Length of a side [m]."""
+        return 2.0 * self.half_side
+
+
+@dataclass(frozen=True)
+class Tosses:
+    """Tosses of one cube, all recorded at the same rate.
+
+    Attributes
+    ----------
+    states
+        (N, 13), see the module.
+    starts
+        (B + 1,) first row of each toss, and the end.
+    dt
+        Time between rows [s].
+    ids
+        (B,) what the tosses are called.
+    cube
+        What was thrown.
+
+    Raises
+    ------
+    ProblemError
+        If the arrays do not fit together, or hold what no toss does; the message names toss and row.
+    """
+
+    states: FloatArray
+    starts: IntArray
+    dt: float
+    ids: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    cube: Cube = field(default_factory=Cube)
+
+    def __post_init__(self) -> None:
+        states = finite_array("states", self.states, (None, 13))
+        starts = _indices("starts", self.starts)
+        ids = _indices("ids", self.ids) if np.size(self.ids) else np.arange(starts.size - 1)
+        set_ = object.__setattr__
+        set_(self, "dt", real_number("dt", self.dt, low=1e-6, high=1.0))
+        if starts.size < 2 or starts[0] != 0 or starts[-1] != len(states):
+            raise ProblemError(
+                f"starts must run from 0 to the number of rows, {len(states)}, got {starts[:1].tolist()} ... "
+                f"{starts[-1:].tolist()}"
+            )
+        lengths = np.diff(starts)
+        if lengths.min() < SHORTEST:
+            k = int(np.argmin(lengths))
+            raise ProblemError(f"toss {k} has {lengths[k]} rows, {SHORTEST} are the least")
+        if ids.shape != lengths.shape:
+            raise ProblemError(f"ids must have shape {lengths.shape}, got {ids.shape}")
+        size = np.linalg.norm(states[:, 3:7], axis=1)
+        off = np.abs(size - 1.0) > UNIT
+        if off.any():
+            row = int(np.argmax(off))
+            toss = int(np.searchsorted(starts, row, side="right")) - 1
+            raise ProblemError(
+                f"the quaternion of toss {toss}, row {row - starts[toss]}, must have length 1, "
+                f"got {size[row]:g}"
+            )
+        # what has been made of length one before stays as it is, to the last bit
+        states[:, 3:7] /= np.where(np.abs(size - 1.0) < ROUNDED, 1.0, size)[:, None]
+        set_(self, "states", states)
+        set_(self, "starts", starts)
+        set_(self, "ids", ids)
+
+    def __len__(self) -> int:
+        return int(self.starts.size - 1)
+
+    @property
+    def frames(self) -> IntArray:
+        """(B,) rows of each toss."""
+        return np.diff(self.starts)
+
+    @property
+    def owner(self) -> IntArray:
+        """(N,) toss of each row."""
+        return np.repeat(np.arange(len(self)), self.frames)
+
+    def subset(self, which: ArrayLike) -> Tosses:
+        """Return the tosses with these (k,) indices, in their order.
+
+        Raises
+        ------
+        ProblemError
+            If there is no such toss, or none is wanted.
+        """
+        chosen = _indices("which", which)
+        if chosen.size == 0 or chosen.min() < 0 or chosen.max() >= len(self):
+            raise ProblemError(f"tosses are chosen from 0 to {len(self) - 1}, got {chosen.tolist()!r:.80}")
+        rows = np.concatenate([np.arange(self.starts[k], self.starts[k + 1]) for k in chosen])
+        ends = np.concatenate([[0], np.cumsum(self.frames[chosen])])
+        return Tosses(self.states[rows], ends, self.dt, self.ids[chosen], self.cube)
+
+
+def _indices(name: str, value: Any) -> IntArray:
+    array = np.asarray(value)
+    if array.ndim != 1 or not (array.size == 0 or np.issubdtype(array.dtype, np.integer)):
+        raise ProblemError(
+            f"{name} must be a list of whole numbers, got {array.dtype} of shape {array.shape}"
+        )
+    return array.astype(np.int64)
+
+
+def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
+    """Read a file of tosses, see the module.
+
+    Parameters
+    ----------
+    path
+        The .npz file.
+    cube
+        What was thrown; None for what the file says, and `Cube()` where it says nothing.
+
+    Raises
+    ------
+    ProblemError
+        If it is no such file; one line that names the file and what is wrong.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            archive = np.load(file, allow_pickle=False)
+            if not isinstance(archive, np.lib.npyio.NpzFile):
+                raise ProblemError("it is a single array, not an .npz archive")
+            missing = [name for name in ("states", "starts", "dt") if name not in archive.files]
+            if missing:
+                raise ProblemError(f"it has no {', '.join(missing)}; it holds: {', '.join(archive.files)}")
+            held = {name: archive[name] for name in archive.files}
+        given = {name: float(held[name]) for name in ("half_side", "mass", "inertia") if name in held}
+        ids = held.get("ids", np.empty(0, dtype=np.int64))
+        return Tosses(held["states"], held["starts"], float(held["dt"]), ids, cube or Cube(**given))
+    except (ProblemError, TypeError) as error:
+        raise ProblemError(f"{path} holds no tosses: {error}") from error
+    except (ValueError, EOFError, zipfile.BadZipFile, KeyError, NotImplementedError) as error:
+        raise ProblemError(f"{path} is no .npz file of tosses: {error}") from error
+
+
+def write_tosses(tosses: Tosses, path: str | Path) -> Path:
+    """Write tosses to a new file; one that exists is never overwritten.
+
+    Raises
+    ------
+    ProblemError
+        If the file exists.
+    WriteError
+        If it cannot be written.
+    """
+    path = Path(path)
+    cube = tosses.cube
+    try:
+        with path.open("xb") as file:
+            np.savez(
+                file, states=tosses.states, starts=tosses.starts, dt=tosses.dt, ids=tosses.ids,
+                half_side=cube.half_side, mass=cube.mass, inertia=cube.inertia,
+            )  # fmt: skip
+    except FileExistsError as error:
+        raise ProblemError(f"{path} exists; it is not overwritten") from error
+    except OSError as error:
+        raise WriteError(path, error) from error
+    return path

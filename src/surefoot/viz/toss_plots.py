@@ -1,0 +1,109 @@
+"""Pictures of identification from tosses: the errors of every toss, and one toss, recorded and simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.estimation import TossErrors, Tosses, TossFit
+from surefoot.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
+
+EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7))
+SHOWN = 6
+"""Moments of a toss that are drawn."""
+
+
+def draw_tosses(train: Tosses, test: Tosses | None, fits: Mapping[str, TossFit], path: Path) -> Path:
+    """Draw the errors of all tosses, of the test where there is one, and the toss of median error.
+
+    Parameters
+    ----------
+    train, test
+        What the fits saw, and what they did not.
+    fits
+        By name, the first of them being the one whose toss is drawn.
+    path
+        Of the new picture.
+
+    Raises
+    ------
+    MissingExtra
+        If matplotlib is not installed.
+    """
+    figure, axes = new_figure(2, 2, size=(9.0, 6.4))
+    errors = {name: _errors(fit) for name, fit in fits.items()}
+    _draw_shares(axes[0, 0], {n: e.position for n, e in errors.items()}, "mean position error [width]")
+    _draw_shares(axes[0, 1], {n: e.rotation for n, e in errors.items()}, "mean rotation error [deg]")
+    tosses = train if test is None else test
+    first = next(iter(fits.values()))
+    poses = first.train_poses if test is None or first.test_poses is None else first.test_poses
+    size = next(iter(errors.values())).corners
+    which = int(np.argsort(size)[size.size // 2])
+    rows = slice(int(tosses.starts[which]), int(tosses.starts[which + 1]))
+    height = first["ground"].value
+    _draw_toss(axes[1, 0], tosses, tosses.states[rows, :7], poses[rows], height)
+    _draw_heights(axes[1, 1], tosses.dt, tosses.states[rows], poses[rows])
+    share = "not seen by the fit" if test is not None else "fitted to"
+    axes[0, 0].set_title(f"{len(tosses)} tosses {share}")
+    axes[1, 0].set_title(f"Toss {tosses.ids[which]}, of median error: recorded (grey), simulated")
+    return save(figure, path)
+
+
+def _errors(fit: TossFit) -> TossErrors:
+    return fit.train if fit.test is None else fit.test
+
+
+def _draw_shares(axis: Any, errors: Mapping[str, FloatArray], label: str) -> None:
+    """Draw which share of the tosses has at most which error."""
+    for k, (name, values) in enumerate(errors.items()):
+        x, share = np.sort(values), (np.arange(values.size) + 1.0) / values.size
+        text = f"{name} (mean {values.mean():.3g})"
+        axis.step(x, share, color=FOOT_COLOURS[k % 8], where="post", label=text)
+    high = max(float(np.percentile(v, 99.0)) for v in errors.values())
+    axis.set(xlabel=label, ylabel="share of tosses", xlim=(0.0, max(high, 1e-6)), ylim=(0.0, 1.0))
+    axis.legend(fontsize=8, loc="lower right")
+
+
+def _corners(poses: FloatArray, half: float) -> FloatArray:
+    """Return (n, 8, 3) corners of (n, 7) poses."""
+    from surefoot.spatial import rotation_from_quaternion
+
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    arms = np.einsum("nij,kj->nki", rotation_from_quaternion(poses[:, 3:7]), half * signs)
+    return np.asarray(poses[:, None, :3] + arms)
+
+
+def _draw_toss(axis: Any, tosses: Tosses, recorded: FloatArray, simulated: FloatArray, ground: float) -> None:
+    """Draw the cube at a few moments, seen across its path."""
+    moments = np.unique(np.linspace(0, len(recorded) - 1, SHOWN).round().astype(int))
+    path = recorded[-1, :2] - recorded[0, :2]
+    length = float(np.linalg.norm(path))
+    along = path / length if length > 1e-9 else np.array([1.0, 0.0])
+    for poses, colour, width in ((recorded, MUTED, 1.6), (simulated, FOOT_COLOURS[0], 0.9)):
+        for corners in _corners(poses[moments], tosses.cube.half_side):
+            flat = np.column_stack([(corners[:, :2] - recorded[0, :2]) @ along, corners[:, 2]])
+            for a, b in EDGES:
+                axis.plot(flat[[a, b], 0], flat[[a, b], 1], color=colour, lw=width)
+    axis.axhspan(ground - 0.02, ground, color=GROUND, lw=0)
+    axis.axhline(ground, color=INK, lw=0.8)
+    axis.set(xlabel="along the path [m]", ylabel="height [m]")
+    axis.set_aspect("equal", adjustable="datalim")
+
+
+def _draw_heights(axis: Any, dt: float, recorded: FloatArray, simulated: FloatArray) -> None:
+    """Draw place and height of the centre over time."""
+    time = dt * np.arange(len(recorded))
+    path = recorded[-1, :2] - recorded[0, :2]
+    length = float(np.linalg.norm(path))
+    along = path / length if length > 1e-9 else np.array([1.0, 0.0])
+    for poses, style, name in ((recorded, "-", "recorded"), (simulated, "--", "simulated")):
+        axis.plot(time, poses[:, 2], style, color=FOOT_COLOURS[1], label=f"height, {name}")
+        distance = (poses[:, :2] - recorded[0, :2]) @ along
+        axis.plot(time, distance, style, color=FOOT_COLOURS[0], label=f"along the path, {name}")
+    axis.set(xlabel="time [s]", ylabel="centre [m]")
+    axis.set_title("The same toss over time")
+    axis.legend(fontsize=8)

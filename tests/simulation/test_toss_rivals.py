@@ -1,0 +1,76 @@
+"""Rival simulators of a tossed cube: the same free flight, the same slide; what is missing is named."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from surefoot.errors import MissingExtra, ModelError, ProblemError
+from surefoot.estimation import Cube
+from surefoot.estimation.cube_model import CubeModel
+from surefoot.estimation.ground_plane import Plane
+from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.simulation.tosses import drake_cube
+from surefoot.simulation.tosses.drake_cube import VARIABLE, DrakeCube
+from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
+
+STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99], "drake": [0.2, 2e5, 0.005]}
+
+
+def scene(*starts: list[float], slope: float = 0.0, frames: int = 40) -> Scene:
+    plane = Plane(0.01, np.array([slope, 0.0]))
+    return Scene(np.array(starts), np.full(len(starts), frames), 0.005, plane, 9.7, Cube())
+
+
+def rival(name: str) -> TossModel:
+    if name not in present_rivals():
+        pytest.skip(f"{name} is not installed here")
+    return make_rival(name)
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_free_flight_is_the_same(name: str) -> None:
+    turn = Rotation.from_rotvec([0.5, 0.2, -0.3]).as_quat()
+    given = scene([0.1, 0.2, 1.5, *turn, 0.5, -0.2, 0.3, 5.0, -3.0, 2.0])
+    ours, theirs = CubeModel().rollout(np.array([0.2, 0.0, 0.0]), given), None
+    theirs = rival(name).rollout(np.array(STIFF[name]), given)
+    t = 0.005 * np.arange(40)
+    np.testing.assert_allclose(theirs[:, :2], ours[:, :2], atol=1e-9)
+    # a step of dt falls short or too far by g t dt / 2
+    assert (np.abs(theirs[:, 2] - ours[:, 2]) <= 0.6 * 9.7 * t * 1e-3 + 1e-12).all()
+    turned = Rotation.from_quat(theirs[:, 3:]) * Rotation.from_quat(ours[:, 3:]).inv()
+    assert turned.magnitude().max() < 0.01
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.1])
+@pytest.mark.parametrize("name", RIVALS)
+def test_a_flat_slide_is_the_same(name: str, slope: float) -> None:
+    plane = scene([0.0] * 13, slope=slope).plane
+    place = np.array([0.0, 0.0, 0.01]) + plane.rotation.apply([0.0, 0.0, Cube().half_side])
+    speed = plane.rotation.apply([0.6, 0.1, 0.0])
+    given = scene([*place, *plane.rotation.as_quat(), *speed, 0.0, 0.0, 0.0], slope=slope, frames=80)
+    ours = CubeModel().rollout(np.array([0.2, 0.0, 0.0]), given)
+    theirs = rival(name).rollout(np.array(STIFF[name]), given)
+    assert np.linalg.norm(ours[-1, :2] - ours[0, :2]) > 0.05
+    np.testing.assert_allclose(theirs[:, :3], ours[:, :3], atol=4e-3)
+
+
+def test_unknown_and_missing_rivals_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ProblemError, match="unknown rival 'bullet'; valid names: drake, mujoco"):
+        make_rival("bullet")
+    monkeypatch.setattr(drake_cube, "present", lambda: False)
+    with pytest.raises(MissingExtra, match="drake"):
+        DrakeCube()
+
+
+def test_an_interpreter_that_cannot_run_drake_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    given = scene([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6])
+    monkeypatch.setenv(VARIABLE, os.devnull)
+    with pytest.raises(ModelError, match=VARIABLE):
+        DrakeCube().rollout(np.array(STIFF["drake"]), given)
+    monkeypatch.setenv(VARIABLE, "/bin/true")
+    with pytest.raises(ModelError, match="Drake's process ended"):
+        DrakeCube().rollout(np.array(STIFF["drake"]), given)
