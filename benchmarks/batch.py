@@ -1,13 +1,13 @@
 """Batches of four-contact problems of Go2: solves and gradients per second, and Pinocchio's ADMM in a loop.
 
-Run: python benchmarks/batch.py [--quick]. On a busy machine pin it (`taskset -c 0,1`); every figure is the
+Run: surefoot bench batch [--quick]. On a busy machine pin it (`taskset -c 0,1`); every figure is the
 best of its repeats. Cold starts, tolerance 1e-8; the worst velocity errors (`Residuals.velocity_error`) are
 printed too, and the gradients' error against the polished derivative.
 """
 
 from __future__ import annotations
 
-import sys
+import importlib.util
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 import surefoot as sf
+from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
 from surefoot.arrays import FloatArray
 from surefoot.batch.loops import derive_range, solve_range
 from surefoot.robot.dynamics import delassus_dense
@@ -156,29 +157,48 @@ def gradient_error(G: FloatArray, g: FloatArray, weights: FloatArray) -> float:
     return worst
 
 
-def main(quick: bool = False) -> dict[str, float]:
-    """Print the table; return seconds per problem by name."""
+def jax_gradients(
+    G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int
+) -> tuple[float, float, float]:
+    """Seconds per problem of JAX through sweeps; its worst velocity error, and the gradients'."""
+    call, (forces, slopes) = jax_sweeps(G, g, MU, weights)
+    error = off = 0.0
+    for k in range(len(G)):
+        problem = sf.ContactProblem(G[k], g[k], MU)
+        error = max(error, sf.residuals(problem, forces[k].reshape(-1, 3)).velocity_error)
+        d = sf.solve(problem).derivative()
+        wanted = d.vjp(weights[k, :4], weights[k, 4:]).g
+        gap = float(np.abs(slopes[k] - wanted).max() / np.abs(wanted).max())
+        off = max(off, gap) if gap == gap and off == off else np.nan
+    return best(call, repeats) / len(G), error, off
+
+
+def measure(quick: bool = False) -> dict[str, Any]:
+    """Return everything measured; times in seconds per problem by name."""
     count, repeats = (100, 5) if quick else (500, 60)
     G, g = go2_problems(count)
     weights = np.random.default_rng(1).normal(size=(count, 8, 3))
     modes: Counter[str] = Counter()
     for A, a in zip(G[:100], g[:100], strict=True):
         modes.update(sf.solve(sf.ContactProblem(A, a, MU)).derivative().modes)
-    print(f"{count} problems of Go2 on four feet, modes {dict(modes)}")
     few = sf.solve_batch(G, g, MU, tol=TOL)
     times = compiled_loop(G, g, weights, repeats) | through_python(G, g, weights, max(repeats // 3, 3))
     many = 4  # threads have something to do
     tiled = np.tile(G, (many, 1, 1)), np.tile(g, (many, 1)), np.tile(weights, (many, 1, 1))
     times |= batches(*tiled, repeats)
-    rival, error = pinocchio_loop(G[:50], g[:50], max(repeats // 10, 3))
-    times["Pinocchio ADMM, solve"] = rival
-    for name, seconds in times.items():
-        print(f"{name:36s} {1e6 * seconds:8.2f} µs  {1e-6 / seconds:8.3f} million/s")
-    print(f"worst velocity error: ours {few.residual.max():.1e}, Pinocchio {error:.1e}")
-    off = gradient_error(G[:200], g[:200], weights[:200])
-    print(f"largest relative error of a gradient as solved: {off:.1e}")
-    return times
-
-
-if __name__ == "__main__":
-    main("--quick" in sys.argv[1:])
+    velocity = {"ours": float(few.residual.max())}
+    gradient = {"ours": gradient_error(G[:200], g[:200], weights[:200])}
+    times["Pinocchio ADMM, solve"], velocity["Pinocchio"] = pinocchio_loop(
+        G[:50], g[:50], max(repeats // 10, 3)
+    )
+    if importlib.util.find_spec("jax") is not None:
+        times["JAX through sweeps, with vjp"], velocity["JAX"], gradient["JAX"] = jax_gradients(
+            G[:100], g[:100], weights[:100], 3
+        )
+    step = step_derivatives(100 if quick else 1000)
+    own, rival = step["step with A and B"], step["MuJoCo mjd_transitionFD, A alone"]
+    robots = {workers: robots_together(16, 20 if quick else 200, workers) for workers in (1, 2)}
+    return {
+        "problems": count, "modes": dict(modes), "times": times, "velocity_error": velocity,
+        "gradient_error": gradient, "step": step, "step_ratio": rival / own, "robots": robots,
+    }  # fmt: skip

@@ -90,6 +90,7 @@ from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place
 from .robot import robot_names as robot_names
+from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
 from .simulation.rigid import RigidWorld as RigidWorld

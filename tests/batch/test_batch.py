@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.batch.kernel import contact_jvp, contact_vjp, solve_contacts
+from surefoot.batch.kernel import contact_blocks, contact_jvp, contact_vjp, solve_contacts
 from surefoot.contact.derivative import ContactDerivative
 
 
@@ -236,3 +236,35 @@ def test_the_derivative_at_given_forces_is_the_same_object() -> None:
     batch = sf.solve_batch(G, g, 0.6)
     d = ContactDerivative(sf.ContactProblem(G[0], g[0], 0.6), batch.forces[0], batch.velocities[0])
     assert d.modes == sf.solve(sf.ContactProblem(G[0], g[0], 0.6)).derivative().modes
+
+
+def test_dense_blocks_are_those_of_the_derivative() -> None:
+    """Both laws, bounds, bilateral contacts, frictionless ones and open ones."""
+    rng = np.random.default_rng(11)
+    for trial in range(40):
+        n, law = 1 + trial % 5, ("coulomb", "convex")[trial % 2]
+        J = rng.normal(size=(3 * n, 3 * n + 4))
+        G, g = J @ J.T, 3.0 * rng.normal(size=3 * n)
+        bilateral = rng.random(n) < 0.2
+        mu = np.where(rng.random(n) < 0.2, 0.0, rng.uniform(0.2, 1.0, n))
+        high = np.where(bilateral | (rng.random(n) < 0.6), np.inf, rng.uniform(0.01, 0.3, n))
+        problem = sf.ContactProblem(G, g, mu, 0.0, high, law, bilateral=bilateral)
+        solution = sf.solve(problem, tol=1e-12)
+        if not solution.solved or solution.derivative().kinks:
+            continue
+        d = solution.derivative()
+        laws = np.array([problem.mu, problem.normal_min, problem.normal_max])
+        out = np.empty((3 * n, 4 * n))
+        assert contact_blocks(problem.G, laws, law == "convex", np.concatenate([d.forces, d.velocities]), out)
+        assert out[:, : 3 * n] == pytest.approx(d.dforces_dg, abs=1e-9 * np.abs(d.dforces_dg).max())
+        assert out[:, 3 * n :] == pytest.approx(
+            d.dforces_dmu, abs=1e-9 * max(np.abs(d.dforces_dmu).max(), 1.0)
+        )
+        one, ahead, back = rng.normal(size=(2, 2 * n, 3)), np.empty((2 * n, 3)), np.empty((2 * n, 3))
+        one[1, n:, 1:] = 0.0  # of the bounds nothing moves
+        buffer, convex = np.concatenate([d.forces, d.velocities]), law == "convex"
+        assert contact_jvp(problem.G, laws, convex, buffer, one[1], ahead)
+        assert contact_vjp(problem.G, laws, convex, buffer, one[0], back)
+        wanted = out @ np.concatenate([one[1, :n].ravel(), one[1, n:, 0]])
+        assert ahead[:n].ravel() == pytest.approx(wanted, abs=1e-9 * np.abs(wanted).max())
+        assert (one[0] * ahead).sum() == pytest.approx((one[1] * back).sum(), rel=1e-9)

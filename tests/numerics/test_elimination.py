@@ -17,6 +17,16 @@ def test_lu_is_numpy_solve() -> None:
     assert not elimination.lu_solve(np.zeros((2, 2)), np.ones(2), 2)
 
 
+def test_elimination_of_many_right_hand_sides_is_numpy_solve() -> None:
+    rng = np.random.default_rng(2)
+    for m, columns in ((1, 3), (4, 1), (12, 16), (30, 5)):
+        A, B = rng.normal(size=(m, m)), rng.normal(size=(m, columns))
+        expected = np.linalg.solve(A, B)
+        assert elimination.lu_solve_many(A.copy(), B, m)
+        assert np.allclose(B, expected, rtol=1e-8)
+    assert not elimination.lu_solve_many(np.zeros((2, 2)), np.ones((2, 3)), 2)
+
+
 def test_symmetric_elimination_is_numpy_solve() -> None:
     rng = np.random.default_rng(1)
     for m in (1, 2, 7, 30):

@@ -17,7 +17,7 @@ from surefoot.batch.active import (
     AT_LOW,
     FREE,
     HELD,
-    SLIDE,
+    STICK,
     add_product,
     fill,
     gather,
@@ -30,7 +30,7 @@ from surefoot.batch.active import (
 )
 from surefoot.contact.blocks import checked_mirror
 from surefoot.kernels import kernel
-from surefoot.numerics.elimination import lu_solve
+from surefoot.numerics.elimination import lu_solve, lu_solve_many
 from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, solve_compiled
 
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
@@ -134,7 +134,7 @@ def contact_vjp(
         out[k, 2] = weights[n + k, 2] - back[h + 2]
         normal, tangent, e_p = mode[k, 0], mode[k, 1], mode[k, 2] * p[h] + mode[k, 3] * p[h + 1]
         own = mode[k, 7] * e_p if normal != HELD else 0.0
-        if convex and normal == FREE and tangent == SLIDE:
+        if convex and normal == FREE and tangent != STICK:
             own += mode[k, 6] * b[i]
         along = p[h + 2] + laws[0, k] * e_p
         out[n + k, 0] = own
@@ -185,7 +185,7 @@ def contact_jvp(
         gather(laws, mode, convex, True, v, b)
         i = 0
         for k in range(n):
-            if convex and mode[k, 0] == FREE and mode[k, 1] == SLIDE:
+            if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
                 b[i] -= mode[k, 6] * rates[n + k, 0]
             i += unknowns(mode[k, 0], mode[k, 1])
         if attempt == 0:
@@ -208,3 +208,50 @@ def contact_jvp(
     for i in range(m):
         out[n + i // 3, i % 3] = b[i]
     return regular
+
+
+@kernel
+def contact_blocks(
+    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, out: FloatArray
+) -> bool:
+    """Fill out (3n, 4n) with the derivatives of the forces (3n,) by g (3n,) and by every contact's mu (n,).
+
+    G, laws, convex and buffer are as `solve_contacts` took and filled them. False, and out is of no use,
+    where the active system is singular: redundant contacts.
+    """
+    n = laws.shape[1]
+    m = 3 * n
+    mode, work, right = np.empty((n, 8)), np.empty((m, m)), np.empty((m, 4 * n))
+    x, b, moved = np.zeros(m), np.empty(m), np.empty(m)
+    size = read_modes(G, laws, convex, buffer, mode)
+    fill(G, laws, mode, convex, True, False, work)
+    for j in range(4 * n):
+        x[:] = 0.0
+        if j < m:
+            x[j] = 1.0
+        elif mode[j - m, 0] != HELD:
+            k = j - m
+            for i in range(m):  # G times the jump of the force
+                x[i] = mode[k, 7] * (G[i, 3 * k] * mode[k, 2] + G[i, 3 * k + 1] * mode[k, 3])
+        gather(laws, mode, convex, True, x, b)
+        for i in range(size):
+            right[i, j] = -b[i]
+    if convex:
+        i = 0
+        for k in range(n):
+            if mode[k, 0] == FREE and mode[k, 1] != STICK:
+                right[i, m + k] += mode[k, 6]
+            i += unknowns(mode[k, 0], mode[k, 1])
+    if not (size == 0 or (lu_solve_many(work, right, size) and regular_pivots(work, size))):
+        return False
+    for j in range(4 * n):
+        for i in range(size):
+            b[i] = right[i, j]
+        scatter(laws, mode, True, False, b, moved)
+        for i in range(m):
+            out[i, j] = moved[i]
+    for k in range(n):
+        if mode[k, 0] != HELD:
+            out[3 * k, m + k] += mode[k, 7] * mode[k, 2]
+            out[3 * k + 1, m + k] += mode[k, 7] * mode[k, 3]
+    return True

@@ -115,6 +115,40 @@ def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
     return _lu_small(A, b, m) if m < PAIRED else _lu_pairs(A, b, m)
 
 
+@kernel
+def lu_solve_many(A: FloatArray, B: FloatArray, m: int) -> bool:
+    """Solve m equations A X = B for all columns of B (m, c) in place; False for a zero pivot."""
+    for k in range(m):
+        pivot = k
+        for i in range(k + 1, m):
+            if abs(A[i, k]) > abs(A[pivot, k]):
+                pivot = i
+        if not abs(A[pivot, k]) > 0.0:
+            return False
+        if pivot != k:
+            for j in range(k, m):
+                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+            for j in range(B.shape[1]):
+                B[k, j], B[pivot, j] = B[pivot, j], B[k, j]
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, m):
+            p = A[i, k] * inverse
+            if p != 0.0:
+                for j in range(k + 1, m):
+                    A[i, j] -= p * A[k, j]
+                for j in range(B.shape[1]):
+                    B[i, j] -= p * B[k, j]
+    for k in range(m - 1, -1, -1):
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, m):
+            p = A[k, i]
+            for j in range(B.shape[1]):
+                B[k, j] -= p * B[i, j]
+        for j in range(B.shape[1]):
+            B[k, j] *= inverse
+    return True
+
+
 @inline_kernel
 def invert_shifted(G: FloatArray, shift: float, out: FloatArray) -> None:
     """Fill out with the inverse of a positive definite G + shift I, by Gauss-Jordan on the diagonal."""

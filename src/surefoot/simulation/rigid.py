@@ -12,10 +12,10 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.contact import ContactSolution
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.errors import StiffContactWarning
+from surefoot.errors import ProblemError, StiffContactWarning
 from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading
-from surefoot.stepping import State, Step, StepOptions, Stepper
+from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
 from surefoot.stepping.options import Integration, Stabilisation
 from surefoot.terrain import Terrain
 
@@ -145,6 +145,11 @@ class RigidWorld:
             the step.
         """
         self.last = step = self.stepper.step(self._state, torques, push, self.mu)
+        given = (
+            np.array(torques, dtype=np.float64),
+            None if push is None else np.array(push, dtype=np.float64),
+        )
+        self._given = self._state, *given, self.mu
         self._state = step.state
         self.unsolved += step.unsolved
         self.worst_residual = max(self.worst_residual, step.worst_residual)
@@ -171,6 +176,20 @@ class RigidWorld:
             return ContactReading(np.zeros(velocities.shape), start.gaps, velocities, start.positions)
         step = self.last
         return ContactReading(step.forces, step.gaps.copy(), step.velocities.copy(), step.positions.copy())
+
+    def derivative(self, smoothing: float = 0.0) -> StepDerivative:
+        """Return the derivative of the last step, see `StepDerivative` and `stepping.step_derivative`.
+
+        Raises
+        ------
+        ProblemError
+            Before the first step, and with a soft law.
+        NoSolution
+            If the step's contact problem is not SOLVED.
+        """
+        if self.last is None:
+            raise ProblemError("there is no step to differentiate before the first step")
+        return step_derivative(self.stepper, *self._given, smoothing)
 
     def energy(self) -> float:
         """Return kinetic plus potential energy [J], zero potential at z = 0, and what soft contacts store.

@@ -36,6 +36,8 @@ class Bodies:
         Free motion under gravity, and under no forces.
     L
         (nv, nv) lower factor of the mass matrix, as of the last `weigh`.
+    lever
+        (3,) the base's own centre of mass in its frame [m], where pushes act.
     """
 
     def __init__(self, robot: Robot, terrain: Terrain, payload: float) -> None:
@@ -49,7 +51,7 @@ class Bodies:
         self.flight = FreeMotion(self.model, robot.floating)
         self.coasting = FreeMotion(weightless, robot.floating)
         self.L = np.zeros((self.model.nv, self.model.nv))
-        self._floating, self._lever = robot.floating, robot.model.inertias[1].lever.copy()
+        self._floating, self.lever = robot.floating, robot.model.inertias[1].lever.copy()
         self._crba, self._gravity = pinocchio.crba, pinocchio.computeGeneralizedGravity
         self._integrate, self._energy = pinocchio.integrate, pinocchio.computeMechanicalEnergy
 
@@ -67,7 +69,7 @@ class Bodies:
         if push is not None and self._floating:
             effort, local = effort.copy(), self.data.oMi[1].rotation.T @ push
             effort[:3] += local
-            effort[3:6] += np.cross(self._lever, local)
+            effort[3:6] += np.cross(self.lever, local)
         return arithmetic.free_velocity(self.L, effort - self._gravity(self.model, self.data, q), v, dt)
 
     def moved(self, q: FloatArray, step: FloatArray) -> FloatArray:

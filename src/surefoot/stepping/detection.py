@@ -98,3 +98,7 @@ class Detection:
         positions = np.asarray(centres - self._radii * self._frames[:, :, 2])
         contact_jacobian(data.J, self._support, self._own, positions, self._frames, self._J)
         return Contacts(gaps, positions, self._frames, self._J)
+
+    def twists(self, q: FloatArray) -> FloatArray:
+        """Return the spatial Jacobian (6, nv) at q: every velocity's twist, world origin and axes."""
+        return np.array(self._jacobians(self._model, self.data, q))

@@ -32,6 +32,7 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.laws.soft import stable_step_together
 from surefoot.errors import SimulationError
 from surefoot.robot import Robot
@@ -45,7 +46,7 @@ from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finit
 from surefoot.stepping.motion import Ahead, FreeMotion
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.soft_impacts import SoftMeeting
-from surefoot.stepping.state import Memory, State, Step
+from surefoot.stepping.state import Impact, Memory, State, Step
 from surefoot.terrain import FlatTerrain, Terrain
 
 REACH = 1e-3
@@ -177,7 +178,7 @@ class Stepper:
             push = finite_vector("push", push, 3)
         try:
             flown = self._fly(state, effort) if push is None and _airborne(state) else None
-            return flown or self._meet_ground(state, effort, push, mu)
+            return flown or self.meet_ground(state, effort, push, mu)
         except LostMotion as lost:
             raise self._told(lost, state) from None
 
@@ -196,8 +197,11 @@ class Stepper:
         after = State(q, v, state.steps + 1, Memory(nothing, velocities, True))
         return Step(after, dt, nothing, velocities, start.gaps, start.positions, None, 0, 0.0)
 
-    def _meet_ground(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
-        """Return the step with the forces of gravity, motors, push and ground in its middle."""
+    def meet_ground(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
+        """Return the step with the forces of gravity, motors, push and ground in its middle.
+
+        `effort` are the motors' generalised forces (nv,).
+        """
         bodies, dt, tally = self.bodies, self.options.dt, Tally()
         v, last, leaving, arrival = self._arrived(state, mu, tally)
         # free motion up to the middle
@@ -233,38 +237,61 @@ class Stepper:
         """
         if state.memory is not None:
             return state.v, state.memory.impulses, state.memory.leaving, None
-        nothing, soon = np.zeros((len(self._foot), 3)), 0.5 * self.options.dt
-        if self.options.soft is not None:  # it takes what arrives
+        nothing, impact = np.zeros((len(self._foot), 3)), self.stopped(state, mu, tally)
+        if impact is None:
             return state.v, nothing, nothing, None
+        return impact.after, nothing, impact.leaving, impact.impulses
+
+    def stopped(self, state: State, mu: float, tally: Tally) -> Impact | None:
+        """Return what stops a start that would hit the ground before the first impulses, if it would."""
+        if state.memory is not None or self.options.soft is not None:  # soft ground takes what arrives
+            return None
+        nothing, soon = np.zeros((len(self._foot), 3)), 0.5 * self.options.dt
         contacts = self._detect(state.q)
         near = arithmetic.near_ground(contacts.J, state.v, self._still, contacts.gaps, soon, 0.0)
         if not near.size:
-            return state.v, nothing, nothing, None
+            return None
         self.bodies.weigh(state.q)
         meeting = Meeting(
             state.q, state.v, state.v, contacts, self._foot, self.bodies.L, soon, mu, self.options, tally
         )
-        impact = meeting.collide(near, nothing, nothing)
-        return impact.after, nothing, impact.leaving, impact.impulses
+        return meeting.collide(near, nothing, nothing)
 
     def _projected(self, q: FloatArray, contacts: Contacts) -> tuple[FloatArray, Contacts]:
         """Return q and contacts moved out of the ground where they are in it by more than `SLOP`.
 
         Minimises ||dq||_M subject to gap + J_n dq >= 0: a frictionless contact problem in positions.
         """
-        bodies, still = self.bodies, self._still
         for _ in range(PROJECTIONS):
-            if contacts.gaps.min(initial=0.0) >= -SLOP:
+            out = self.pushed_out(q, contacts)
+            if out is None:
                 break
-            near = np.flatnonzero(contacts.gaps < REACH)
-            rows, G, g = arithmetic.assemble(
-                contacts.J, bodies.L, still, still, contacts.gaps, near, 1.0, 0.0, np.inf, 1.0
-            )
-            pushes = solve(finite_problem(G, g, 0.0), self.options.solver, 1e-6).forces
-            q = bodies.moved(q, arithmetic.apply_impulses(bodies.L, rows, pushes.ravel(), still))
+            q = self.bodies.moved(q, out.after)
             contacts = self._detect(q)
-            bodies.weigh(q)
+            self.bodies.weigh(q)
         return q, contacts
+
+    def pushed_out(self, q: FloatArray, contacts: Contacts) -> Impact | None:
+        """Return the least motion out of the ground, as impulses from rest over a second; None if q is out.
+
+        The mass matrix is that of the last `Bodies.weigh`.
+        """
+        if contacts.gaps.min(initial=0.0) >= -SLOP:
+            return None
+        L, still, near = self.bodies.L, self._still, np.flatnonzero(contacts.gaps < REACH)
+        rows, G, g = arithmetic.assemble(
+            contacts.J, L, still, still, contacts.gaps, near, 1.0, 0.0, np.inf, 1.0
+        )
+        solution = solve(finite_problem(G, g, 0.0), self.options.solver, 1e-6)
+        pushes = np.zeros(contacts.positions.shape)
+        pushes[near] = solution.forces
+        way = arithmetic.apply_impulses(L, rows, solution.forces.ravel(), still)
+        velocities = contacts.velocities(way)
+        return Impact(q, still, still, way, near, rows, pushes, velocities, velocities, solution)
+
+    def solve(self, problem: ContactProblem, warm: FloatArray) -> ContactSolution:
+        """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses."""
+        return solve(problem, self.options.solver, self.options.tol, warm_start=warm)
 
     def _detect(self, q: FloatArray) -> Contacts:
         """Return the contacts at q, in work arrays; those of the last call where it was the same q."""

@@ -1,0 +1,91 @@
+"""The derivative of a step's contact problem: its dense blocks at once, or in one direction at a kink."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.batch.kernel import contact_blocks
+from surefoot.batch.loops import measure_range
+from surefoot.contact import ContactSolution
+from surefoot.contact.derivative import KINK, ContactDerivative
+from surefoot.solvers.compiled import COMPILED_CONTACTS
+
+
+class Response:
+    """Impulses as a function of what goes into their problem.
+
+    Parameters
+    ----------
+    solution
+        Of the step's contact problem.
+    smoothing
+        See `ContactDerivative`.
+
+    Raises
+    ------
+    NoSolution
+        If it is not SOLVED.
+    """
+
+    def __init__(self, solution: ContactSolution, smoothing: float) -> None:
+        solution.raise_if_failed()
+        self.solution, self.smoothing = solution, smoothing
+
+    @cached_property
+    def derivative(self) -> ContactDerivative:
+        """The derivative of the problem; polished, with its kinks."""
+        return self.solution.derivative(self.smoothing)
+
+    @cached_property
+    def forces(self) -> FloatArray:
+        """The (k, 3) impulses at which it is taken."""
+        return self.derivative.forces if self.smoothing > 0.0 else self.solution.forces
+
+    @cached_property
+    def _buffer(self) -> FloatArray:
+        """Forces and velocities as compiled calls take them."""
+        return np.concatenate([self.solution.forces, self.solution.velocities])
+
+    @cached_property
+    def _laws(self) -> FloatArray:
+        """The problem's mu and bounds (3, k), as compiled calls take them."""
+        p = self.solution.problem
+        return np.array([p.mu, p.normal_min, p.normal_max])
+
+    @cached_property
+    def distance(self) -> float:
+        """Distance to the nearest change of a mode, see `Kink.distance`."""
+        if self.smoothing > 0.0:
+            return np.inf
+        p = self.solution.problem
+        found, mask = np.empty(1), np.zeros((0, p.contacts), dtype=np.bool_)
+        measure_range(
+            p.G[None], p.g[None], self._laws[None], mask, p.law == "convex", self._buffer[None], found, 0, 1
+        )
+        return float(found[0])
+
+    @cached_property
+    def blocks(self) -> tuple[FloatArray, FloatArray]:
+        """The derivative of the impulses by b (3k, 3k), and by one mu of all contacts (3k,)."""
+        p = self.solution.problem
+        if self.smoothing == 0.0 and 0 < p.contacts <= COMPILED_CONTACTS:
+            out = np.empty((3 * p.contacts, 4 * p.contacts))
+            if contact_blocks(p.G, self._laws, p.law == "convex", self._buffer, out):
+                return out[:, : 3 * p.contacts], out[:, 3 * p.contacts :].sum(axis=1)
+        d = self.derivative
+        return d.dforces_dg, np.asarray(d.dforces_dmu.sum(axis=1))
+
+    def linear(self, b: FloatArray, mu: FloatArray) -> FloatArray:
+        """Return the rates (3k, c) of the impulses, of b (3k, c) and mu (c,): the modes as they are."""
+        by_g, by_mu = self.blocks
+        return np.asarray(by_g @ b + np.outer(by_mu, mu))
+
+    def one_sided(self, b: FloatArray, mu: FloatArray) -> FloatArray:
+        """Return the same for each column of its own, in the modes that it leads to."""
+        if not self.distance <= 10.0 * KINK:
+            return self.linear(b, mu)
+        found = [self.derivative.jvp(g=b[:, j], mu=mu[j]).forces.ravel() for j in range(b.shape[1])]
+        return np.stack(found, axis=1)

@@ -1,0 +1,255 @@
+"""The derivative of an exchange of impulses, by everything that goes into it.
+
+With w = v⁺ - v, at fixed impulses λ and by inverse dynamics ID (Pinocchio's derivatives)::
+
+    M δv⁺ = M δv + (∂(Jᵀλ)/∂q - h ∂ID(q, 0, w/h)/∂q) δq + h δτ
+    b = δ(J v⁺ + shift) at fixed λ,     δλ = ∂λ/∂g b + ∂λ/∂mu δmu,     δv⁺ += M⁻¹ Jᵀ δλ
+
+with ∂λ/∂g of the contact problem, see `contact.derivative`. The shift of the normal velocity is that of
+`arithmetic.assemble`, and the guess of `arithmetic.swerves`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import cho_solve, solve_triangular
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.spatial import GRAVITY
+from surefoot.stepping import arithmetic
+from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
+from surefoot.stepping.detection import Contacts
+from surefoot.stepping.impacts import PULL
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.state import Impact
+from surefoot.terrain import Terrain
+from surefoot.terrain.frames import surface_frames
+
+TOUCHING = 1e-9
+"""Gaps up to this are none: whether they open or close makes two derivatives [m]."""
+SPACING = 1e-5
+"""Step of the central differences of a curved ground's normals and gaps [m]."""
+Shape = tuple[FloatArray, IntArray, BoolArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""The first arguments of `derivative_kernels.velocity_rates`."""
+Respond = Callable[[FloatArray, FloatArray], FloatArray]
+"""Rates of the impulses (3k, c) from b (3k, c) and those of mu (c,)."""
+
+
+class Ground(NamedTuple):
+    """How the ground turns below the contacts; see `derivative_kernels`.
+
+    Attributes
+    ----------
+    turns
+        (2, p, 3, 3) rates of the frames along x and y [1/m].
+    slopes
+        (p, 3) rates of the gaps with the spheres' centres.
+    """
+
+    turns: FloatArray
+    slopes: FloatArray
+
+    @classmethod
+    def below(cls, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> Ground:
+        """Return the ground below contacts, by central differences where it is curved."""
+        frames = contacts.frames
+        turns = np.zeros((2, *frames.shape))
+        slopes = frames[:, :, 2].copy()
+        if terrain.planar or not len(frames):
+            return cls(turns, slopes)
+        centres = contacts.positions + radii[:, None] * frames[:, :, 2]
+        for axis in range(2):
+            aside = np.zeros(3)
+            aside[axis] = SPACING
+            ends = np.empty((2, *frames.shape))
+            gaps = []
+            for side, places in enumerate((centres + aside, centres - aside)):
+                surface_frames(np.ascontiguousarray(terrain.normal(places[:, :2])), ends[side])
+                gaps.append(terrain.gap(places))
+            turns[axis] = (ends[0] - ends[1]) / (2.0 * SPACING)
+            slopes[:, axis] = (gaps[0] - gaps[1]) / (2.0 * SPACING)
+        return cls(turns, slopes)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """What goes into an exchange, as c columns.
+
+    Attributes
+    ----------
+    q, v
+        (nv, c) of the configuration and of the velocity on arrival.
+    effort
+        (nv, c) of the impulse of all forces but the ground's.
+    mu
+        (c,).
+    leaving
+        (3p, c) of the contact velocities after the last impulses.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    effort: FloatArray
+    mu: FloatArray
+    leaving: FloatArray
+
+
+@dataclass(frozen=True)
+class Bumps:
+    """What the derivatives of exchanges at one configuration have in common.
+
+    Attributes
+    ----------
+    model, data
+        Pinocchio's, with the gravity that acts during the exchange.
+    contacts, ground
+        At the configuration.
+    L
+        (nv, nv) lower factor of the mass matrix.
+    twists, first, support, radii
+        See `derivative_kernels.velocity_rates`.
+    foot
+        (p,) index of every contact's foot.
+    span
+        Length of the exchange [s].
+    base_rotation
+        (3, 3) rotation_world_base.
+    """
+
+    model: Any
+    data: Any
+    contacts: Contacts
+    ground: Ground
+    L: FloatArray
+    twists: FloatArray
+    first: IntArray
+    support: BoolArray
+    radii: FloatArray
+    foot: IntArray
+    span: float
+    base_rotation: FloatArray
+
+    @property
+    def _shape(self) -> Shape:
+        c = self.contacts
+        return self.twists, self.first, self.support, c.positions, self.radii, c.frames, self.ground.turns
+
+    def inverse_dynamics(self, q: FloatArray, change: FloatArray) -> FloatArray:
+        """Return (nv, nv) h ∂ID(q, 0, w/h)/∂q for a change of velocity w."""
+        import pinocchio
+
+        still = np.zeros(change.size)
+        pinocchio.computeRNEADerivatives(self.model, self.data, q, still, change / self.span)
+        return np.asarray(self.span * self.data.dtau_dq)
+
+    def regressor(self, q: FloatArray, change: FloatArray) -> FloatArray:
+        """Return (nv, 10 bodies) the impulse that inertial parameters take for a change of velocity."""
+        import pinocchio
+
+        still = np.zeros(change.size)
+        Y = pinocchio.computeJointTorqueRegressor(self.model, self.data, q, still, change / self.span)
+        return np.asarray(self.span * Y)
+
+    def through(
+        self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray, horizon: float,
+        options: StepOptions, pull: float, respond: Respond | None,
+        one_sided: bool = False,
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
+        """Return the rates of v⁺ (nv, c), of the contact velocities after it (3p, c), and of λ (3p, c).
+
+        `last` and `leaving` (p, 3) are the impulses before and the velocities right after them, `horizon` the
+        time to the next impulses, `pull` the share of a penetration that is asked back. `one_sided`: contacts
+        that touch open or press as each column says.
+        """
+        J, near = self.contacts.J, impact.near
+        rows = (3 * near[:, None] + np.arange(3)).ravel()
+        turned = force_rates(*self._shape, impact.impulses)
+        turned -= self.inverse_dynamics(impact.q, impact.after - impact.before)
+        spin = velocity_rates(*self._shape, impact.after)
+        v = rates.v + cho_solve((self.L, True), turned @ rates.q + rates.effort)
+        impulses = np.zeros((J.shape[0], v.shape[1]))
+        if near.size:
+            assert impact.rows is not None
+            assert respond is not None
+            b = (spin @ rates.q + J @ v)[rows]
+            b[2::3] += self._shift(impact, rates, horizon, options, pull, one_sided)
+            guess = self._swerve(impact, rates, last, leaving)
+            if guess is not None:
+                b += guess[rows]
+            impulses[rows] = respond(b, rates.mu)
+            v = v + solve_triangular(self.L.T, impact.rows.T @ impulses[rows])
+        return v, spin @ rates.q + J @ v, impulses
+
+    def gap_rates(self) -> FloatArray:
+        """Return the derivative (p, nv) of the gaps."""
+        c = self.contacts
+        centres = centre_rates(self.twists, self.support, c.positions, self.radii, c.frames)
+        return np.asarray(np.einsum("ci,cik->ck", self.ground.slopes, centres))
+
+    def _arriving(self, impact: Impact, rates: Rates) -> FloatArray:
+        """Return the rates (3p, c) of the contact velocities before the impulses."""
+        return velocity_rates(*self._shape, impact.before) @ rates.q + self.contacts.J @ rates.v
+
+    def _shift(
+        self, impact: Impact, rates: Rates, horizon: float, options: StepOptions, pull: float, one_sided: bool
+    ) -> FloatArray:
+        """Return the rates (k, c) of the normal velocity that the law adds; see `arithmetic.assemble`."""
+        near, gaps = impact.near, self.contacts.gaps[impact.near]
+        share = np.where(gaps > 0.0, 1.0, pull) / horizon
+        opening = self.gap_rates()[near] @ rates.q
+        out = share[:, None] * opening
+        if one_sided and (touching := np.abs(gaps) <= TOUCHING).any():
+            out[touching] = np.where(opening > 0.0, 1.0, pull)[touching] / horizon * opening[touching]
+        if options.restitution > 0.0:
+            normal = self.contacts.J[3 * near + 2]
+            before, free = normal @ impact.before, normal @ impact.free
+            bounce = options.restitution * before
+            hit = (before < -2.0 * options.dt * GRAVITY) & (gaps + horizon * free <= 0.0)
+            hit &= bounce < share * gaps
+            out[hit] = options.restitution * self._arriving(impact, rates)[3 * near[hit] + 2]
+        return np.asarray(out)
+
+    def _swerve(
+        self, impact: Impact, rates: Rates, last: FloatArray, leaving: FloatArray
+    ) -> FloatArray | None:
+        """Return the rates (3p, c) of the guess that the laws' velocities contain; None without one."""
+        taken = impact.velocities - impact.leaving
+        if impact.velocities is impact.leaving:
+            return None
+        frames = self.contacts.frames
+        guess = arithmetic.swerves(self.contacts.J, impact.before, leaving, last, self.foot, frames, 0.0)
+        half = guess is not None and np.allclose(guess[1], taken, rtol=1e-6, atol=1e-12)
+        change = self._arriving(impact, rates)
+        arriving = self.contacts.velocities(impact.before)
+        value = 0.5 * (arriving - leaving) if half else arriving
+        if half:
+            change = 0.5 * (change - rates.leaving)
+        change = change.reshape(*leaving.shape, -1)
+        loaded, out = last[:, 2] > 0.0, np.zeros_like(change)
+        if len(loaded) == len(np.unique(self.foot)):  # point feet have no mean to share
+            out[loaded] = change[loaded]
+            return out.reshape(leaving.size, -1)
+        turn = self._frame_rates(rates)  # (p, 3, 3, c)
+        world = np.einsum("cia,cax->cix", frames, change) + np.einsum("ciax,ca->cix", turn, value)
+        for foot in np.unique(self.foot[loaded]):
+            mine = np.flatnonzero(loaded & (self.foot == foot))
+            mean = world[mine].mean(axis=0)
+            rest = mean - np.einsum("ciax,ca->cix", turn[mine], taken[mine])
+            out[mine] = np.einsum("cia,cix->cax", frames[mine], rest)
+        return out.reshape(leaving.size, -1)
+
+    def _frame_rates(self, rates: Rates) -> FloatArray:
+        """Return the rates (p, 3, 3, c) of the contact frames."""
+        c = self.contacts
+        centres = centre_rates(self.twists, self.support, c.positions, self.radii, c.frames)
+        moved = np.einsum("cik,kx->cix", centres[:, :2], rates.q)
+        return np.asarray(np.einsum("dcia,cdx->ciax", self.ground.turns, moved))
+
+
+def pull_of(options: StepOptions) -> float:
+    """Return the share of a penetration that the laws ask back per step."""
+    return PULL if options.stabilisation == "baumgarte" else 0.0

@@ -1,0 +1,319 @@
+"""The stages of a step, taken once more with their derivatives; see `derivative`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.spatial import GRAVITY, skew
+from surefoot.stepping import arithmetic
+from surefoot.stepping.bodies import finite_vector
+from surefoot.stepping.derivative_contact import Response
+from surefoot.stepping.derivative_flow import FlowDerivative
+from surefoot.stepping.derivative_impact import Bumps, Ground, Rates, pull_of
+from surefoot.stepping.detection import Contacts
+from surefoot.stepping.impacts import Tally, finite_problem
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.state import Impact, State, Step
+from surefoot.stepping.stepper import PROJECTIONS, Stepper
+
+
+class Request(NamedTuple):
+    """A step to be differentiated: the arguments of `Stepper.step`, and the smoothing."""
+
+    state: State
+    torques: FloatArray
+    push: FloatArray | None
+    mu: float
+    smoothing: float
+
+
+class Work:
+    """What derivatives of one stepper share: models, data, and how columns belong to joints."""
+
+    def __init__(self, stepper: Stepper) -> None:
+        bodies = stepper.bodies
+        self.flight, self.coasting = FlowDerivative(bodies.flight), FlowDerivative(bodies.coasting)
+        self.heavy = bodies.model, bodies.model.createData()
+        self.weightless = bodies.coasting.model, bodies.coasting.model.createData()
+        self.data = bodies.model.createData()
+        joints = list(bodies.model.joints)[1:]
+        self.first: IntArray = np.concatenate([np.full(j.nv, j.idx_v, dtype=np.int64) for j in joints])
+
+
+_WORK: WeakKeyDictionary[Stepper, Work] = WeakKeyDictionary()
+
+
+class Exchange(NamedTuple):
+    """An exchange of impulses: what happened, what it depends on, and the answer of its contact problem."""
+
+    bumps: Bumps
+    impact: Impact
+    last: FloatArray
+    leaving: FloatArray
+    horizon: float
+    options: StepOptions
+    pull: float
+    response: Response | None
+
+    def through(self, rates: Rates, one_sided: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the rates of v⁺, of the contact velocities after it, and of the impulses."""
+        r = self.response
+        respond = None if r is None else (r.one_sided if one_sided else r.linear)
+        return self.bumps.through(
+            self.impact,
+            rates,
+            self.last,
+            self.leaving,
+            self.horizon,
+            self.options,
+            self.pull,
+            respond,
+            one_sided,
+        )
+
+    def takes(self, inertia: FloatArray | None) -> FloatArray | float:
+        """Return the effort (nv, c) that rates of inertial parameters (10 bodies, c) stand for."""
+        if inertia is None:
+            return 0.0
+        return -self.bumps.regressor(self.impact.q, self.impact.after - self.impact.before) @ inertia
+
+
+class Coast(NamedTuple):
+    """A piece of free motion."""
+
+    flow: FlowDerivative
+    q: FloatArray
+    v: FloatArray
+    seconds: float
+    effort: FloatArray | None
+
+
+class Stages:
+    """Takes a step and keeps where each of its stages began.
+
+    Raises
+    ------
+    NoSolution
+        If a contact problem of the step is not SOLVED.
+    ProblemError, SimulationError
+        As `Stepper.step`.
+    """
+
+    def __init__(self, stepper: Stepper, request: Request) -> None:
+        self.stepper, self.request = stepper, request
+        if (work := _WORK.get(stepper)) is None:
+            work = _WORK[stepper] = Work(stepper)
+        self._work = work
+        self.effort = np.zeros(stepper.bodies.model.nv)
+        self.effort[stepper.robot.base_dof :] = finite_vector(
+            "torques", request.torques, stepper.robot.joints
+        )
+        state, push, mu = request.state, request.push, request.mu
+        self.step: Step = stepper.step(state, request.torques, push, mu)
+        if request.smoothing > 0.0 and self.step.impact is None:  # contacts at a distance take part
+            self.step = stepper.meet_ground(state, self.effort, push, mu)
+        self.arrival: Exchange | None = None
+        self.projections: list[Exchange] = []
+        dt, impact = stepper.options.dt, self.step.impact
+        if impact is None:
+            self.coasts = [Coast(work.flight, state.q, state.v, dt, self.effort)]
+            return
+        v = state.v
+        if (stopped := stepper.stopped(state, mu, Tally())) is not None:
+            seen = self._seen(state.q)
+            self.arrival = self._exchange(
+                work.weightless, 1.0, stopped, seen, 0.5 * dt, pull_of(stepper.options)
+            )
+            v = stopped.after
+        self.coasts = [Coast(work.coasting, state.q, v, 0.5 * dt, None)]
+        self._push_out(impact)
+        seen = self._seen(impact.q)
+        if request.smoothing > 0.0:
+            impact = self._smoothed(impact, seen)
+        main = self._exchange(work.heavy, dt, impact, seen, dt, pull_of(stepper.options), request.smoothing)
+        if (memory := state.memory) is not None:
+            main = main._replace(last=memory.impulses, leaving=memory.leaving)
+        self.main = main
+        self.coasts.append(Coast(work.coasting, impact.q, impact.after, 0.5 * dt, None))
+
+    def _push_out(self, impact: Impact) -> None:
+        """Find the motions out of the ground that the step took."""
+        stepper, first = self.stepper, self.coasts[0]
+        if stepper.options.stabilisation != "projection":
+            return
+        rate = self.request.state.rate if first.v is self.request.state.v else None
+        ahead = stepper.bodies.coasting.advance(first.q, first.v, first.seconds, None, rate)
+        assert ahead is not None  # the step went through here
+        q = ahead.q
+        for _ in range(PROJECTIONS):
+            if np.array_equal(q, impact.q):
+                return
+            seen = self._seen(q)
+            stepper.bodies.weigh(q)
+            pushed = stepper.pushed_out(q, seen)
+            if pushed is None:
+                return
+            self.projections.append(self._exchange(self._work.weightless, 1.0, pushed, seen, 1.0, 1.0))
+            q = stepper.bodies.moved(q, pushed.after)
+
+    def _seen(self, q: FloatArray) -> Contacts:
+        """Return the contacts at q, as arrays of their own."""
+        return self.stepper.contacts(State(q, self.request.state.v))
+
+    def _exchange(
+        self, model: tuple[Any, Any], span: float, impact: Impact, seen: Contacts, horizon: float,
+        pull: float, smoothing: float = 0.0,
+    ) -> Exchange:  # fmt: skip
+        """Return an exchange of impulses with what its derivative needs."""
+        stepper, work = self.stepper, self._work
+        points = stepper.robot.contact_points
+        stepper.bodies.weigh(impact.q)
+        twists = np.ascontiguousarray(stepper.bodies.contacts.twists(impact.q).T)
+        ground = Ground.below(stepper.terrain, seen, points.radii)
+        bumps = Bumps(
+            *model, seen, ground, stepper.bodies.L.copy(), twists, work.first, points.support, points.radii,
+            points.foot, span, stepper.bodies.data.oMi[1].rotation.copy(),
+        )  # fmt: skip
+        nothing = np.zeros(impact.impulses.shape)
+        response = None if impact.solution is None else Response(impact.solution, smoothing)
+        return Exchange(bumps, impact, nothing, nothing, horizon, stepper.options, pull, response)
+
+    def _smoothed(self, impact: Impact, seen: Contacts) -> Impact:
+        """Return the exchange on the central path, with all contact points."""
+        stepper, every = self.stepper, np.arange(len(seen.gaps))
+        if not every.size:
+            return impact
+        options = stepper.options
+        stepper.bodies.weigh(impact.q)
+        rows, G, g = arithmetic.assemble(
+            seen.J, stepper.bodies.L, impact.before, impact.free, seen.gaps, every, options.dt,
+            options.restitution, 2.0 * options.dt * GRAVITY, pull_of(options),
+        )  # fmt: skip
+        swerve = impact.velocities - impact.leaving
+        problem = finite_problem(G, g + swerve.ravel(), self.request.mu, options.problem_law)
+        solution = stepper.solve(problem, impact.impulses)
+        forces = Response(solution, self.request.smoothing).forces
+        after = arithmetic.apply_impulses(stepper.bodies.L, rows, forces.ravel(), impact.free)
+        leaving = seen.velocities(after)
+        means = leaving if impact.velocities is impact.leaving else leaving + swerve
+        return impact._replace(
+            after=after, near=every, rows=rows, impulses=forces, leaving=leaving, velocities=means,
+            solution=solution,
+        )  # fmt: skip
+
+    @property
+    def responses(self) -> list[tuple[Response, IntArray]]:
+        """The contact problems of impulses, in order, and which contact points are in them."""
+        found = [] if self.step.impact is None else [self.arrival, self.main]
+        return [(e.response, e.impact.near) for e in found if e is not None and e.response is not None]
+
+    @cached_property
+    def _flows(self) -> list[FloatArray]:
+        return [c.flow.of(c.q, c.v, c.seconds, c.effort, _responsive if c.effort is not None else None)
+                for c in self.coasts]  # fmt: skip
+
+    @cached_property
+    def _inertial_flows(self) -> list[FloatArray]:
+        """The last columns of the flows: by inertial parameters."""
+        return [c.flow.of(c.q, c.v, c.seconds, c.effort, self._regressing(c))[:, 2 * c.v.size :]
+                for c in self.coasts]  # fmt: skip
+
+    def _regressing(self, coast: Coast) -> Any:
+        import pinocchio
+
+        model, scratch = coast.flow.motion.model, self._work.data
+
+        def inputs(data: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> FloatArray:
+            Y = pinocchio.computeJointTorqueRegressor(model, scratch, q, v, a)
+            return np.asarray(-_responsive(data, q, v, a) @ Y)
+
+        return inputs
+
+    def _coasted(
+        self, k: int, T: FloatArray, more: FloatArray | None, inertia: FloatArray | None
+    ) -> FloatArray:
+        """Return the rates of (q, v) (2nv, c) after a piece of free motion."""
+        flow = self._flows[k]
+        out = flow[:, : len(T)] @ T
+        if more is not None:
+            out += flow[:, len(T) :] @ more
+        if inertia is not None:
+            out += self._inertial_flows[k] @ inertia
+        return np.asarray(out)
+
+    def through(
+        self,
+        columns: Sequence[FloatArray],
+        inertia: FloatArray | None = None,
+        one_sided: bool = False,
+    ) -> FloatArray:
+        """Return the rates (2nv + 6p, c) of q, v, impulses and leaving for c columns of what goes in.
+
+        The columns are those of q, v, torques, mu, push and leaving.
+        """
+        q, v, torques, mu, push, leaving = columns
+        n, points = len(v), len(leaving)
+        T = np.vstack([q, v])
+        effort = np.zeros_like(v)
+        effort[self.stepper.robot.base_dof :] = torques
+        impulses = np.zeros((points, T.shape[1]))
+        if self.step.impact is None:
+            return np.vstack([self._coasted(0, T, effort, inertia), impulses, impulses])
+        if self.arrival is not None:
+            rates = Rates(T[:n], T[n:], self.arrival.takes(inertia) + np.zeros_like(v), mu[0], 0.0 * leaving)
+            after, _, given = self.arrival.through(rates, one_sided)
+            T, impulses = np.vstack([T[:n], after]), impulses + given
+        T = self._coasted(0, T, None, inertia)
+        for out in self.projections:
+            T = self._pushed(out, T, inertia, one_sided)
+        effort = self.stepper.options.dt * (effort + self._pushing(T[:n], push)) + self.main.takes(inertia)
+        after, left, given = self.main.through(Rates(T[:n], T[n:], effort, mu[0], leaving), one_sided)
+        T = self._coasted(1, np.vstack([T[:n], after]), None, inertia)
+        return np.vstack([T, impulses + given, left])
+
+    def by_inertia(self) -> FloatArray:
+        """Return the derivatives (2nv + 6p, 10 bodies) by all inertial parameters."""
+        model, points = self.stepper.bodies.model, len(self.stepper.robot.contact_points)
+        count = 10 * (model.njoints - 1)
+        sizes = (model.nv, model.nv, self.stepper.robot.joints, 1, 3, 3 * points)
+        return self.through([np.zeros((size, count)) for size in sizes], np.eye(count))
+
+    def _pushed(
+        self, out: Exchange, T: FloatArray, inertia: FloatArray | None, one_sided: bool
+    ) -> FloatArray:
+        """Return the rates of (q, v) after a motion out of the ground."""
+        import pinocchio
+
+        n, none = len(T) // 2, np.zeros((len(T) // 2, T.shape[1]))
+        leaving = np.zeros((out.leaving.size, T.shape[1]))
+        rates = Rates(T[:n], none, none + out.takes(inertia), none[0], leaving)
+        moved = out.through(rates, one_sided)[0]
+        model, q, way = self._work.heavy[0], out.impact.q, out.impact.after
+        by_q = pinocchio.dIntegrate(model, q, way, pinocchio.ArgumentPosition.ARG0)
+        by_way = pinocchio.dIntegrate(model, q, way, pinocchio.ArgumentPosition.ARG1)
+        return np.vstack([by_q @ T[:n] + by_way @ moved, T[n:]])
+
+    def _pushing(self, q: FloatArray, push: FloatArray) -> FloatArray:
+        """Return the rates (nv, c) of the generalised force of the push, of q (nv, c) and push (3, c)."""
+        out = np.zeros_like(q)
+        bodies = self.stepper.bodies
+        if not self.stepper.robot.floating:
+            return out
+        turn = self.main.bumps.base_rotation
+        local = turn.T @ push
+        if self.request.push is not None:
+            local = local + skew(turn.T @ self.request.push) @ q[3:6]
+        out[:3], out[3:6] = local, skew(bodies.lever) @ local
+        return out
+
+
+def _responsive(data: Any, *_: FloatArray) -> FloatArray:
+    """Return the inverse of the mass matrix that the derivatives of accelerations left."""
+    upper = np.triu(data.Minv)
+    return np.asarray(upper + np.triu(upper, 1).T)
