@@ -31,6 +31,7 @@ batch.active             regular_pivots       batch/test_batch.py::test_kernels_
 batch.active             scatter              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             unknowns             batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             unscale              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.kernel             contact_blocks       batch/test_batch.py::test_dense_blocks_are_those_of_the_derivative
 batch.kernel             contact_jvp          batch/test_batch.py::test_kernels_match_their_numpy_twin
 batch.kernel             contact_vjp          batch/test_batch.py::test_kernels_match_their_numpy_twin
 batch.kernel             solve_contacts       batch/test_batch.py::test_the_kernel_runs_in_a_callers_own_code
@@ -107,6 +108,7 @@ numerics.cholesky        solve_lower          numerics/test_cholesky.py::test_fa
 numerics.cholesky        solve_upper          numerics/test_cholesky.py::test_factor_and_solves
 numerics.elimination     invert_shifted       numerics/test_elimination.py::test_inverse_is_numpy_inverse
 numerics.elimination     lu_solve             numerics/test_elimination.py::test_lu_is_numpy_solve
+numerics.elimination     lu_solve_many        numerics/test_elimination.py::test_elimination_of_many_right_hand_sides_is_numpy_solve
 numerics.elimination     symmetric_solve      numerics/test_elimination.py::test_symmetric_elimination_is_numpy_solve
 numerics.factorisation   factor               numerics/test_factorisation.py::test_the_factorisation_solves
 numerics.factorisation   solve_factored       numerics/test_factorisation.py::test_the_factorisation_solves
@@ -197,6 +199,9 @@ stepping.arithmetic      mean_work            conformance/test_small_kernels.py:
 stepping.arithmetic      near_ground          stepping/test_arithmetic.py::test_near_ground_takes_what_may_touch
 stepping.arithmetic      swerves              conformance/test_small_kernels.py::test_mean_work_and_swerves
 stepping.arithmetic      with_missed          stepping/test_arithmetic.py::test_contacts_that_the_others_push_down_join_in
+stepping.derivative_kernels centre_rates         stepping/test_derivative_kernels.py::test_rates_are_those_of_pinocchios_jacobians
+stepping.derivative_kernels force_rates          stepping/test_derivative_kernels.py::test_rates_are_those_of_pinocchios_jacobians
+stepping.derivative_kernels velocity_rates       stepping/test_derivative_kernels.py::test_rates_are_those_of_pinocchios_jacobians
 stepping.motion          bent                 stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
 stepping.motion          bracket              stepping/test_motion.py::test_stage_twin_and_tangent_rate by stage
 stepping.motion          halfway              stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
