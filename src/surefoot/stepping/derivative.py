@@ -290,8 +290,8 @@ def step_derivative(
     >>> from surefoot.robot import load_robot
     >>> stepper = Stepper(load_robot("go2"))
     >>> d = step_derivative(stepper, stepper.start(), np.zeros(12))
-    >>> d.A.shape, d.B.shape, d.modes[0]
-    ((36, 36), (36, 12), 'stick')
+    >>> d.A.shape, d.B.shape, len(d.modes)
+    ((36, 36), (36, 12), 4)
     """
     smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
     mu = real_number("mu", mu, low=0.0)
