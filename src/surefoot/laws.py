@@ -1,47 +1,9 @@
 """Contact laws by name: `surefoot.laws.COULOMB`, `surefoot.laws.HuntCrossley(stiffness=2e5, ...)`."""
 
-from surefoot.contact.laws import CONVEX, COULOMB, Law
-from surefoot.contact.laws.pressure import CompliantSolid, PressureField, PressurePatch
-from surefoot.contact.laws.soft import (
-    Behaviour,
-    ExactFriction,
-    ForceJacobian,
-    Friction,
-    Hertz,
-    HuntCrossley,
-    Linearisation,
-    MujocoLaw,
-    RegularisedFriction,
-    SoftLaw,
-    SpringDamper,
-    behaviour,
-    rebound,
-    stable_step,
-    stable_step_together,
-    validate_law,
-)
+from surefoot.contact.laws import CONVEX, COULOMB, Law, pressure, soft
+from surefoot.contact.laws.pressure import *  # noqa: F403 - their own lists say what is public
+from surefoot.contact.laws.soft import *  # noqa: F403
 
-__all__ = [
-    "CONVEX",
-    "COULOMB",
-    "Behaviour",
-    "CompliantSolid",
-    "ExactFriction",
-    "ForceJacobian",
-    "Friction",
-    "Hertz",
-    "HuntCrossley",
-    "Law",
-    "Linearisation",
-    "MujocoLaw",
-    "PressureField",
-    "PressurePatch",
-    "RegularisedFriction",
-    "SoftLaw",
-    "SpringDamper",
-    "behaviour",
-    "rebound",
-    "stable_step",
-    "stable_step_together",
-    "validate_law",
-]
+__all__ = ["CONVEX", "COULOMB", "Law"]
+__all__ += pressure.__all__
+__all__ += soft.__all__

@@ -13,8 +13,9 @@ from surefoot.estimation import Cube
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.simulation.drake_python import VARIABLE
 from surefoot.simulation.tosses import drake_cube
-from surefoot.simulation.tosses.drake_cube import VARIABLE, DrakeCube
+from surefoot.simulation.tosses.drake_cube import DrakeCube
 from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99], "drake": [0.2, 2e5, 0.005]}

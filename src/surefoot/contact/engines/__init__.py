@@ -1,8 +1,7 @@
 """How simulators word contact parameters, one file per engine, and the translation between them."""
 
 from surefoot.contact.engines.combination import combination_rules, combine_friction
-from surefoot.contact.engines.engine import EngineContact, engine_named
-from surefoot.contact.engines.names import ENGINES
+from surefoot.contact.engines.engine import ENGINES, EngineContact, engine_named
 from surefoot.contact.engines.translation import Quantity, Translation, translate
 
 __all__ = [

@@ -7,10 +7,23 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from surefoot.contact.engines.names import ENGINES
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY
+
+ENGINES: dict[str, tuple[str, str]] = {
+    "physical": ("physical", "PhysicalContact"),
+    "hunt-crossley": ("physical", "HuntCrossleyContact"),
+    "mujoco": ("mujoco", "MujocoContact"),
+    "drake": ("drake", "DrakeContact"),
+    "drake-hunt-crossley": ("drake", "DrakeHuntCrossleyContact"),
+    "drake-hydroelastic": ("drake", "DrakeHydroelasticContact"),
+    "physx": ("physx", "PhysxContact"),
+    "isaaclab": ("physx", "IsaacLabContact"),
+    "ode": ("ode", "OdeContact"),
+    "bullet": ("ode", "BulletContact"),
+}
+"""Name -> (file of this folder, class): an engine is one file and one line."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from surefoot.contact.engines.engine import EngineContact, Situation
@@ -48,10 +48,9 @@ class IsaacLabContact(PhysxContact):
     @classmethod
     def from_law(cls, law: SoftLaw, situation: Situation) -> tuple[EngineContact, list[str]]:
         """Return the material's fields, friction included, and what is lost."""
-        stiffness, damping, lost = linear(law, situation)
-        lost.append(PER_POINT)
+        contact, lost = super().from_law(law, situation)
         mu = law.friction.mu
-        return cls(stiffness, damping, mu, mu), lost
+        return replace(contact, static_friction=mu, dynamic_friction=mu), lost  # type: ignore[call-arg]
 
     def settings(self) -> dict[str, Any]:
         """Return the fields of the config."""

@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surefoot.arrays import finite_array, real_number
-from surefoot.contact.engines.engine import EngineContact, engine_named
-from surefoot.contact.engines.names import ENGINES
+from surefoot.contact.engines.engine import ENGINES, EngineContact, engine_named
 from surefoot.contact.laws.soft.hunt_crossley import Hertz, HuntCrossley
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.contact.laws.soft.spring_damper import SpringDamper

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.contact.laws.soft.behaviour import SETTLED, Behaviour
+from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
 from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
 from surefoot.simulation.drops.task import Drop
 
@@ -100,8 +100,7 @@ def measure(
     depth = -float(rest.gaps[-1])
     pressed = run(-(1.0 + NUDGE) * depth, 0.0, settle)
     frequency, ratio = _modes(np.asarray(pressed.gaps) + depth, dt)
-    slow = ratio if ratio <= 1.0 else 1.0 / (ratio + math.sqrt(ratio**2 - 1.0))
-    settling = math.inf if slow <= 0.0 else -math.log(SETTLED) / (slow * frequency)
+    settling = settling_time(frequency, ratio)
     impact = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
     left = impact.gaps[-1] > 0.0 and impact.speeds[-1] > 0.0
     return Behaviour(depth, float(impact.speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)

@@ -1,18 +1,15 @@
 """A tossed cube in Drake: eight small spheres at its corners on a half-space, point contact, SAP.
 
 Drake's own box meets a plane in one point at a time, which rocks; spheres at the corners are what its users
-take. It runs in another process, so that its interpreter may be another: SUREFOOT_DRAKE_PYTHON names it.
+take. It runs in a process of its own, with an interpreter of its own where one is named (`drake_python`).
 """
 
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import json
 import math
-import os
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -21,15 +18,9 @@ from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, ModelError
 from surefoot.estimation.cube_model import FRICTION, LONGEST_STEP
 from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.simulation.drake_python import EXTRA, PACKAGE, VARIABLE, interpreter, present
 
-PACKAGE, EXTRA = "drake", "drake"
-VARIABLE = "SUREFOOT_DRAKE_PYTHON"
 WORKER = Path(__file__).with_name("drake_cube_worker.py")
-
-
-def present() -> bool:
-    """Return whether Drake is importable here, or another interpreter is named for it."""
-    return bool(os.environ.get(VARIABLE)) or importlib.util.find_spec("pydrake") is not None
 
 
 class DrakeCube:
@@ -77,7 +68,7 @@ class DrakeCube:
     def _ask(self, line: str) -> list[list[float]]:
         """Return the worker's answer to one line; it lives from task to task."""
         if self._worker is None:
-            python = os.environ.get(VARIABLE) or sys.executable
+            python = interpreter()
             try:
                 self._worker = subprocess.Popen(
                     [python, str(WORKER)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True

@@ -8,8 +8,8 @@ import sys
 from typing import Any
 
 
-def poses(task: dict[str, Any]) -> list[list[float]]:
-    """Return positions and quaternions (x, y, z, w) of every frame of every toss."""
+def cube_on_ground(task: dict[str, Any]) -> tuple[Any, Any]:
+    """Return the plant of a cube over a half-space, and its simulator."""
     import numpy as np
     from pydrake.geometry import HalfSpace, ProximityProperties, Sphere
     from pydrake.math import RigidTransform, RotationMatrix
@@ -56,7 +56,12 @@ def poses(task: dict[str, Any]) -> list[list[float]]:
             material(2.0 * stiffness, 0.5 * relaxation),
         )
     plant.Finalize()
-    simulator = Simulator(builder.Build())
+    return plant, Simulator(builder.Build())
+
+
+def poses(task: dict[str, Any]) -> list[list[float]]:
+    """Return positions and quaternions (x, y, z, w) of every frame of every toss."""
+    plant, simulator = cube_on_ground(task)
     context = simulator.get_mutable_context()
     inner = plant.GetMyMutableContextFromRoot(context)
     rows: list[list[float]] = []

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation.toss_model import TossModel
-from surefoot.simulation.tosses import drake_cube
+from surefoot.simulation import drake_python
 from surefoot.simulation.tosses.drake_cube import DrakeCube
 from surefoot.simulation.tosses.mujoco_cube import MujocoCube
 
@@ -26,7 +26,7 @@ class Rival(NamedTuple):
 
 RIVALS = {
     "mujoco": Rival(MujocoCube, lambda: find_spec("mujoco") is not None),
-    "drake": Rival(DrakeCube, drake_cube.present, most=48),
+    "drake": Rival(DrakeCube, drake_python.present, most=48),
 }
 
 

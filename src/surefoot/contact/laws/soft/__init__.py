@@ -1,4 +1,4 @@
-"""Contact laws as values; each in a file of its own."""
+"""Compliant contact laws as values; each in a file of its own."""
 
 from surefoot.contact.laws.soft.behaviour import Behaviour, behaviour, rebound
 from surefoot.contact.laws.soft.friction import ExactFriction, Friction, RegularisedFriction

@@ -69,9 +69,20 @@ def behaviour(law: SoftLaw, mass: float, speed: float = 1.0, gravity: float = GR
     stiff, damped = float(by_depth), float(by_rate)
     frequency = math.sqrt(stiff / heavy)
     ratio = damped / (2.0 * heavy * frequency)
+    bounce = rebound(law, heavy, speed, gravity)
+    return Behaviour(depth, bounce, frequency, ratio, settling_time(frequency, ratio))
+
+
+def settling_time(frequency: float, ratio: float, share: float = SETTLED) -> float:
+    """Return how long a damped motion takes to shrink to a share of itself [s]; infinite without damping.
+
+    The slower of the two decay rates counts.
+
+    >>> round(settling_time(frequency=100.0, ratio=0.1), 4)
+    0.3912
+    """
     slow = ratio if ratio <= 1.0 else 1.0 / (ratio + math.sqrt(ratio**2 - 1.0))
-    settling = math.inf if slow == 0.0 else -math.log(SETTLED) / (slow * frequency)
-    return Behaviour(depth, rebound(law, heavy, speed, gravity), frequency, ratio, settling)
+    return math.inf if slow <= 0.0 else -math.log(share) / (slow * frequency)
 
 
 def rebound(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -> float:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.contact.laws.soft.behaviour import SETTLED, settling_time
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError
 
@@ -85,15 +86,9 @@ class SpringDamper(SoftLaw):
         """Return the coefficient of restitution of a mass [kg], its weight neglected; any speed."""
         return restitution_of(self.ratio(mass))
 
-    def settling_time(self, mass: float, share: float = 0.02) -> float:
-        """Return how long an oscillation about rest takes to shrink to a share of itself [s].
-
-        The slower of the two decay rates counts; infinite without damping.
-        """
-        frequency = math.sqrt(self.stiffness / mass)
-        ratio = self.ratio(mass)
-        slow = ratio if ratio <= 1.0 else 1.0 / (ratio + math.sqrt(ratio**2 - 1.0))
-        return math.inf if slow == 0.0 else -math.log(share) / (slow * frequency)
+    def settling_time(self, mass: float, share: float = SETTLED) -> float:
+        """Return how long an oscillation about rest takes to shrink to a share of itself [s]."""
+        return settling_time(math.sqrt(self.stiffness / mass), self.ratio(mass), share)
 
 
 def restitution_of(ratio: float) -> float:
@@ -124,8 +119,7 @@ def damping_ratio(restitution: float) -> float:
     if not FULLY_PLASTIC <= wanted <= 1.0:
         raise ProblemError(
             f"restitution must be between {FULLY_PLASTIC:g} and 1, got {wanted:g}: a spring and damper "
-            "always "
-            "gives something back"
+            "always gives something back"
         )
     if wanted == 1.0:
         return 0.0
