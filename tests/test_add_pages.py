@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,8 +12,7 @@ from surefoot.audit import log_laws
 from surefoot.control import gait_library
 from surefoot.control.controller import RobotState
 from surefoot.log import CHANNELS, formats
-
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+from tests.pages import run_page
 
 
 @pytest.fixture(autouse=True)
@@ -26,17 +23,8 @@ def tables(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(gait_library.PATTERNS, 4, dict(gait_library.PATTERNS[4]))
 
 
-def shown(page: str) -> dict[str, Any]:
-    """Run the Python that a page shows and return its names."""
-    blocks = re.findall(r"^```python\n(.*?)^```$", (DOCS / page).read_text(), re.DOTALL | re.MULTILINE)
-    names: dict[str, Any] = {"__name__": "page"}
-    for block in blocks:
-        exec(compile(block, page, "exec"), names)
-    return names
-
-
 def test_a_controller_from_outside_stands_and_tells_its_own_channel() -> None:
-    names = shown("add-a-controller.md")
+    names = run_page("add-a-controller.md")
     log, controller, robot = names["log"], names["JointHold"], names["robot"]
     assert log.facts["outcome"] == "done"
     assert log.facts["kind"] == "hold"
@@ -53,7 +41,7 @@ def test_a_controller_from_outside_stands_and_tells_its_own_channel() -> None:
 
 
 def test_a_controller_whose_rows_are_not_its_channels_is_told_so() -> None:
-    names = shown("add-a-controller.md")
+    names = run_page("add-a-controller.md")
     robot, held = names["robot"], names["JointHold"](names["robot"], names["q"])
     held.channels = ()
     with pytest.raises(sf.ProblemError, match=r"rows for joint_error, its controller has the channels none"):
@@ -64,7 +52,7 @@ def test_a_controller_whose_rows_are_not_its_channels_is_told_so() -> None:
 
 
 def test_a_log_format_from_outside_comes_back_to_the_last_bit() -> None:
-    names = shown("add-a-log-format.md")
+    names = run_page("add-a-log-format.md")
     log, again = names["log"], names["again"]
     assert set(again.arrays) == set(log.arrays)
     for name in log.arrays:
@@ -81,7 +69,7 @@ def test_a_log_format_from_outside_comes_back_to_the_last_bit() -> None:
 
 
 def test_a_gait_from_outside_walks() -> None:
-    names = shown("add-a-gait.md")
+    names = run_page("add-a-gait.md")
     summary, log = names["summary"], names["log"]
     assert summary.gait == "amble"
     assert summary.success

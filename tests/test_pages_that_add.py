@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,18 +14,16 @@ from surefoot.robot import load_robot
 from surefoot.robot.catalog import CATALOG
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.terrain import TERRAINS, read_terrain
-
-DOCS = Path(__file__).parents[1] / "docs"
-BLOCK = re.compile(r"```python\n(.*?)```", re.DOTALL)
+from tests import pages
 
 
-def run_page(name: str) -> dict[str, object]:
-    """Run all Python blocks of a page as one program and return its names."""
-    names: dict[str, object] = {"__name__": name}
-    for block in BLOCK.findall((DOCS / f"{name}.md").read_text()):
-        code = re.sub(r"^main\((.*)\)$", r"codes.append(main(\1))", block, flags=re.MULTILINE)
-        exec(compile(f"{'' if 'codes' in names else 'codes = []'}\n{code}", f"{name}.md", "exec"), names)
-    return names
+def run_page(name: str) -> dict[str, Any]:
+    """Run a page and return its names, with the exit codes of its commands."""
+    return pages.run_page(
+        f"{name}.md",
+        {"codes": []},
+        edit=lambda block: re.sub(r"^main\((.*)\)$", r"codes.append(main(\1))", block, flags=re.MULTILINE),
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -72,6 +71,6 @@ def test_a_world_from_outside(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_robot_from_outside(capsys: pytest.CaptureFixture[str]) -> None:
     names = run_page("add-a-robot")
     assert names["codes"] == [0]
-    assert names["robot"].mass == pytest.approx(3.9)  # type: ignore[attr-defined]
+    assert names["robot"].mass == pytest.approx(3.9)
     assert load_robot("my_a1").mass == load_robot("a1").mass
     assert "front_foot:0" in capsys.readouterr().out

@@ -1,10 +1,6 @@
 """The axioms of a closed convex cone, for every cone class of the package."""
 
 import math
-import re
-import textwrap
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,17 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surefoot.cones import FrictionCone, PolyhedralCone, ProductCone, WrenchCone
+from tests.pages import blocks, run_page
 
 RNG = np.random.default_rng(7)
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "add-a-cone.md").read_text(encoding="utf-8")
-BLOCKS = [
-    textwrap.dedent(block)
-    for block in re.findall(r"^ *```python\n(.*?)^ *```", PAGE, re.DOTALL | re.MULTILINE)
-]
-SHOWN: dict[str, Any] = {}
+SHOWN = run_page("add-a-cone.md")
 """What the page about new cones defines and works out."""
-for _block in BLOCKS:
-    exec(_block, SHOWN)
 FAMILY = {
     "friction": FrictionCone(0.6),
     "friction, wide": FrictionCone(3.0),
@@ -202,7 +192,7 @@ def test_fit_errors_equal_the_closed_forms_and_what_is_measured(facets, fit):
 
 def test_the_page_says_what_its_cone_does():
     wall = SHOWN["wall"]
-    assert len(BLOCKS) == 2
+    assert len(blocks("add-a-cone.md")) == 2
     assert wall.contains([10.0, 0.0, 4.9])
     assert not wall.contains([10.0, 0.0, 5.1])
     assert wall.project([10.0, 0.0, 10.0]) == pytest.approx([12.0, 0.0, 6.0])

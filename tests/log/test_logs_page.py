@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.pages import DOCS, run_page
+
 pytest.importorskip("mujoco")
-PAGE = Path(__file__).parents[2] / "docs" / "logs.md"
+PAGE = DOCS / "logs.md"
 
 
 def test_the_page_runs(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    blocks = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
-    names: dict[str, Any] = {"__name__": "page"}
-    told = []
-    for block in blocks:
-        exec(compile(block, "logs.md", "exec"), names)
-        told.append(capsys.readouterr().out)
+    told: list[str] = []
+    names = run_page("logs.md", after=lambda: told.append(capsys.readouterr().out))
     assert len(told) == 5
     assert "['shell'] ['floor', 'floor', 'floor', 'floor'] 5.0" in told[0]
     assert told[1] == "forces: contact axes are taken to be the world's, as on level ground\n"
