@@ -94,6 +94,7 @@ from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
 from .simulation.rigid import RigidWorld as RigidWorld
+from .simulation.rigid import Touch as Touch
 from .simulation.run import run as run
 from .simulation.scenario import Ice as Ice
 from .simulation.scenario import Push as Push
