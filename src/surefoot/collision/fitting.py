@@ -1,4 +1,4 @@
-"""A robot's collision geometry as solids: the URDF's primitives as they are, meshes by what fits them best."""
+"""A robot's collision geometry as solids: its primitives as they are, meshes by what fits them best."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def robot_geometry(robot: Robot) -> Geometry:
 
     Spheres, boxes and capsules are taken as they are, cylinders and meshes by the box or capsule that fits
     best (`fitted`). A foot's own geometry gives way to its contact spheres, which keep their own contacts
-    with the ground. Pairs on one joint, of neighbouring joints, and those that overlap in the nominal pose are
-    never tested.
+    with the ground. Pairs on one joint, of neighbouring joints, and those that overlap in the nominal pose
+    are never tested.
 
     Examples
     --------

@@ -5,8 +5,8 @@ and every vertex of what is left is a contact with its own gap: up to eight of t
 that a body at rest has all that carries it, however small its tilt. Otherwise the nearest points are the
 contact, and for two lines that are nearly parallel (capsules, edges) the ends of their overlap as well.
 
-coal's own contact patches lay all points of a pair into one plane at one depth, within a tolerance: a box that
-tips by less than that would have contacts under its raised side.
+coal's own contact patches lay all points of a pair into one plane at one depth, within a tolerance: a box
+that tips by less than that would have contacts under its raised side.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def _facing(
     half: FloatArray, R: FloatArray, c: FloatArray, R_ref: FloatArray, c_ref: FloatArray, face: int,
     out: float, table: FloatArray,
 ) -> int:  # fmt: skip
-    """Write the vertices of a core that face a box's face: x, y in it, height from the box's middle, own index.
+    """Write the vertices of a core that face a box's face: x, y in it, height from its middle, index.
 
     Returns how many: a point, the ends of a line, or the corners of the side that looks at the face.
     """
@@ -185,7 +185,7 @@ def _nearest(
     a: int, b: int, half: FloatArray, radius: FloatArray, rotation: FloatArray, centre: FloatArray,
     seen: FloatArray, first: int, gaps: FloatArray, points: FloatArray, normals: FloatArray,
 ) -> None:  # fmt: skip
-    """Write the nearest points as a contact, and the ends of the overlap of two lines that are near parallel."""
+    """Write the nearest points as a contact, and the ends of the overlap of nearly parallel lines."""
     n = seen[:3]
     gaps[first] = seen[3]
     for k in range(3):

@@ -59,7 +59,7 @@ def relative_jacobian(
     twists: FloatArray, support: BoolArray, first: IntArray, second: IntArray, points: FloatArray,
     frames: FloatArray, on: BoolArray, out: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill out (3p, nv) with the Jacobians of the second body's velocity against the first, at contact points.
+    """Fill out (3p, nv) with the Jacobians of a second body's velocity against a first, at contact points.
 
     As `contact_jacobian`, for the bodies `first` and `second` (p,) of each point; zeros where not `on` (p,).
     """

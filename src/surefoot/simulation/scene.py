@@ -224,7 +224,7 @@ class Scene(Robot):
         return Pose(np.array(place.translation), np.array(place.rotation))
 
     def twist(self, name: str, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return velocity of a body's centre of mass [m/s] and angular velocity [rad/s], (3,) in world axes."""
+        """Return velocity of a body's centre [m/s] and angular velocity [rad/s], (3,) each, world axes."""
         joint = self._found(name)
         if joint == 0:
             return np.zeros(3), np.zeros(3)

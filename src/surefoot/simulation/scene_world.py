@@ -75,5 +75,5 @@ class SceneWorld(RigidWorld):
         return self.robot.pose(name, self._state.q)
 
     def twist(self, name: str) -> tuple[FloatArray, FloatArray]:
-        """Return velocity of a body's centre of mass [m/s] and angular velocity [rad/s], (3,) in world axes."""
+        """Return velocity of a body's centre [m/s] and angular velocity [rad/s], (3,) each, world axes."""
         return self.robot.twist(name, self._state.q, self._state.v)

@@ -25,7 +25,7 @@ class PairDetection:
     """Finds all contacts of a geometry; used in the place of `Detection`.
 
     The contacts are the robot's feet, then the other solids' knots on the ground, then the slots of all
-    pairs. On ground that is made of boxes solids other than feet touch those boxes, edges and vertical faces too.
+    pairs. On ground that is made of boxes solids other than feet touch those, edges and vertical faces too.
 
     Parameters
     ----------
