@@ -18,8 +18,11 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import kernel
 
-ALIGNED = 1.0 - 0.5e-6
-"""Cosine of the angle up to which a normal is taken for that of a face: 1 mrad, where gaps differ by 1e-7."""
+TILT = 1e-3
+"""Angle up to which a normal is taken for that of a face."""
+ALIGNED = 1.0 - 0.5 * TILT * TILT
+AGREED = 2e-7
+"""How far the least gap on a face may be above coal's distance [m], besides the share `TILT` of it."""
 SLACK = 1e-7
 """How far outside a face a vertex still counts as on it [m]: edges that lie on edges stay what they are."""
 PARALLEL = 0.1
@@ -59,12 +62,16 @@ def manifolds(
                 half[inc], rotation[inc], centre[inc], rotation[ref], centre[ref], face, out, table
             )
             count = _clipped(table, sheet, count, half[ref], face)
-            lift = half[ref, face] + radius[ref]
-            done = count > 0
-            _place(
-                table, count, lift, radius[inc], rotation[ref], centre[ref], face, out, flip, first,
-                gaps, points, normals,
-            )  # fmt: skip
+            lift, least = half[ref, face] + radius[ref], np.inf
+            for k in range(count):
+                least = min(least, table[k, 2] - lift - radius[inc])
+            # else what is nearest lies beside the face
+            done = least - seen[i, 3] <= AGREED + TILT * abs(seen[i, 3])
+            if done:
+                _place(
+                    table, count, lift, radius[inc], rotation[ref], centre[ref], face, out, flip, first,
+                    gaps, points, normals,
+                )  # fmt: skip
         if not done:
             _nearest(a, b, half, radius, rotation, centre, seen[i], first, gaps, points, normals)
 

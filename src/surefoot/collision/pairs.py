@@ -15,6 +15,10 @@ FAR = 1e3
 """Gap of a contact whose solids are not near each other [m]."""
 PRECISION = 1e-10
 """Of coal's distances [m]."""
+VAGUE = 1e-6
+"""Distance of two sharp shapes below which its direction is not to be trusted [m]."""
+INSET = 1e-5
+"""By how much smaller shapes tell it then [m]."""
 
 
 class PairSearch:
@@ -61,6 +65,7 @@ class PairSearch:
         self.normals[:, 2] = 1.0
         self.on = np.zeros(p, dtype=np.bool_)
         self._solids = [s.shape.solid() for s in solids]
+        self._inner = [None if s.shape.radius > 0.0 else s.shape.inset(INSET).solid() for s in solids]
         self._poses = [library.Transform3s() for _ in solids]
         self._distance, self._result = library.distance, library.DistanceResult()
         self._request = library.DistanceRequest()
@@ -100,12 +105,15 @@ class PairSearch:
 
     def _look(self, a: int, b: int, row: FloatArray, centre: FloatArray) -> None:
         """Write normal, distance and nearest points of two solids into row (10,)."""
-        result = self._result
+        result, poses = self._result, self._poses
         result.clear()
-        row[3] = self._distance(
-            self._solids[a], self._poses[a], self._solids[b], self._poses[b], self._request, result
-        )
+        row[3] = self._distance(self._solids[a], poses[a], self._solids[b], poses[b], self._request, result)
         row[:3], row[4:7], row[7:] = result.normal, result.getNearestPoint1(), result.getNearestPoint2()
+        inner = self._inner[a], self._inner[b]
+        if abs(row[3]) < VAGUE and None not in inner:
+            result.clear()
+            self._distance(inner[0], poses[a], inner[1], poses[b], self._request, result)
+            row[:3] = result.normal
         length = float(np.sqrt(row[:3] @ row[:3]))
         if 0.5 < length < 2.0:
             row[:3] /= length

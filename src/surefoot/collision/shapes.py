@@ -38,6 +38,10 @@ class Shape(ABC):
     def solid(self) -> Any:
         """Return coal's value of the shape."""
 
+    def inset(self, depth: float) -> Box:
+        """Return the core's box that lies `depth` inside [m], or a tenth of its least extent if that is less."""
+        return Box(tuple((2.0 * (self.core - min(depth, 0.1 * float(self.core.min())))).tolist()))
+
     def knots(self, along: int = 2) -> FloatArray:
         """Return the centres (k, 3) of spheres of `radius` whose hull is the shape [m].
 
