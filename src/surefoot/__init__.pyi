@@ -99,6 +99,9 @@ from .simulation.run import run as run
 from .simulation.scenario import Ice as Ice
 from .simulation.scenario import Push as Push
 from .simulation.scenario import Scenario as Scenario
+from .simulation.scene import Body as Body
+from .simulation.scene import Scene as Scene
+from .simulation.scene_world import SceneWorld as SceneWorld
 from .solvers import Answer as Answer
 from .solvers import ContactForces as ContactForces
 from .solvers import ContactSolver as ContactSolver

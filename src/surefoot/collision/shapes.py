@@ -39,7 +39,7 @@ class Shape(ABC):
         """Return coal's value of the shape."""
 
     def inset(self, depth: float) -> Box:
-        """Return the core's box that lies `depth` inside [m], or a tenth of its least extent if that is less."""
+        """Return the box that lies `depth` inside the core [m], at most a tenth of its least extent."""
         return Box(tuple((2.0 * (self.core - min(depth, 0.1 * float(self.core.min())))).tolist()))
 
     def knots(self, along: int = 2) -> FloatArray:

@@ -101,7 +101,7 @@ class Geometry:
         return np.array(out, dtype=np.int64).reshape(-1, 2)
 
     def mixed(self, first: float | None, second: float | None, ground: float) -> float:
-        """Return the coefficient of a contact of two surfaces, None for the ground's; of two such `ground`."""
+        """Return the coefficient of a contact of two surfaces, None for the `ground`'s own."""
         if first is None and second is None:
             return ground
         own = [ground if c is None else c for c in (first, second)]
