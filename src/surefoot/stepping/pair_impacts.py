@@ -39,7 +39,7 @@ class PairMeeting(Meeting):
         if wave is None:
             return self._guarded(near, last, leaving)
         settled = self._replace(before=self.before + change, free=self.free + change)
-        impact = settled._guarded(near, last, leaving)
+        impact = settled._with_missed(near, last, None)  # a shock says nothing of how contacts turn
         return impact._replace(before=self.before, free=self.free, impulses=impact.impulses + wave)
 
     def _guarded(self, near: IntArray, last: FloatArray, leaving: FloatArray) -> Impact:
