@@ -45,8 +45,8 @@ class PairMeeting(Meeting):
     def _guarded(self, near: IntArray, last: FloatArray, leaving: FloatArray) -> Impact:
         """Return the exchange with the guess of how contacts will turn, without it where it makes energy.
 
-        A contact that slides along an edge, or changes its slot, is not where it was: what its velocity changed
-        by says little of what it will.
+        A contact that slides along an edge, or changes its slot, is not where it was: what its velocity
+        changed by says little of what it will.
         """
         impact = super().collide(near, last, leaving)
         arriving = self.contacts.velocities(self.before)
