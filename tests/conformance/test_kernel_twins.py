@@ -52,8 +52,6 @@ contact.residuals        certify_dense        contact/test_contact_residuals.py:
 contact.scales           scales_blocks        contact/test_scales.py::test_speeds_are_those_of_connected_parts
 contact.scales           scales_dense         contact/test_scales.py::test_speeds_are_those_of_connected_parts by scales
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
-contact.spectral         spectral_norm        contact/test_contact_problem.py::test_norm_is_the_spectral_norm
-contact.spectral         spectral_norm_blocks contact/test_contact_problem.py::test_norm_is_the_spectral_norm
 control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time

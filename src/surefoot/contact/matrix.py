@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
+import scipy.sparse.linalg
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
@@ -117,3 +119,14 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
     if compliance is not None:
         matrix = matrix + sp.diags(compliance)
     return matrix.tocsr()
+
+
+def spectral_norm(G: Any) -> float:
+    """Return ||G||₂ of a symmetric matrix (m, m), dense or sparse: its largest |eigenvalue|, to about 1e-9."""
+    if G.shape[0] == 0 or (sp.issparse(G) and G.nnz == 0):
+        return 0.0
+    if not sp.issparse(G):
+        return float(np.abs(scipy.linalg.eigvalsh(G)[[0, -1]]).max())
+    start = np.random.default_rng(0).uniform(0.5, 1.5, G.shape[0])  # no symmetry that a mechanism could share
+    ends = scipy.sparse.linalg.eigsh(G, 1, which="LM", v0=start, tol=1e-10, return_eigenvectors=False)
+    return float(np.abs(ends[0]))
