@@ -12,6 +12,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
 from surefoot.cones import FrictionPyramid
@@ -63,17 +65,8 @@ class LCP:
     @cached_property
     def parts(self) -> tuple[IntArray, ...]:
         """The indices of each part that no entry of M couples to another, in ascending order."""
-        coupled = (self.M != 0.0) | (self.M.T != 0.0)
-        left, found = np.ones(self.size, dtype=bool), []
-        while left.any():
-            part = np.zeros(self.size, dtype=bool)
-            front = np.argmax(left, keepdims=True)
-            while front.size:
-                part[front] = True
-                front = np.flatnonzero(coupled[front].any(axis=0) & ~part)
-            left &= ~part
-            found.append(np.flatnonzero(part))
-        return tuple(found)
+        count, label = connected_components(csr_matrix(self.M), directed=False)
+        return tuple(np.flatnonzero(label == k) for k in range(count))
 
     def part(self, index: IntArray) -> LCP:
         """Return the problem of one of `parts` alone."""

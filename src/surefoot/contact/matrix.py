@@ -122,7 +122,7 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
 
 
 def spectral_norm(G: Any) -> float:
-    """Return ||G||₂ of a symmetric matrix (m, m), dense or sparse: its largest |eigenvalue|, to about 1e-9."""
+    """Return ||G||₂ of a symmetric matrix (m, m), dense or sparse: largest |eigenvalue|, to about 1e-9."""
     if G.shape[0] == 0 or (sp.issparse(G) and G.nnz == 0):
         return 0.0
     if not sp.issparse(G):

@@ -26,6 +26,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.rotations import log_between
 from surefoot.numerics.vectors import Three, cross
 from surefoot.spatial import GRAVITY
 
@@ -33,32 +34,6 @@ GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
 """What `build` found in its input."""
 CALM = 0.1
 """Time within which an error of velocity is expected to die out [s]."""
-
-
-@inline_kernel
-def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
-    """Fill out with the rotation vector of A Bᵀ."""
-    x = y = z = trace = 0.0
-    for k in range(3):
-        trace += A[0, k] * B[0, k] + A[1, k] * B[1, k] + A[2, k] * B[2, k]
-        x += 0.5 * (A[2, k] * B[1, k] - A[1, k] * B[2, k])
-        y += 0.5 * (A[0, k] * B[2, k] - A[2, k] * B[0, k])
-        z += 0.5 * (A[1, k] * B[0, k] - A[0, k] * B[1, k])
-    sine, cosine = math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0)
-    if sine > 1e-9:
-        scale = math.atan2(sine, cosine) / sine
-        out[0], out[1], out[2] = scale * x, scale * y, scale * z
-    elif cosine > 0.0:
-        out[0], out[1], out[2] = x, y, z
-    else:  # half a turn: any of the two axes will do; A Bᵀ + 1 = 2 axis axisᵀ
-        best, column = -1.0, 0
-        for c in range(3):
-            d = 1.0 + A[c, 0] * B[c, 0] + A[c, 1] * B[c, 1] + A[c, 2] * B[c, 2]
-            if d > best:
-                best, column = d, c
-        for r in range(3):
-            d = A[r, 0] * B[column, 0] + A[r, 1] * B[column, 1] + A[r, 2] * B[column, 2]
-            out[r] = math.pi * (d + (1.0 if r == column else 0.0)) / math.sqrt(2.0 * best)
 
 
 @kernel
