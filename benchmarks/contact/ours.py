@@ -48,7 +48,7 @@ def real_time_path(problem: ContactProblem, tol: float) -> Callable[[Any, FloatA
         return None
     solver = ContactSolver(  # G already holds the compliance
         problem.contacts, problem.mu, problem.law, _lower_bounds(problem), problem.normal_max,
-        problem.facets, problem.fit, bilateral=problem.bilateral, tol=tol, warm_start=False,
+        facets=problem.facets, fit=problem.fit, bilateral=problem.bilateral, tol=tol, warm_start=False,
     )  # fmt: skip
 
     def forces(G: Any, g: FloatArray) -> FloatArray:

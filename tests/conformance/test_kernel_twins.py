@@ -136,6 +136,7 @@ numerics.vectors         cross                numerics/test_points.py::test_vect
 numerics.vectors         dot                  numerics/test_points.py::test_vectors
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
+solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one
 solvers.dual_newton.horizon newton            solvers/test_dual_newton_horizon.py::test_the_answer_is_a_fixed_point_of_projected_gradients

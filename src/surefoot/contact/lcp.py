@@ -12,8 +12,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
 from surefoot.cones import FrictionPyramid
@@ -65,6 +63,9 @@ class LCP:
     @cached_property
     def parts(self) -> tuple[IntArray, ...]:
         """The indices of each part that no entry of M couples to another, in ascending order."""
+        from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import connected_components
+
         count, label = connected_components(csr_matrix(self.M), directed=False)
         return tuple(np.flatnonzero(label == k) for k in range(count))
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 import scipy.sparse as sp
-import scipy.sparse.linalg
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array
@@ -123,6 +121,9 @@ def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
 
 def spectral_norm(G: Any) -> float:
     """Return ||G||₂ of a symmetric matrix (m, m), dense or sparse: largest |eigenvalue|, to about 1e-9."""
+    import scipy.linalg
+    import scipy.sparse.linalg
+
     if G.shape[0] == 0 or (sp.issparse(G) and G.nnz == 0):
         return 0.0
     if not sp.issparse(G):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,6 +26,15 @@ from surefoot.contact.sets.scales import set_scales
 from surefoot.errors import ProblemError
 
 Fit = Literal["inner", "outer"]
+
+
+class ContactOptions(TypedDict, total=False):
+    """What contacts seldom say, by the names of `ContactProblem`'s arguments: for what hands them on."""
+
+    facets: int | None
+    fit: Fit
+    compliance: ArrayLike
+    bilateral: ArrayLike | None
 
 
 class ContactProblem:

@@ -122,7 +122,7 @@ def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> t
 
 
 def slope_rotation(yaw: ArrayLike, slope: FloatArray) -> FloatArray:
-    """Return the (..., 3, 3) rotations with z along a plane's normal and x along (...,) headings in the plane.
+    """Return (..., 3, 3) rotations with z along a plane's normal and x along (...,) headings in the plane.
 
     Parameters
     ----------
