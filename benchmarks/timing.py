@@ -61,7 +61,8 @@ def best_of(
     """
     for item in items[:warm_up]:
         function(item)
-    seconds, answers, clock = np.full(len(items), np.inf), [], time.perf_counter
+    seconds, clock = np.full(len(items), np.inf), time.perf_counter
+    answers: list[Answer] = []
     for _ in range(passes):
         answers = []
         for k, item in enumerate(items):
