@@ -141,7 +141,7 @@ class LCP:
 
 
 def equilibrated(M: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return D M D whose rows and columns together have largest entries near one, and the exponents of D.
+    """Return D M D (n, n), rows and columns with largest entries near one, and the exponents (n,) of D.
 
     D is diagonal with powers of two, so that nothing is rounded. For z = D z', q' = D q the problem is the
     same, and a congruence keeps M positive semidefinite, copositive-plus or P. Source: D. Ruiz, "A scaling

@@ -40,7 +40,7 @@ def read_compliance(value: Any, contacts: int, counts: int | IntArray) -> FloatA
 
 
 def read_dense(G: ArrayLike, compliance: FloatArray | None, out: FloatArray, threes: bool = True) -> None:
-    """Fill `out` with the symmetric part of G, and the compliance on its diagonal.
+    """Fill `out` (m, m) with the symmetric part of G, and the compliance (m,) on its diagonal.
 
     `threes` tells whether all contacts have three rows: messages then name them.
     """
@@ -93,7 +93,7 @@ def _indefinite(i: int, j: int, G: Any, threes: bool = True) -> str:
 
 
 def checked_sparse(G: Any, size: int, compliance: FloatArray | None) -> Any:
-    """Return the symmetric part of a sparse G with the compliance on its diagonal, in CSR."""
+    """Return the symmetric part of a sparse G (size, size), compliance (size,) on its diagonal, in CSR."""
     if G.shape != (size, size):
         raise ProblemError(f"G must have shape ({size}, {size}), got {G.shape}")
     matrix = sp.csr_matrix(G, dtype=np.float64)

@@ -129,7 +129,7 @@ def _drift(problem: ContactProblem, d: FloatArray) -> FloatArray:
 
 
 def connected_parts(problem: ContactProblem) -> IntArray:
-    """Return the number of each contact's part: parts are joined by no entry of G at all."""
+    """Return the number (n,) of each contact's part: parts are joined by no entry of G at all."""
     if problem.general:
         return parts_of(
             block_sizes(problem.contact_set, problem.G), np.ones(problem.contacts, dtype=bool), 0.0

@@ -54,6 +54,7 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
         for k in range(1, steps + 1):
             share = terminal if k == steps else 1.0
             for a in range(k):
+                # an acceleration in step a moves the place at k by dt² (k - a - 1/2), the rate by dt
                 place = weights[0, j] * share * dt * dt * (k - a - 0.5)
                 rate = weights[1, j] * share * dt
                 for b in range(k):
@@ -245,6 +246,7 @@ def _free_motion(
         log_between(ref_rotation[k + 1], ref_rotation[k], turn)
         for a in range(3):
             fall = -GRAVITY if a == 2 else 0.0
+            # what the reference does not do by itself in a step: e' = e + dt ė + (r + dt ṙ + dt² g / 2 - r')
             world[k + 1, 0, a] = (
                 reference[k, 0, a] - reference[k + 1, 0, a] + dt * reference[k, 1, a] + 0.5 * dt * dt * fall
             )
@@ -280,7 +282,7 @@ def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float
     free = predict(drift, np.zeros((N, 6)), dt)
     q = np.empty(6 * N)
     for j in range(6):
-        place = rate = 0.0
+        place = rate = 0.0  # costates of x' = x + dt v + dt² a / 2, v' = v + dt a
         for k in range(N, 0, -1):
             share = terminal if k == N else 1.0
             rate += share * weights[1, j] * free[k, 1, j] + dt * place
@@ -322,7 +324,12 @@ def finish(
     step: IntArray, foot: IntArray, M: FloatArray, force: FloatArray, drift: FloatArray, frames: FloatArray,
     heading: FloatArray, reference: FloatArray, dt: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:  # fmt: skip
-    """Return forces in contact frames and in world axes, the predicted motion and orientation errors."""
+    """Return forces in contact frames and in world axes, the predicted motion and orientation errors.
+
+    Both forces are (N, n, 3) [N], zero in swing; the motion (N + 1, 3, 3) rows position, linear and angular
+    velocity, the errors (N + 1, 3) rotation vectors [rad], world axes. Arguments as `build` returns them,
+    with (c, 3) forces of all contacts.
+    """
     N, n = frames.shape[:2]
     forces, world = np.zeros((N, n, 3)), np.zeros((N, n, 3))
     accelerations = np.zeros((N, 6))

@@ -324,10 +324,10 @@ def default_normal_bounds(
 
 
 def standing_height(robot: Robot, q: FloatArray) -> float:
-    """Return the height of the base over the feet at a configuration [m], at least 5 cm."""
+    """Return the height of the base over the feet at a configuration (nq,) [m], at least 5 cm."""
     return max(float(q[2] - robot.foot_positions(q)[:, 2].mean()), 0.05)
 
 
 def wrench_weights(robot: Robot, q: FloatArray) -> FloatArray:
-    """Return the weights of the wrench error: one for forces, one over the height squared for moments."""
+    """Return the (6,) weights of the wrench error: 1 for forces, one over the height squared for moments."""
     return np.array([1.0, 1.0, 1.0, *([standing_height(robot, q) ** -2] * 3)])

@@ -83,6 +83,7 @@ def foot_impedance(
         for j in range(count):
             a, b = min(legs[i], legs[j]), max(legs[i], legs[j])
             leg_mass[i, j] = mass_matrix[a, b]  # Pinocchio fills the upper triangle
+    # J M⁻¹ Jᵀ of the leg alone: its inverse is the mass that the foot feels
     mobility = leg_jacobian @ np.linalg.solve(leg_mass, np.ascontiguousarray(leg_jacobian.T))
     mobility += 1e-3 * np.trace(mobility) * np.eye(3)  # a stretched leg has no mobility along itself
     force = np.linalg.solve(mobility, omega * omega * miss + 2.0 * omega * (velocity - now))
@@ -129,6 +130,7 @@ def pd_wrench(
     miss = np.empty(3)
     log_between(wanted_rotation, rotation, miss)
     linear, angular = rotation @ v[:3], rotation @ v[3:6]
+    # force m (ω² e + 2 ω ė + p̈ + g), moment I (ω² e - 2 ω w): critically damped in the body's own inertia
     pull = np.empty(6)
     pull[:3] = mass * omega * omega * (position - q[:3])
     inertia = rotation @ inertia_base @ rotation.T

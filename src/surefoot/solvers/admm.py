@@ -216,7 +216,7 @@ def _run_dense(
             inverse, g, mu, low, high, coulomb, facets, inner, rho, state[2], x, z, y, now
         )  # fmt: skip
         done += now
-        for i in range(m):
+        for i in range(m):  # u = G z + g at the copy, which is admissible; x is not
             velocities[i] = g[i]
         for i in range(m):
             for j in range(m):

@@ -72,7 +72,7 @@ def sweep_dense(
 
 @inline_kernel
 def refresh_dense(G: FloatArray, g: FloatArray, forces: FloatArray, velocities: FloatArray) -> None:
-    """Recompute u = G λ + g, row by row (G is symmetric)."""
+    """Recompute the flat (3n,) velocities u = G λ + g of flat forces, row by row (G is symmetric)."""
     for j in range(g.size):
         velocities[j] = g[j]
     for i in range(g.size):
