@@ -130,7 +130,8 @@ def spectral_norm(G: Any) -> float:
         return 0.0
     size = G.shape[0]
     if size <= DENSE_NORM:
-        return float(np.abs(scipy.linalg.eigvalsh(G if isinstance(G, np.ndarray) else G.toarray())[[0, -1]]).max())
+        dense = G if isinstance(G, np.ndarray) else G.toarray()
+        return float(np.abs(scipy.linalg.eigvalsh(dense)[[0, -1]]).max())
     # more vectors than ARPACK's 20: the largest eigenvalues of long chains of contacts nearly coincide
     start = np.random.default_rng(0).uniform(0.5, 1.5, size)  # no symmetry that a mechanism could share
     ends = scipy.sparse.linalg.eigsh(G, 1, which="LM", v0=start, ncv=60, tol=1e-7, return_eigenvectors=False)
