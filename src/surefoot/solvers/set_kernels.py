@@ -155,7 +155,7 @@ def _disc_jacobian(
             if b >= 0 and held and b == c:
                 bend = row[RADIUS + b] * s / sizes[b]
                 value += bend * ((1.0 if i == j else 0.0) - x[i] * x[j] / (sizes[b] * sizes[b]))
-            if not held and i == j and s > 0.0:
+            if not held and i == j and row[RADIUS + b] * s > 0.0:  # inside its disc; one of radius 0 has none
                 value = 1.0
             J[i - start, j - start] = value
 
