@@ -49,16 +49,11 @@ def torque_limits(robot: Robot, q: ArrayLike | None, stance: Stance, share: floa
     ProblemError
         For a robot with a fixed base or a share that is not positive.
     """
-    from surefoot.robot.dynamics import bias_forces
-    from surefoot.robot.jacobians import contact_jacobian
-
     if not robot.floating:
         raise ProblemError(f"{robot.name} has a fixed base: its contacts do not carry it")
     if not 0.0 < share < np.inf:
         raise ProblemError(f"share must be positive and finite, got {share:g}")
-    configuration = robot.configuration(q)
-    gravity = bias_forces(robot, configuration, np.zeros(robot.model.nv))[robot.base_dof :]
-    jacobian = contact_jacobian(robot, configuration, stance)[:, robot.base_dof :].T
+    gravity, jacobian = _at_rest(robot, q, stance)
     limit = share * robot.effort_limits
     known = np.flatnonzero(np.isfinite(limit))
     rows = np.vstack([-jacobian[known], jacobian[known]])
@@ -77,13 +72,18 @@ def joint_torques(robot: Robot, q: ArrayLike | None, stance: Stance, forces: Arr
     forces
         (stance.dim,) in contact frames [N, N m].
     """
+    gravity, jacobian = _at_rest(robot, q, stance)
+    return np.asarray(gravity - jacobian @ np.asarray(forces, dtype=np.float64))
+
+
+def _at_rest(robot: Robot, q: ArrayLike | None, stance: Stance) -> tuple[FloatArray, FloatArray]:
+    """Return (joints,) torques that hold the weight alone and Jᵀ (joints, dim): τ = g(q) - Jᵀ f."""
     from surefoot.robot.dynamics import bias_forces
     from surefoot.robot.jacobians import contact_jacobian
 
-    configuration = robot.configuration(q)
-    whole = bias_forces(robot, configuration, np.zeros(robot.model.nv))
-    whole = whole - contact_jacobian(robot, configuration, stance).T @ np.asarray(forces, dtype=np.float64)
-    return np.asarray(whole[robot.base_dof :])
+    configuration, base = robot.configuration(q), robot.base_dof
+    gravity = bias_forces(robot, configuration, np.zeros(robot.model.nv))
+    return gravity[base:], contact_jacobian(robot, configuration, stance)[:, base:].T
 
 
 def can_stand(
