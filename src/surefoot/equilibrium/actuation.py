@@ -8,12 +8,13 @@ Feasibility Analysis to the Online Trajectory Optimization of Legged Robots", IE
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium import regions, statics
 from surefoot.equilibrium.limits import ForceLimits
 from surefoot.equilibrium.region import Region
@@ -92,7 +93,7 @@ def can_stand(
     q: ArrayLike | None = None,
     external_wrench: ArrayLike | float = 0.0,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     share: float = 1.0,
 ) -> Verdict:
     """Tell whether the ground and the motors together can hold a robot at rest.
@@ -127,7 +128,7 @@ def com_region(
     q: ArrayLike | None = None,
     tol: float = 1e-3,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     share: float = 1.0,
 ) -> Region:
     """Return where the centre of mass may be for the ground and the motors, joint angles as they are.

@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import reduce
-from typing import Literal
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.cones import FrictionPyramid
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium.margin import axis_scale, load_scale, spread
 from surefoot.stance import Stance
 
@@ -72,7 +72,7 @@ class Question:
     load: FloatArray
     limits: ForceLimits | None = None
     facets: int | None = None
-    fit: Literal["inner", "outer"] = "inner"
+    fit: Fit = "inner"
 
 
 def all_limits(*parts: ForceLimits | None) -> ForceLimits | None:
@@ -147,9 +147,7 @@ class Equations:
         return out
 
 
-def corner_basis(
-    mu: FloatArray, facets: int | None, fit: Literal["inner", "outer"]
-) -> tuple[FloatArray, FloatArray]:
+def corner_basis(mu: FloatArray, facets: int | None, fit: Fit) -> tuple[FloatArray, FloatArray]:
     """Return the map from cone coordinates to corner forces, and the axis of the cones in them.
 
     Exact cones have three coordinates each, (f_z, f_x / mu, f_y / mu); pyramids one per ray.

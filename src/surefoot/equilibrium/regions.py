@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits, Question, all_limits, normal_limits, squeeze_limit
 from surefoot.equilibrium.region import Region, convex_hull
 from surefoot.equilibrium.statics import needed_wrench
@@ -29,7 +29,7 @@ def com_region(
     external_wrench: ArrayLike | float = 0.0,
     height: float | None = None,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> Region:
     """Return where the centre of mass may be so that the contacts can hold the robot.
@@ -97,7 +97,7 @@ def zmp_region(
     tol: float = 1e-3,
     height: float | None = None,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> Region:
     """Return where the zero-moment point may be, in a horizontal plane under the centre of mass.

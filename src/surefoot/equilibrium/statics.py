@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import (
     ForceLimits,
     Question,
@@ -55,7 +55,7 @@ def can_stand(
     mass: float,
     external_wrench: ArrayLike | float = 0.0,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> Verdict:
     """Tell whether contact forces can hold a robot at rest, and prove it.

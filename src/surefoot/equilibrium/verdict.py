@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits, Question
 from surefoot.equilibrium.margin import REACH
 from surefoot.equilibrium.push import largest_disturbance, nonzero
@@ -97,7 +98,7 @@ class Verdict:
         return self.question.facets
 
     @property
-    def fit(self) -> Literal["inner", "outer"]:
+    def fit(self) -> Fit:
         """Whether the pyramids are inside or around the cones."""
         return self.question.fit
 

@@ -198,7 +198,7 @@ class Robot:
             point = place - foot.radius * normal
             told = (normal, float(friction), foot.name, normal_min, normal_max)
             if foot.flat:  # its toes say where the patch's x axis points
-                contacts.append(PatchContact(point, *foot.size, *told, pose.rotation[:, 0]))
+                contacts.append(PatchContact(point, foot.size[0], foot.size[1], *told, pose.rotation[:, 0]))
             else:
                 contacts.append(PointContact(point, *told))
         return Stance(contacts)

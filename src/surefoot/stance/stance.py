@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, per_contact
 from surefoot.cones import ProductCone
+from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import skew
 from surefoot.stance.contact import Contact, PatchContact, PointContact
-from surefoot.stance.halfspaces import Axes, Fit, HalfSpaces, halfspaces, row_counts
+from surefoot.stance.halfspaces import Axes, HalfSpaces, halfspaces, row_counts
 
 
 class Stance:
