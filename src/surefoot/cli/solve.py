@@ -133,8 +133,8 @@ def _print(console: Console, records: list[dict[str, Any]], tol: float) -> None:
     if lcps:
         table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual"))
         for r in lcps:
-            name, size = r["file"], str(r["size"])
-            table.add_row(name, size, r["solver"], r["status"], f"{r['residual']:.1e}", *_effort(r))
+            kept = str(r["size"]), r["solver"], r["status"]
+            table.add_row(r["file"], *kept, f"{r['residual']:.1e}", *_effort(r))
         console.print(table)
         _print_rays(console, lcps)
 

@@ -53,7 +53,7 @@ _SQUEEZE = 0.1
 
 @inline_kernel
 def depth(x: FloatArray, e: FloatArray, lorentz: int) -> float:
-    """Return the largest t with x - t e in the cone, e > 0 on the axes."""
+    """Return the largest t with x - t e in the cone, x and e (m,), e > 0 on the axes."""
     least = math.inf
     for k in range(lorentz):
         i = 3 * k
@@ -151,7 +151,7 @@ def most_margin(
     for i in range(m):
         for j in range(rank):
             x[i] += Q[j, i] * b[j]
-    least_norm = x.copy()
+    least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
     steepest = 0.0
     for j in range(rank):
         a[j] = dot(Q[j], e)
@@ -164,6 +164,7 @@ def most_margin(
         advance(x, max(0.0, squeeze - t0), e)
         _restore(Q, b, rank, x)
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
+    # a start strictly inside the cones, as the interior-point method needs it: depth t0 + start > 0
     start = 1.0 / (steepest * max(1, lorentz)) - 1.5 * min(t0, 0.0)
     if t0 > 0.0:
         start = max(0.0, start - t0)
@@ -182,6 +183,7 @@ def most_margin(
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     if _settled(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
         return FEASIBLE, t, x, y, 0.0
+    # back from Q's rows to A's: y with A' y = z / alpha, so that (A e).y = 1
     full[0] = 1.0 / alpha
     for j in range(1, rank):
         full[j] = -dual[j - 1] / alpha
@@ -290,7 +292,7 @@ def axis_scale(mu: float) -> float:
 
 @inline_kernel
 def spread(positions: FloatArray, about: FloatArray) -> float:
-    """Return the root mean square distance of the contacts from a point; 1 where all are there."""
+    """Return the root mean square distance of places (n, 3) from a point (3,) [m]; 1 where all are there."""
     s = 0.0
     for i in range(positions.shape[0]):
         for k in range(3):
@@ -301,7 +303,7 @@ def spread(positions: FloatArray, about: FloatArray) -> float:
 
 @inline_kernel
 def load_scale(load: FloatArray, length: float) -> float:
-    """Return the size of a load as a force; 1 for no load at all."""
+    """Return the size of a load (6,) as a force [N], its moments over `length` [m]; 1 for no load at all."""
     s = 0.0
     for k in range(3):
         s += load[k] ** 2 + (load[k + 3] / length) ** 2

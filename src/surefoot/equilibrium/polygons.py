@@ -80,7 +80,7 @@ def hull(points: FloatArray) -> FloatArray:
 
 @kernel
 def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
-    """Drop corners of a convex polygon that are within `slack` of the segment between their neighbours."""
+    """Drop corners of a convex polygon (k, 2) within `slack` [m] of the segment between their neighbours."""
     count = len(polygon)
     after, before = np.arange(1, count + 1) % count, np.arange(-1, count - 1) % count
     left = count
@@ -98,9 +98,10 @@ def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
 
 @kernel
 def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray, reach: float) -> FloatArray:
-    """Return the corners of {p : directions @ p <= heights} inside a square about the middle.
+    """Return the corners (k, 2) of {p : directions @ p <= heights} inside a square about the middle (2,).
 
-    Clipped one half-plane after the other. Empty where nothing is left, up to rounding.
+    Clipped one half-plane after the other, (h, 2) directions and (h,) heights (Sutherland and Hodgman 1974).
+    Empty where nothing is left, up to rounding.
     """
     most = len(heights) + 5
     corners, other, level = np.empty((most, 2)), np.empty((most, 2)), np.empty(most)
