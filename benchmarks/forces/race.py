@@ -13,10 +13,10 @@ from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Kind, Rival, av
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionCone
+from surefoot.cones.cone import Fit
 from surefoot.contact import Status
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.problems.allocation_program import (
-    Fit,
     Program,
     cone_violation,
     facet_violation,

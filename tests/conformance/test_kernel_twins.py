@@ -86,6 +86,7 @@ equilibrium.outline      trace                equilibrium/test_regions.py::test_
 equilibrium.polygons     enclose              equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners
 equilibrium.polygons     hull                 equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners
 equilibrium.polygons     intersection         equilibrium/test_equilibrium_kernels.py::test_half_planes_meet_where_qhull_says
+equilibrium.polygons     to_segment           equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners by enclose
 equilibrium.polygons     without_flat_corners equilibrium/test_regions.py::test_polygons
 equilibrium.scaling      apply                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
 equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation

@@ -88,8 +88,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     column = np.abs(V).max(axis=0)
     column[column == 0.0] = 1.0
     W = _unit_rows(V / column)
-    _, singular, basis = np.linalg.svd(W, full_matrices=True)
-    rank = int(np.sum(singular > _FLAT * singular[0]))
+    singular, basis, rank = _row_space(W)
     whiten = basis[:rank].T / singular[:rank]
     X = _unit_rows(W @ whiten)
     facets, kept = _facets(X, method)
@@ -110,6 +109,12 @@ def _unit_rows(rows: FloatArray) -> FloatArray:
     return np.asarray(rows / np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None])
 
 
+def _row_space(rows: FloatArray) -> tuple[FloatArray, FloatArray, int]:
+    """Return singular values and an orthonormal basis whose first `rank` rows span the rows, and the rank."""
+    _, singular, basis = np.linalg.svd(rows, full_matrices=True)
+    return singular, basis, int(np.sum(singular > _FLAT * singular[0]))
+
+
 def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
     """Return facet normals and needed generators of cone(X), X of full rank with rows of length one."""
     section = _section(X)
@@ -119,8 +124,7 @@ def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
     lineal = lineality(X)
     if not np.any(lineal):  # too thin to tell: flat within the tolerance
         lineal = np.ones(len(X), dtype=np.bool_)
-    _, singular, basis = np.linalg.svd(X[lineal], full_matrices=True)
-    rank = int(np.sum(singular > _FLAT * singular[0]))
+    _, basis, rank = _row_space(X[lineal])
     rest = basis[rank:]
     needed = list(np.flatnonzero(lineal))
     if not len(rest):
