@@ -29,7 +29,7 @@ def sweep(
     ] = None,
     samples: Annotated[int | None, typer.Option(help="Number of samples; None for the file's.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed; None for the file's.")] = None,
-    backend: Annotated[str, typer.Option(help="Where samples run: loky, ray or dask.")] = "loky",
+    backend: Annotated[str, typer.Option(help="Where samples run: loky, ray, dask or serial.")] = "loky",
     workers: Annotated[int | None, typer.Option(help="Number of workers; None for one per core.")] = None,
     address: Annotated[str | None, typer.Option(help="Of a running Ray or Dask cluster.")] = None,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw survival maps.")] = True,

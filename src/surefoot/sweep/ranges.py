@@ -121,7 +121,7 @@ def _identified(name: str, entry: dict[str, Any], folder: Path) -> Interval:
         value, low, high = (float(fit[key][part]) for part in ("value", "low", "high"))
     except (KeyError, TypeError, ValueError) as error:
         raise ProblemError(
-            f"{name}: {entry['identified']} gives {key} without value, low and high"
+            f"{name}: {entry['identified']} has no value, low and high of {key}"
         ) from error
     low, high = value - widen * (value - low), value + widen * (high - value)
     low, high = max(low, parameter.low), min(high, parameter.high)
