@@ -52,8 +52,8 @@ def drop(**ranges: Any) -> Any:
         (drop(mu="slippery"), "mu must be a number, got 'slippery'"),
         (drop(mu={"low": 0.1}), "mu lacks 'high'"),
         (drop(mu={"low": 0.1, "high": 1, "scal": 1}), "mu: unknown key 'scal'"),
-        (drop(mu={"low": 0.1, "high": 1, "scale": "cubic"}), "mu: unknown scale 'cubic'; valid names: linear"),
-        (drop(mu={"low": 0, "high": 1, "scale": "log"}), "mu: a log scale needs low > 0, got 0"),
+        (drop(mu={"low": 0.1, "high": 1, "scale": "cubic"}), "mu: unknown scale 'cubic'"),
+        (drop(mu={"low": 0, "high": 1, "scale": "log"}), "a log scale needs low > 0, got 0"),
         (drop(restitution=[0, 1.2]), "restitution.high must be a number between 0 and 1, got 1.2"),
         (drop(stiffness=0), "stiffness must be positive and finite, got 0"),
         (drop(damping=3), "damping goes with stiffness"),
@@ -68,7 +68,8 @@ def drop(**ranges: Any) -> Any:
         ({"experiment": "stand", "settings": {"robot": "/etc/x.urdf"}}, "robot must be the name"),
         ({"experiment": "walk", "settings": {"gait": "hop"}}, "unknown gait 'hop'"),
         ({"experiment": "walk", "settings": {"robot": "g1"}}, "g1 cannot walk here"),
-        ({"experiment": "stand", "settings": {"duration": 0.5}, "ranges": {"push_x": 9}}, "push_time 1 s is after"),
+        ({"experiment": "stand", "settings": {"duration": 0.5}, "ranges": {"push_x": 9}},
+         "push_time 1 s is after"),
     ],
 )  # fmt: skip
 def test_what_is_refused_is_named(content: Any, told: str) -> None:
@@ -97,7 +98,7 @@ def test_files_that_are_no_sweep(text: str, told: str, tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text(text)
     with pytest.raises(ProblemError, match=told):
         read_sweep(tmp_path / "a.yaml")
-    with pytest.raises(ProblemError, match="cannot read .*b.yaml: No such file"):
+    with pytest.raises(ProblemError, match=r"cannot read .*b.yaml: No such file"):
         read_sweep(tmp_path / "b.yaml")
 
 

@@ -50,7 +50,8 @@ class Fragile(Pool):
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
 @pytest.mark.parametrize(
-    ("killers", "mishaps"), [(set(), set()), ({3}, set()), ({0, 7, 19}, set()), (set(), {1, 4, 6, 9, 12}), ({5}, {2, 9})]
+    ("killers", "mishaps"),
+    [(set(), set()), ({3}, set()), ({0, 7, 19}, set()), (set(), {1, 4, 6, 9, 12}), ({5}, {2, 9})],
 )
 def test_killers_are_found_and_bystanders_get_their_rows(
     workers: int, killers: set[int], mishaps: set[int]
@@ -84,7 +85,9 @@ def test_a_sample_that_fails_is_recorded(tmp_path: Path) -> None:
 @pytest.mark.parametrize("backend", ["loky", "ray", "dask"])
 def test_a_sample_that_kills_its_worker_thrice_is_recorded_as_crashed(backend: str, tmp_path: Path) -> None:
     if backend != "loky":
-        pytest.importorskip({"dask": "distributed"}.get(backend, backend), reason=f"no {backend}: make test-extras")
+        pytest.importorskip(
+            {"dask": "distributed"}.get(backend, backend), reason=f"no {backend}: make test-extras"
+        )
     pytest.importorskip("joblib", reason="loky comes with joblib")
     seen = tmp_path / "seen"
     config = deadly(24, killers=(5, 17), failing=(2,), seen=str(seen))
@@ -117,7 +120,9 @@ def test_wrong_pools(settings: dict[str, Any], told: str, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("backend", ["ray", "dask"])
 def test_a_cluster_that_is_not_there_is_told(backend: str) -> None:
-    pytest.importorskip({"dask": "distributed"}.get(backend, backend), reason=f"no {backend}: make test-extras")
+    pytest.importorskip(
+        {"dask": "distributed"}.get(backend, backend), reason=f"no {backend}: make test-extras"
+    )
     config = deadly()
-    with pytest.raises(ProblemError, match="answers at 127.0.0.1:1"):
+    with pytest.raises(ProblemError, match=r"answers at 127.0.0.1:1"):
         open_pool(backend, Task(config.experiment, config.space), None, "127.0.0.1:1")

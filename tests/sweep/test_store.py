@@ -39,7 +39,7 @@ def whole(config: Any, folder: Path) -> Any:
 def test_a_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
     seen = tmp_path / "seen"
     config = deadly(20, seen=str(seen))
-    partly_done(tmp_path / "a", config, range(0, 5), range(9, 12))
+    partly_done(tmp_path / "a", config, range(5), range(9, 12))
     seen.unlink()
     result = run_sweep(config, tmp_path / "a", backend="serial")
     assert (result.resumed, result.table.num_rows, result.notes) == (8, 20, ())
@@ -63,7 +63,7 @@ def test_more_samples_can_be_asked_for_later_and_fewer_not(tmp_path: Path) -> No
 
 def test_a_driver_killed_between_the_merge_and_the_removal_of_parts(tmp_path: Path) -> None:
     config = deadly(6)
-    partly_done(tmp_path / "a", config, range(0, 6))
+    partly_done(tmp_path / "a", config, range(6))
     part = tmp_path / "a" / "parts" / "part-000000.parquet"
     kept = part.read_bytes()
     run_sweep(config, tmp_path / "a", backend="serial")
@@ -87,7 +87,7 @@ def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     with pytest.raises(ProblemError, match="is not empty and no sweep's folder"):
         run_sweep(deadly(), tmp_path, backend="serial")
-    with pytest.raises(ProblemError, match="cannot write to .*thesis.txt"):
+    with pytest.raises(ProblemError, match=r"cannot write to .*thesis.txt"):
         run_sweep(deadly(), tmp_path / "thesis.txt", backend="serial")
     assert [p.name for p in tmp_path.iterdir()] == ["thesis.txt"]
 
@@ -95,7 +95,7 @@ def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
 def test_two_drivers_do_not_share_a_folder(tmp_path: Path) -> None:
     with (
         Store(tmp_path / "a", deadly()),
-        pytest.raises(ProblemError, match="another sweep is writing to .*: wait for it or end it"),
+        pytest.raises(ProblemError, match=r"another sweep is writing to .*: wait for it or end it"),
     ):
         run_sweep(deadly(), tmp_path / "a", backend="serial")
     assert run_sweep(deadly(), tmp_path / "a", backend="serial").table.num_rows == 20
@@ -104,7 +104,7 @@ def test_two_drivers_do_not_share_a_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize("damage", ["cut", "empty", "flipped", "text"])
 def test_a_damaged_part_is_put_aside_and_its_samples_run_again(damage: str, tmp_path: Path) -> None:
     config = deadly(20)
-    partly_done(tmp_path / "a", config, range(0, 5), range(5, 12))
+    partly_done(tmp_path / "a", config, range(5), range(5, 12))
     part = tmp_path / "a" / "parts" / "part-000001.parquet"
     data = bytearray(part.read_bytes())
     middle = data.index(b"done")  # in a page of the status column
@@ -120,7 +120,7 @@ def test_a_damaged_part_is_put_aside_and_its_samples_run_again(damage: str, tmp_
 
 def test_what_a_killed_driver_left_half_written_is_removed(tmp_path: Path) -> None:
     config = deadly(20)
-    partly_done(tmp_path / "a", config, range(0, 5))
+    partly_done(tmp_path / "a", config, range(5))
     left = [tmp_path / "a" / "parts" / "part-000001.parquet.tmp", tmp_path / "a" / "samples.parquet.tmp"]
     for file in left:
         file.write_bytes(b"PAR1")
@@ -130,15 +130,15 @@ def test_what_a_killed_driver_left_half_written_is_removed(tmp_path: Path) -> No
 
 def test_rows_of_another_sweep_are_refused(tmp_path: Path) -> None:
     for name, seed in (("a", 0), ("b", 1)):
-        partly_done(tmp_path / name, deadly(20, seed=seed), range(0, 5))
+        partly_done(tmp_path / name, deadly(20, seed=seed), range(5))
     part = tmp_path / "b" / "parts" / "part-000000.parquet"
     part.rename(tmp_path / "a" / "parts" / "part-000001.parquet")
-    with pytest.raises(ProblemError, match="part-000001.parquet is not of this sweep"):
+    with pytest.raises(ProblemError, match=r"part-000001.parquet is not of this sweep"):
         run_sweep(deadly(20), tmp_path / "a", backend="serial")
 
 
 def test_samples_drawn_otherwise_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    partly_done(tmp_path / "a", deadly(20), range(0, 5))
+    partly_done(tmp_path / "a", deadly(20), range(5))
     from surefoot.sweep.space import Space
 
     points = Space._points
@@ -147,9 +147,11 @@ def test_samples_drawn_otherwise_are_refused(tmp_path: Path, monkeypatch: pytest
         run_sweep(deadly(20), tmp_path / "a", backend="serial")
 
 
-def test_a_full_disk_is_told_and_what_was_written_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_is_told_and_what_was_written_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     config, replace = deadly(20), os.replace
-    partly_done(tmp_path / "a", config, range(0, 5))
+    partly_done(tmp_path / "a", config, range(5))
 
     def full(source: Any, target: Any) -> None:
         if "part-" in str(target):
@@ -174,5 +176,5 @@ def test_the_folder_says_what_it_is_of(tmp_path: Path) -> None:
     assert table.schema.metadata[b"surefoot.sweep"].decode() == config.fingerprint()
     assert json.loads((tmp_path / "a" / "sweep.json").read_text())["ranges"]["mu"]["high"] == 1.0
     (tmp_path / "a" / "sweep.json").write_text("{")
-    with pytest.raises(ProblemError, match="sweep.json cannot be read"):
+    with pytest.raises(ProblemError, match=r"sweep.json cannot be read"):
         run_sweep(config, tmp_path / "a", backend="serial")

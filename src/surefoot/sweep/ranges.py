@@ -120,9 +120,7 @@ def _identified(name: str, entry: dict[str, Any], folder: Path) -> Interval:
     try:
         value, low, high = (float(fit[key][part]) for part in ("value", "low", "high"))
     except (KeyError, TypeError, ValueError) as error:
-        raise ProblemError(
-            f"{name}: {entry['identified']} has no value, low and high of {key}"
-        ) from error
+        raise ProblemError(f"{name}: {entry['identified']} has no value, low and high of {key}") from error
     low, high = value - widen * (value - low), value + widen * (high - value)
     low, high = max(low, parameter.low), min(high, parameter.high)
     if not low <= high:  # NaN as well

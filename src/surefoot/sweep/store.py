@@ -139,7 +139,7 @@ class Store:
         return any(entry.name not in ours for entry in self.folder.iterdir())
 
     def _claim(self) -> None:
-        """Say what the folder is of, or refuse another sweep's; remove what a killed driver left half done."""
+        """Say what the folder is of, or refuse another sweep's; remove what a killed driver left undone."""
         path, own = self.folder / IDENTITY, self.config.identity()
         if path.exists():
             try:

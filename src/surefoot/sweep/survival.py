@@ -77,7 +77,7 @@ def wilson(hits: int, count: int) -> Share:
     share, z2 = hits / count, Z95 * Z95
     middle = (share + z2 / (2.0 * count)) / (1.0 + z2 / count)
     half = Z95 * math.sqrt(share * (1.0 - share) / count + z2 / (4.0 * count * count)) / (1.0 + z2 / count)
-    return Share(share, max(0.0, middle - half), min(1.0, middle + half))
+    return Share(share, min(max(0.0, middle - half), share), max(min(1.0, middle + half), share))  # rounding
 
 
 def margins(config: SweepConfig, table: Any) -> list[Margin]:

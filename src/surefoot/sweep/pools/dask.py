@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from surefoot.errors import MissingExtra, ProblemError
-from surefoot.sweep.pools.pool import Chunk, Ended, Pool, cores, one_thread
+from surefoot.sweep.pools.pool import Chunk, Ended, Pool, cores, one_thread, reach
 from surefoot.sweep.worker import Task, run_chunk
 
 
@@ -18,6 +18,8 @@ class DaskPool(Pool):
             import distributed
         except ImportError as error:
             raise MissingExtra("distributed", "scale") from error
+        if address is not None:
+            reach("Dask scheduler", address)
         self._dask: Any = distributed
         self._cluster = None
         count = workers or cores()

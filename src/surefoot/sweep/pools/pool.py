@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import socket
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -84,6 +85,24 @@ def open_pool(backend: str, task: Task, workers: int | None, address: str | None
     module, _, title = BACKENDS[backend].partition(":")
     made: Pool = getattr(importlib.import_module(module), title)(task, workers, address)
     return made
+
+
+def reach(kind: str, address: str) -> None:
+    """Refuse an address, HOST:PORT perhaps behind a scheme, that nobody answers at.
+
+    Clients would try for minutes. Other addresses ("auto") are left to them.
+
+    Raises
+    ------
+    ProblemError
+        Naming the address.
+    """
+    host, _, port = address.rpartition("//")[2].rpartition(":")
+    if host and port.isdigit():
+        try:
+            socket.create_connection((host, int(port)), timeout=10.0).close()
+        except (OSError, OverflowError) as error:
+            raise ProblemError(f"no {kind} answers at {address}: {error}") from error
 
 
 def cores() -> int:

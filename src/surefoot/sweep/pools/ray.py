@@ -6,7 +6,7 @@ import logging
 from typing import Any
 
 from surefoot.errors import MissingExtra, ProblemError
-from surefoot.sweep.pools.pool import Chunk, Ended, Pool, cores, one_thread
+from surefoot.sweep.pools.pool import Chunk, Ended, Pool, cores, one_thread, reach
 from surefoot.sweep.worker import Task, run_chunk
 
 
@@ -18,6 +18,8 @@ class RayPool(Pool):
             import ray
         except ImportError as error:
             raise MissingExtra("ray", "scale") from error
+        if address is not None:
+            reach("Ray cluster", address)
         self._ray: Any = ray
         settings: dict[str, Any] = {
             "log_to_driver": False, "logging_level": logging.ERROR, "runtime_env": {"env_vars": one_thread()},

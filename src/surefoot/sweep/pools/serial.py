@@ -1,4 +1,4 @@
-"""No workers: samples run in the driver's own process, one after the other; for debuggers and short sweeps."""
+"""No workers: samples run in the driver's own process, one after the other; for debuggers."""
 
 from __future__ import annotations
 
