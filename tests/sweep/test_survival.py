@@ -46,7 +46,8 @@ def test_a_margin_counts_every_sample_that_is_done_once(tmp_path: Path) -> None:
 
 
 def test_a_grid_has_every_sample_once(tmp_path: Path) -> None:
-    content = {"experiment": "drop", "samples": 40, "settings": {"body": "ball", "dt": 0.01, "duration": 0.05},
+    settings = {"body": "ball", "dt": 0.01, "duration": 0.05}
+    content = {"experiment": "drop", "samples": 40, "settings": settings,
                "ranges": {"mu": [0.2, 0.8], "mass": {"low": 0.1, "high": 10, "scale": "log"},
                           "terrain": ["flat", "slope:10"]}}  # fmt: skip
     config = sweep_from_dict(content)
