@@ -66,6 +66,7 @@ def drop(**ranges: Any) -> Any:
          "time_constant is of world mujoco, the settings say world rigid"),
         ({"experiment": "stand", "settings": {"robot": "asimov"}}, "unknown robot 'asimov'"),
         ({"experiment": "stand", "settings": {"robot": "/etc/x.urdf"}}, "robot must be the name"),
+        ({"experiment": "walk", "settings": {"world": ["rigid"]}}, "unknown world"),
         ({"experiment": "walk", "settings": {"gait": "hop"}}, "unknown gait 'hop'"),
         ({"experiment": "walk", "settings": {"robot": "g1"}}, "g1 cannot walk here"),
         ({"experiment": "stand", "settings": {"duration": 0.5}, "ranges": {"push_x": 9}},

@@ -86,7 +86,7 @@ class RobotRun(Experiment):
     def __post_init__(self) -> None:
         if not isinstance(self.robot, str) or "/" in self.robot or self.robot.endswith((".urdf", ".xml")):
             raise ProblemError(f"robot must be the name of a known robot, got {self.robot!r:.60}")
-        if self.world not in WORLDS:
+        if self.world not in tuple(WORLDS):  # a list would not be hashable
             raise ProblemError(unknown_name("world", self.world, WORLDS))
         limits = {"duration": (0.1, 600.0), "mu": (0.0, 1e3), "believed_mu": (0.0, 1e3),
                   "push_time": (0.0, 600.0)}  # fmt: skip
