@@ -2,7 +2,7 @@
 
 Topics: ``/surefoot/log`` (all channels, one message per row; a log reads itself back from there to the last
 bit), ``/tf`` (foxglove.FrameTransform of the base) and ``/surefoot/scene`` (foxglove.SceneUpdate). The scene
-takes the ground for level where the log has no ``contact_normals``.
+takes the ground for level where the log has no ``normals``.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ def _entity(log: Log, row: int, stamp: int) -> dict[str, Any]:
 
 
 def _frame(log: Log, row: int, contact: int) -> FloatArray:
-    normal = log["contact_normals"][row, contact] if "contact_normals" in log else np.array([0.0, 0.0, 1.0])
+    normal = log["normals"][row, contact] if "normals" in log else np.array([0.0, 0.0, 1.0])
     size = np.linalg.norm(normal)
     return rotation_from_normal(normal / size if 0.0 < size < np.inf else [0.0, 0.0, 1.0])
 
