@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ from surefoot.audit.checks import CHECKS, Check
 from surefoot.audit.diagnosis import diagnose
 from surefoot.audit.friction import FrictionCount
 from surefoot.audit.intervals import JOIN, Interval, Track
-from surefoot.audit.report import AuditReport, Judgement, LawBroken, Violation
+from surefoot.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
 from surefoot.audit.rows import Rows, lacking, pieces
 from surefoot.audit.setting import Setting, setting_of
 from surefoot.audit.slides import WORST, slide_on, start_slides
@@ -185,11 +187,23 @@ def _report(
     elif reason:
         verdict = "cannot tell"
     symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
+    intervals = friction.intervals()
     return AuditReport(
-        verdict, violations, more, symptoms, coverage, friction.intervals(),
-        (*setting.doubts, *setting.notes), len(log), float(time[0]), float(time[-1]),
+        verdict, violations, more, symptoms, coverage, intervals,
+        (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
         setting.names, setting.weight, reason,
     )  # fmt: skip
+
+
+def _changes(intervals: tuple[FrictionInterval, ...]) -> Iterator[str]:
+    """Yield a line for each change of the ground's friction under a foot."""
+    for one, two in pairwise(intervals):
+        if one.contact == two.contact:
+            how = "rises" if two.low > one.high else "falls"
+            yield (
+                f"the ground's friction under {one.contact} {how} at {two.start:.2f} s: {one.words} before, "
+                f"{two.words} after"
+            )
 
 
 def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tuple[Violation, ...]) -> str:

@@ -187,8 +187,9 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | No
             return None, str(error)
     if not robot.floating:
         return None, "the robot is bolted to the world"
-    if "feet" in log.facts and not _same_feet(robot, tuple(map(str, log.fact("feet")))):
-        return None, f"the log's feet are not {', '.join(robot.foot_names)} in this order"
+    recorded = log.facts.get("kind") == "recording"  # its contact points are geoms in the order of touching
+    if recorded and not _same_feet(robot, tuple(map(str, log.facts.get("feet", ())))):
+        return None, f"the recording's feet are not {', '.join(robot.foot_names)} in this order"
     have = (log["q"].shape[1], log["v"].shape[1], log["forces"].shape[1])
     want = (int(robot.model.nq), int(robot.model.nv), len(robot.contact_points))
     if have != want:

@@ -113,7 +113,9 @@ class SoftContact:
         for _ in range(60):
             middle = 0.5 * (low + high)
             d, R = self._regularisation(middle)
-            low, high = (middle, high) if self.normal_factor * R * load > stiff * d * middle else (low, middle)
+            low, high = (
+                (middle, high) if self.normal_factor * R * load > stiff * d * middle else (low, middle)
+            )
         return high
 
     def stopping(self, load: float, slide: float) -> float:

@@ -34,6 +34,8 @@ PROGRESS = 0.8
 """Share of the log's way that a replay must make."""
 TILT = math.radians(15.0)
 """Tilt beyond the log's that a replay may show [rad]."""
+DRIFT = 0.25
+"""Share of the base's height, and of the log's way, that a replay may be away from the log at a window's end."""
 LEAST_WAY = 0.1
 """A log whose windows move the base by less in all has no way to lose [m]."""
 
@@ -145,8 +147,8 @@ def replay_log(
 
     In every window the robot starts in the log's state, lifted until no foot is in the ground, and tracks its
     joints with the log's torques as feed-forward. A window holds if the robot does not fall, does not lean
-    `TILT` more than the log, and breaks no law there that an audit can judge; all windows together must make
-    `PROGRESS` of the log's way. Friction, pushes and payload are the log's.
+    `TILT` more than the log, ends near it (`DRIFT`), and breaks no law there that an audit can judge; all
+    windows together must make `PROGRESS` of the log's way. Friction, pushes and payload are the log's.
 
     Parameters
     ----------
@@ -156,7 +158,8 @@ def replay_log(
     world
         Name of a world, see `surefoot.simulation.worlds`.
     robot, terrain, mu
-        None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu``.
+        None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu``. Others ask whether the
+        success survives there.
     window
         Time between restarts [s]; infinite for one replay from the first row.
 
@@ -179,9 +182,22 @@ def replay_log(
     windows, logs = tuple(w for w, _ in made), tuple(log for _, log in made)
     if not any(w.lost for w in windows) and not _progress(windows) < PROGRESS:
         return ReplayReport(world, own, "survives", _summary(windows), windows, (), logs)
-    compared = tuple(_replay(task, own, *piece)[0] for piece in pieces) if own and own != world else ()
-    verdict, reason = _compare(windows, compared, own if own != world else "")
+    compared: tuple[WindowReplay, ...] = ()
+    at_home = _at_home(log, task, robot, terrain, mu)
+    if own and (own != world or at_home is not task):
+        compared = tuple(_replay(at_home, own, *piece)[0] for piece in pieces)
+    verdict, reason = _compare(windows, compared, own)
     return ReplayReport(world, own, verdict, reason, windows, compared, logs)
+
+
+def _at_home(
+    log: Log, task: ReplayTask, robot: Robot | None, terrain: Terrain | None, mu: float | None
+) -> ReplayTask:
+    """Return the task on the log's own ground, where it tells that and another was given."""
+    own_ground, own_mu = "terrain" in log.facts, "mu" in log or "contact_friction" in log
+    if (terrain is None or not own_ground) and (mu is None or not own_mu):
+        return task
+    return replay_task(log, robot, None if own_ground else terrain, None if own_mu else mu)
 
 
 def _own_world(log: Log) -> str:
@@ -223,11 +239,13 @@ def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowR
     tilt = _lean(log["q"][:: task.steps][: len(rows)], task.q[rows[: len(log["q"][:: task.steps])]])
     way = float(moved @ logged) / length if length > 0.0 else 0.0
     drift = float(np.linalg.norm(log["q"][-1, :3] - task.q[row, :3]))
-    broken = _broken(report)
-    return WindowReplay(
-        float(task.time[first]), float(log["time"][-1]), str(outcome), way, length, tilt, drift, broken,
-        _why_lost(outcome, float(log["time"][-1]), tilt, broken),
-    ), log  # fmt: skip
+    broken, end = _broken(report), float(log["time"][-1])
+    lost = _why_lost(outcome, end, tilt, broken)
+    height = float(task.q[first, 2] - task.terrain.height(task.q[first, :2]))
+    if not lost and drift > DRIFT * (abs(height) + length):
+        lost = f"it is {drift:.2f} m from the log at {end:.3f} s"
+    start = float(task.time[first])
+    return WindowReplay(start, end, str(outcome), way, length, tilt, drift, broken, lost), log
 
 
 def _why_lost(outcome: Ending, end: float, tilt: float, broken: tuple[str, ...]) -> str:
@@ -276,7 +294,8 @@ def _compare(
     failed = [k for k, w in enumerate(windows) if w.lost]
     if not own:
         why = windows[failed[0]].lost if failed else f"it makes {100.0 * _progress(windows):.0f} % of the way"
-        return "cannot tell", f"{why}, and {'no other world' if not name else name} shows whether tracking is why"
+        rest = "that is the log's own world" if name else "the log's own world is not here to compare"
+        return "cannot tell", f"{why}, and {rest}"
     for k in failed:
         if not own[k].lost:
             return "lost", f"{windows[k].lost}; in the log's own world ({name}) the same replay holds"
@@ -322,7 +341,9 @@ class _Replay:
         except SimulationError as error:
             outcome = Ending.INVALID
             if not self.recorder.count:
-                raise ProblemError(f"the replay cannot begin at {task.time[self.first]:.3f} s: {error}") from error
+                raise ProblemError(
+                    f"the replay cannot begin at {task.time[self.first]:.3f} s: {error}"
+                ) from error
         log = self.recorder.finish({"outcome": str(outcome)})
         log.facts.update(softness_of(world, log))
         return log, outcome
