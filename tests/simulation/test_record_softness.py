@@ -11,7 +11,7 @@ from surefoot.control.standing_plan import StandingPlan
 from surefoot.robot import load_robot, place
 from surefoot.simulation.record_softness import Landing, soft_contact
 from surefoot.simulation.run import Scenario, run
-from surefoot.simulation.scenario import START_DEPTH, STANDING_FALL
+from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 from surefoot.simulation.worlds import make_world
 from surefoot.terrain import FlatTerrain
 
@@ -19,7 +19,8 @@ mujoco = pytest.importorskip("mujoco")
 
 SCENE = """<mujoco><option cone='{cone}' impratio='{ratio}'/><worldbody>
 <geom type='plane' size='5 5 1' friction='{mu}' {soft}/>
-<body pos='0 0 {height}'><freejoint/><geom type='{kind}' size='{size}' mass='5' friction='{mu}' {soft}/></body>
+<body pos='0 0 {height}'><freejoint/>
+ <geom type='{kind}' size='{size}' mass='5' friction='{mu}' {soft}/></body>
 </worldbody></mujoco>"""
 SPHERE, BOX = ("sphere", ".1"), ("box", ".2 .2 .1")
 

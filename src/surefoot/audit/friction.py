@@ -5,7 +5,8 @@ the median of what it uses meanwhile is the friction. A slide of a few milliseco
 in a soft world a foot that comes to rest, or has just touched down, slides with less than all of its own.
 
 Where the ground changes, one interval for all would contradict itself. So the log is cut into windows of
-`WINDOW`; a window that uses clearly more than the slides so far had, or slides on clearly less than was used so
+`WINDOW`; a window that uses clearly more than the slides so far had, or slides on clearly less than was used
+so
 far, starts an interval of its own.
 """
 

@@ -110,15 +110,17 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     payload = _not_negative(log, "payload")
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
+        held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
         notes.append(
-            f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to {1e3 * creep:.2g} mm/s "
-            f"and {1e3 * stopping:.2g} mm until a sliding foot is held count as lawful{deep}"
+            f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
+            f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}"
         )
     if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
         raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
     model, why = _robot(log, robot, doubts)
     return Setting(
-        names, owner, feet, weight, dt, sinking, creep, stopping, payload, model, why, tuple(notes), tuple(doubts)
+        names, owner, feet, weight, dt, sinking, creep, stopping, payload, model, why, tuple(notes),
+        tuple(doubts)
     )  # fmt: skip
 
 

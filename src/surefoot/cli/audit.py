@@ -121,15 +121,8 @@ def _tables(report: AuditReport) -> list[Table]:
     ]
     covered = [[name, why or "judged"] for name, why in report.coverage.items()]
     friction = [
-        [
-            f.contact,
-            f"{f.start:.2f}",
-            f"{f.end:.2f}",
-            f"{f.low:.3f}",
-            f"{f.high:.3f}" if f.high < float("inf") else "unknown",
-            f"{f.slid:.3f}",
-        ]
-        for f in report.friction  # fmt: skip
+        [f.contact, f"{f.start:.2f}", f"{f.end:.2f}", f"{f.low:.3f}", _high(f.high), f"{f.slid:.3f}"]
+        for f in report.friction
     ]
     heads = ("foot", "from [s]", "to [s]")
     found = [
@@ -141,17 +134,18 @@ def _tables(report: AuditReport) -> list[Table]:
     return [table for table in found if table.rows]
 
 
+def _high(value: float) -> str:
+    return f"{value:.3f}" if value < float("inf") else "unknown"
+
+
 def _replay_table(again: ReplayReport) -> Table:
     """Return what became of every window."""
     from surefoot.cli.run_output import Table
 
-    rows = [
-        [
-            f"{w.start:.3f}", f"{w.end:.3f}", f"{w.way:.3f} of {w.logged_way:.3f}", f"{math.degrees(w.tilt):.1f}",
-            f"{w.drift:.3f}", w.lost or "holds",
-        ]
-        for w in again.windows[:MOST]
-    ]  # fmt: skip
+    rows = []
+    for w in again.windows[:MOST]:
+        way, lean = f"{w.way:.3f} of {w.logged_way:.3f}", f"{math.degrees(w.tilt):.1f}"
+        rows.append([f"{w.start:.3f}", f"{w.end:.3f}", way, lean, f"{w.drift:.3f}", w.lost or "holds"])
     heads = ("from [s]", "to [s]", "way [m]", "lean [deg]", "drift [m]", "result")
     return Table(f"Replay in the world {again.world}", heads, rows)
 

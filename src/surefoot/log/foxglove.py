@@ -2,7 +2,8 @@
 
 Topics: ``/surefoot/log`` (all channels, one message per row; a log reads itself back from there to the last
 bit), ``/tf`` (foxglove.FrameTransform of the base, and of the joints of a robot that Surefoot knows) and
-``/surefoot/scene`` (foxglove.SceneUpdate of forces, cones and the robot as lines from joint to joint). The scene
+``/surefoot/scene`` (foxglove.SceneUpdate of forces, cones and the robot as lines from joint to joint). The
+scene
 takes the ground for level where the log has no ``normals``.
 """
 
@@ -59,7 +60,7 @@ def write(log: Log, path: Path) -> None:
         rows = _channel(writer, OWN_TOPIC, "surefoot.Log")
         base = _channel(writer, "/tf", "foxglove.FrameTransform")
         scene = _channel(writer, SCENE_TOPIC, "foxglove.SceneUpdate")
-        shown, pose = set(pictures(1e-9 * stamps)), pose_of(log)
+        shown, pose = set(pictures(np.asarray(1e-9 * stamps, dtype=np.float64))), pose_of(log)
         skeleton, weight = skeleton_of(log), weight_of(log)
         for k, stamp in enumerate(stamps.tolist()):
             _add(writer, rows, stamp, {name: _list(array[k]) for name, array in log.arrays.items()})

@@ -1,7 +1,8 @@
 """Logs as Rerun recordings (.rrd), and in its viewer: pose, joints, forces, cones, curves.
 
 Entities: ``robot/base`` (its pose), ``robot/skeleton``, ``contacts/forces`` (red outside their cone),
-``contacts/cones``, and the curves ``normal_force/FOOT``, ``friction_use/FOOT``, ``gap/FOOT``, over the log's time.
+``contacts/cones``, and the curves ``normal_force/FOOT``, ``friction_use/FOOT``, ``gap/FOOT``, over the log's
+time.
 """
 
 from __future__ import annotations

@@ -205,7 +205,7 @@ class MujocoWorld:
         self.model.geom_friction[self._ground, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
     def softness(self, log: Log) -> dict[str, float]:
-        """Return the facts `sinking`, `creep` and `stopping` that the ground's solref and solimp mean in a run's log."""
+        """Return the facts `sinking`, `creep`, `stopping` that the ground's softness means in a run's log."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
         return world_softness(self._mujoco, self.model, self._ground[0], self._bodies, log, load)
 

@@ -158,7 +158,8 @@ def record(model: Any, data: Any, robot: str | None = None) -> Recording:
 
     Every contact between the robot and anything else is a contact point of the log, by its geoms: forces on
     the robot in contact axes, gap, velocity of the robot's material against the other's, position, normal,
-    friction. How soft the model declares them stands in the facts ``sinking``, ``creep`` and ``stopping``. The fact ``feet`` names the robot's geoms that touched (a geom without a name is its body and
+    friction. How soft the model declares them stands in the facts ``sinking``, ``creep`` and ``stopping``.
+    The fact ``feet`` names the robot's geoms that touched (a geom without a name is its body and
     number), ``contact_with`` what each contact point touches.
 
     Parameters

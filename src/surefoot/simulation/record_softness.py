@@ -6,10 +6,10 @@ For one contact with the inverse effective mass A, MuJoCo's program says (depth 
     (A + R) f = b r' + k d r + A L,   r'' = A (L - f),   R = c (1 - d) / d Â
 
 where Â, MuJoCo's own guess of A, is a constant of the model (`body_invweight0`), and c is 1 for elliptic cones,
-mu² (1 + mu²) / (impratio (dim - 1)) for pyramids. At rest r = c (1 - d) Â L / (k d²); a contact that lands sinks
-deeper. A sticking contact creeps at c_t (1 - d) / d Â f_t / b with c_t = 1 / impratio, (1 + mu²) / impratio
-for pyramids, and a sliding one
-is stopped in the time 1 / b. Nothing here looks at how deep a contact did sink: what is deeper than this is no softness.
+mu² (1 + mu²) / (impratio (dim - 1)) for pyramids. At rest r = c (1 - d) Â L / (k d²); a contact that lands
+sinks deeper. A sticking contact creeps at c_t (1 - d) / d Â f_t / b with c_t = 1 / impratio, (1 + mu²) /
+impratio for pyramids, and a sliding one is stopped in the time 1 / b. Nothing here looks at how deep a contact
+did sink: what is deeper than this is no softness.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class SoftContact:
         return high
 
     def stopping(self, load: float, slide: float) -> float:
-        """Return the way [m] on which regularised friction stops a speed [m/s] with less than its cone has."""
+        """Return the way [m] on which regularised friction stops a speed [m/s] inside its cone."""
         if self.friction_damping <= 0.0:
             return 0.0
         _, R = self._regularisation(self._rest(load))
@@ -150,8 +150,9 @@ def soft_contact(mujoco: Any, model: Any, bodies: Iterable[int], contact: Any) -
     dt, dim = (float(option.timestep) if safe else 0.0), int(contact.dim)
     try:
         law = MujocoLaw(tuple(contact.solref), tuple(contact.solimp), dt=dt)
-        own = tuple(float(x) for x in contact.solreffriction)
-        damp = (MujocoLaw(own, law.solimp, dt=dt) if any(own) else law).stiffness_and_damping[1]
+        own = contact.solreffriction
+        slip = MujocoLaw((float(own[0]), float(own[1])), law.solimp, dt=dt) if any(own) else law
+        damp = slip.stiffness_and_damping[1]
     except ProblemError:
         return None  # signs that MuJoCo itself replaces
     mu, ratio = (float(contact.friction[0]) if dim > 1 else 0.0), float(option.impratio)
@@ -248,7 +249,7 @@ def inverse_mass(
 def world_softness(
     mujoco: Any, model: Any, ground: int, bodies: IntArray, log: Log, load: float
 ) -> dict[str, float]:
-    """Return the facts `sinking`, `creep` and `stopping` of a log of feet on a ground geom whose priority decides.
+    """Return the facts `sinking`, `creep` and `stopping` of feet on a ground geom whose priority decides.
 
     Parameters
     ----------

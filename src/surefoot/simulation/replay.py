@@ -35,7 +35,7 @@ PROGRESS = 0.8
 TILT = math.radians(15.0)
 """Tilt beyond the log's that a replay may show [rad]."""
 DRIFT = 0.25
-"""Share of the base's height, and of the log's way, that a replay may be away from the log at a window's end."""
+"""A window may end away from the log by this share of the base's height and of the log's way."""
 LEAST_WAY = 0.1
 """A log whose windows move the base by less in all has no way to lose [m]."""
 
@@ -158,7 +158,8 @@ def replay_log(
     world
         Name of a world, see `surefoot.simulation.worlds`.
     robot, terrain, mu
-        None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu``. Others ask whether the
+        None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu``. Others ask whether
+        the
         success survives there.
     window
         Time between restarts [s]; infinite for one replay from the first row.
@@ -282,8 +283,8 @@ def _summary(windows: tuple[WindowReplay, ...]) -> str:
     lean = math.degrees(max(w.tilt for w in windows))
     drift = max(w.drift for w in windows)
     return (
-        f"{count} window{'s' if count > 1 else ''} without a fall or a broken law{way}, at most {lean:.1f} deg "
-        f"of lean and {drift:.3f} m from the log"
+        f"{count} window{'s' if count > 1 else ''} without a fall or a broken law{way}, at most {lean:.1f} "
+        f"deg of lean and {drift:.3f} m from the log"
     )
 
 

@@ -130,7 +130,8 @@ def _motion(log: Log, robot: Robot) -> tuple[FloatArray, FloatArray, FloatArray]
     if (np.abs(length - 1.0) > 1e-3).any():
         row = int(np.argmax(np.abs(length - 1.0) > 1e-3))
         raise ProblemError(
-            f"the log cannot be replayed: q[3:7] of row {row} is no unit quaternion, its length is {length[row]:g}"
+            f"the log cannot be replayed: q[3:7] of row {row} is no unit quaternion, its length is "
+            f"{length[row]:g}"
         )
     return q, v, torques
 
@@ -157,7 +158,7 @@ def _friction(log: Log, mu: float | None, rows: int) -> FloatArray:
         return np.full(rows, real_number("mu", mu, low=0.0))
     if "mu" in log:
         return np.asarray(log["mu"], dtype=np.float64)
-    return np.asarray(log["contact_friction"], dtype=np.float64).min(axis=1)
+    return np.asarray(np.min(log["contact_friction"], axis=1), dtype=np.float64)
 
 
 def _gains(log: Log, robot: Robot, dt: float) -> tuple[FloatArray, FloatArray]:
@@ -174,7 +175,7 @@ def _gains(log: Log, robot: Robot, dt: float) -> tuple[FloatArray, FloatArray]:
         if given.shape != (2, robot.joints) or not (np.isfinite(given) & (given >= 0.0)).all():
             raise ProblemError(f"joint_stiffness and joint_damping must be {robot.joints} numbers >= 0")
         return given[0], given[1]
-    inverse = np.asarray(pinocchio.computeMinverse(robot.model, robot.data, robot.nominal))  # type: ignore[attr-defined]
+    inverse = np.asarray(pinocchio.computeMinverse(robot.model, robot.data, robot.nominal))
     inertia = 1.0 / np.diag(inverse)[robot.base_dof :]
     stiffness = np.full(robot.joints, robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.1))
     damping = np.minimum(DAMPING_TIME * stiffness, STEADY * inertia / dt)

@@ -22,7 +22,7 @@ def told_by(world: World) -> dict[str, Any]:
 
 
 def softness_of(world: World, log: Log) -> Mapping[str, float]:
-    """Return the facts `sinking`, `creep` and `stopping` of a world that declares itself soft, empty for others.
+    """Return the facts `sinking`, `creep`, `stopping` of a world that declares itself soft, else none.
 
     Parameters
     ----------
