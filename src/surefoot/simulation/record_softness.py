@@ -5,10 +5,10 @@ For one contact with the inverse effective mass A, MuJoCo's program says (depth 
 
     (A + R) f = b r' + k d r + A L,   r'' = A (L - f),   R = c (1 - d) / d Â
 
-where Â, MuJoCo's own guess of A, is a constant of the model (`body_invweight0`), and c is 1 for elliptic cones,
+where Â, MuJoCo's own guess of A, is a constant of the model (`body_invweight0`); c is 1 for elliptic cones,
 mu² (1 + mu²) / (impratio (dim - 1)) for pyramids. At rest r = c (1 - d) Â L / (k d²); a contact that lands
 sinks deeper. A sticking contact creeps at c_t (1 - d) / d Â f_t / b with c_t = 1 / impratio, (1 + mu²) /
-impratio for pyramids, and a sliding one is stopped in the time 1 / b. Nothing here looks at how deep a contact
+impratio for pyramids, and a sliding one is stopped in 1 / b. Nothing here looks at how deep a contact
 did sink: what is deeper than this is no softness.
 """
 
