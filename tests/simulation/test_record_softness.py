@@ -134,3 +134,15 @@ def test_a_world_declares_its_ground(solref: tuple[float, float] | None) -> None
     assert (log.fact("payload"), log.fact("mass_controller")) == (3.0, pytest.approx(robot.mass))
     wrong = sf.Log(log.arrays, {**log.facts, "mass": robot.mass, "payload": 0.0}, channels=log.channels)
     assert "wrong mass" in [s.name for s in sf.audit_log(wrong).symptoms]
+
+
+@pytest.mark.parametrize("fact", ["sinking", "creep", "stopping"])
+def test_a_world_cannot_declare_everything_away(fact: str) -> None:
+    model = scene(BOX, 0.12)
+    data = mujoco.MjData(model)
+    with sf.record(model, data) as log:
+        mujoco.mj_step(model, data, 300)
+    log.facts[fact] = 1e9
+    report = sf.audit_log(log)
+    assert report.verdict == "cannot tell"
+    assert f"declares a {fact} of 1e+09" in report.reason

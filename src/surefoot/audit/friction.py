@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import BoolArray, IntArray
 from surefoot.audit.laws import SLIDING_SPEED
 from surefoot.audit.report import FrictionInterval
 from surefoot.audit.rows import Rows
@@ -43,34 +43,58 @@ MOST = 50
 
 
 @dataclass
+class _Window:
+    """One window of one contact: bins of the friction used, and of that used in the middle of slides."""
+
+    used: IntArray
+    slides: IntArray
+    slid: int
+    start: float
+    end: float
+
+    def low(self, least: int) -> int:
+        """Return the bin that more than `least` rows reach, zero for fewer."""
+        return int(np.partition(self.used, -least - 1)[-least - 1]) if len(self.used) > least else 0
+
+    def high(self) -> float:
+        """Return the bin of the middle of the slides, infinite for too few rows of them."""
+        return float(np.median(self.slides)) + 1.0 if len(self.slides) >= LEAST_ROWS else np.inf
+
+
+@dataclass
 class _Stretch:
     """Rows of one contact on one ground: histograms of the friction used, and of that used in slides."""
 
     used: IntArray = field(default_factory=lambda: np.zeros(BINS, dtype=np.int64))
     slides: IntArray = field(default_factory=lambda: np.zeros(BINS, dtype=np.int64))
+    rows: int = 0
+    steady: int = 0
     slid: int = 0
     start: float = np.nan
     end: float = np.nan
 
-    def take(self, other: _Stretch) -> None:
+    def take(self, window: _Window) -> None:
         """Join a later window to it."""
-        self.used, self.slides = self.used + other.used, self.slides + other.slides
-        self.slid, self.end = self.slid + other.slid, other.end
-        self.start = other.start if np.isnan(self.start) else self.start
+        self.start = self.start if self.rows else window.start
+        self.used += np.bincount(window.used, minlength=BINS)
+        if len(window.slides):
+            self.slides += np.bincount(window.slides, minlength=BINS)
+        self.rows, self.steady = self.rows + len(window.used), self.steady + len(window.slides)
+        self.slid, self.end = self.slid + window.slid, window.end
 
-    def low(self, least: int) -> float:
-        """Return a lower bound, zero for fewer rows than `least` above it."""
-        count = int(self.used.sum())
-        share = min(SHARE, 1.0 - least / count) if count > least else 0.0
-        return _quantile(self.used, share) if share > 0.0 else 0.0
-
-    def high(self, least: int = 1) -> float:
-        """Return an upper bound, infinite for fewer rows in the middle of slides than `least`."""
-        return _quantile(self.slides, 0.5) + TOP / BINS if self.slides.sum() >= least else np.inf
+    def contradicted(self, low: float, high: float, least: int) -> bool:
+        """Return whether a window's bins tell of another ground."""
+        if self.steady >= LEAST_ROWS and low > (1.0 + CHANGE) * (_bin(self.slides, 0.5) + 1):
+            return True
+        if high == np.inf or self.rows <= least:
+            return False
+        return (1.0 + CHANGE) * high < _bin(self.used, min(SHARE, 1.0 - least / self.rows))
 
     def interval(self, name: str, dt: float) -> FrictionInterval:
         """Return what it tells."""
-        low, high = _quantile(self.used, SHARE), self.high()
+        low, high = _bin(self.used, SHARE) * TOP / BINS, np.inf
+        if self.steady:
+            high = (_bin(self.slides, 0.5) + 1) * TOP / BINS
         return FrictionInterval(name, min(low, high), high, self.slid * dt, self.start, self.end)
 
 
@@ -98,32 +122,24 @@ class FrictionCount:
         bins = np.minimum((used * (BINS / TOP)).astype(np.int64), BINS - 1)
         speed = np.hypot(rows.velocities[part, :, 0], rows.velocities[part, :, 1])
         sliding = carries & before & (speed > SLIDING_SPEED + self._setting.creep)
-        steady, time = _steady(sliding, self._rows), rows.time[part]
+        steady, time, told = _steady(sliding, self._rows), rows.time[part], carries & before
         for start in range(0, len(bins), self._window):
             at = slice(start, start + self._window)
-            for k in np.flatnonzero((carries & before)[at].any(axis=0)).tolist():
-                self._take(
-                    k,
-                    _Stretch(
-                        np.bincount(bins[at, k][(carries & before)[at, k]], minlength=BINS),
-                        np.bincount(bins[at, k][steady[at, k]], minlength=BINS),
-                        int(sliding[at, k].sum()), float(time[at][0]), float(time[at][-1]),
-                    ),
-                )  # fmt: skip
+            first, last = float(time[at][0]), float(time[at][-1])
+            for k in np.flatnonzero(told[at].any(axis=0)).tolist():
+                mine, slid = bins[at, k], int(sliding[at, k].sum())
+                self._take(k, _Window(mine[told[at, k]], mine[steady[at, k]], slid, first, last))
 
-    def _take(self, k: int, window: _Stretch) -> None:
+    def _take(self, k: int, window: _Window) -> None:
         """Add a window to the contact's stretch, or begin another with it."""
-        now, least = self._now[k], self._least
-        if len(self._done[k]) >= MOST:
-            now.take(window)
-            return
-        low, high = window.low(least), window.high(LEAST_ROWS)
-        if low > (1.0 + CHANGE) * high:  # the ground changed within it: it belongs to neither side
-            return
-        if low > (1.0 + CHANGE) * now.high(LEAST_ROWS) or (1.0 + CHANGE) * high < now.low(least):
-            self._done[k].append(now)
-            self._now[k] = now = _Stretch()
-        now.take(window)
+        if len(self._done[k]) < MOST:
+            low, high = window.low(self._least), window.high()
+            if low > (1.0 + CHANGE) * high:  # the ground changed within it: it belongs to neither side
+                return
+            if self._now[k].contradicted(low, high, self._least):
+                self._done[k].append(self._now[k])
+                self._now[k] = _Stretch()
+        self._now[k].take(window)
 
     def intervals(self) -> tuple[FrictionInterval, ...]:
         """Return the intervals of every contact that was loaded, of each by time."""
@@ -131,7 +147,7 @@ class FrictionCount:
         return tuple(
             stretch.interval(name, dt)
             for name, done, now in zip(names, self._done, self._now, strict=True)
-            for stretch in (*done, now) if stretch.used.any()
+            for stretch in (*done, now) if stretch.rows
         )  # fmt: skip
 
 
@@ -146,7 +162,6 @@ def _steady(sliding: BoolArray, rows: int) -> BoolArray:
     return inside
 
 
-def _quantile(counts: IntArray | FloatArray, share: float) -> float:
-    """Return the lower edge of the bin in which a share of the counts is reached."""
-    at = int(np.searchsorted(np.cumsum(counts), share * counts.sum()))
-    return at * TOP / BINS
+def _bin(counts: IntArray, share: float) -> int:
+    """Return the bin in which a share of the counts is reached."""
+    return int(np.searchsorted(np.cumsum(counts), share * counts.sum()))

@@ -19,6 +19,8 @@ BODY = "body"
 """Stands in a report where the whole robot is meant and no single contact."""
 DEEP = 5e-3
 """A world that lets feet sink deeper hides what the audit should find [m]."""
+SOFTEST = {"sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m")}
+"""A world that declares more than this may hide anything: nothing is lawful there."""
 PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
 """Channels with a row for each contact point."""
 
@@ -105,9 +107,14 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     dt = float(np.median(good)) if good.size else told
     if told and good.size and abs(told - dt) > 0.02 * dt:
         doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
-    soft = [_not_negative(log, name) for name in ("sinking", "creep", "stopping")]
+    soft = [_not_negative(log, name) for name in SOFTEST]
     sinking, creep, stopping = soft
     payload = _not_negative(log, "payload")
+    for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
+        if value > most:
+            doubts.append(
+                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything"
+            )
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
