@@ -15,9 +15,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, QhullError
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.double_description import polar_rays, polar_rays_exact
@@ -142,6 +139,8 @@ def _section(X: FloatArray) -> FloatArray | None:
     length = float(np.linalg.norm(c))
     if length > 0.1 and float((X @ c).min()) > 0.05 * length * length:
         return np.asarray(c / length)
+    from scipy.optimize import linprog  # here as below: loading it takes longer than most programs need cones
+
     rows, dim = X.shape
     result = linprog(
         np.array([*np.zeros(dim), -1.0]),
@@ -160,6 +159,8 @@ def _section(X: FloatArray) -> FloatArray | None:
 
 def lineality(X: FloatArray) -> BoolArray:
     """Tell which rows of X lie in the lineality space of cone(X), that is whose opposite is in it too."""
+    from scipy.optimize import linprog
+
     rows, dim = X.shape
     # maximise sum(s), s <= beta, 0 <= s <= 1, X' beta = 0: s is 1 on the rows of the space, else 0
     result = linprog(
@@ -186,6 +187,8 @@ def _pointed_facets(X: FloatArray, section: FloatArray) -> tuple[FloatArray, Int
         low, high = int(np.argmin(q)), int(np.argmax(q))
         facets = np.array([plane[0] - q[high, 0] * section, q[low, 0] * section - plane[0]])
         return _unit_rows(facets), np.unique([low, high])
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         hull = ConvexHull(q, qhull_options="Qx" if dim > 5 else "")
     except QhullError:
@@ -217,6 +220,8 @@ def _described(X: FloatArray) -> tuple[FloatArray, IntArray] | None:
 
     None where rounding got the better of it, which its own result shows.
     """
+    from scipy.linalg import qr
+
     dim = X.shape[1]
     _, _, pivot = qr(X.T, mode="economic", pivoting=True)
     order = np.concatenate([pivot[:dim], np.setdiff1d(np.arange(len(X)), pivot[:dim])])
