@@ -29,7 +29,10 @@ MOST = 40
 
 
 def audit(
-    log: Annotated[Path, typer.Argument(help="A log: .npz, or any other format that sf.read_log reads.")],
+    log: Annotated[
+        Path,
+        typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
+    ],
     robot: Annotated[
         str | None, typer.Option(help="Name or URDF of the robot, where the log does not name it.")
     ] = None,
@@ -44,7 +47,7 @@ def audit(
         typer.Option(help=f"Ground of the replay, where the log does not tell it: {terrain_forms()}."),
     ] = None,
     mu: Annotated[
-        float | None, typer.Option(help="Friction of the replay, where the log tells none.")
+        float | None, typer.Option(help="Friction: of the replay, where the log tells none, or under tosses.")
     ] = None,
     rerun: Annotated[
         str | None, typer.Option(help="FILE.rrd to save the log for Rerun, or show to open its viewer.")
@@ -58,6 +61,13 @@ def audit(
 
     Exit code 0 if it is lawful and survives its replay, 1 if not or if one cannot tell, 2 for wrong input.
     """
+    from surefoot.estimation import holds_tosses
+
+    if holds_tosses(log):
+        from surefoot.cli.toss_audit import audit_toss_file
+
+        given = {"--robot": robot, "--replay": replay, "--terrain": terrain, "--rerun": rerun}
+        return audit_toss_file(log, mu, given, out, as_json)
     from surefoot.audit import audit_log
     from surefoot.log import read_log
     from surefoot.robot import load_robot

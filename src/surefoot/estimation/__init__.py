@@ -11,8 +11,9 @@ from surefoot.estimation.contact_detection import (
 from surefoot.estimation.forces import ForceEstimate, estimate_forces
 from surefoot.estimation.friction import FrictionBounds, FrictionTracker
 from surefoot.estimation.identify import Estimate, TossFit, identify
+from surefoot.estimation.toss_audit import TossAudit, audit_tosses
 from surefoot.estimation.toss_errors import TossErrors
-from surefoot.estimation.tosses import Cube, Tosses, read_tosses, write_tosses
+from surefoot.estimation.tosses import Cube, Tosses, holds_tosses, read_tosses, write_tosses
 
 __all__ = [
     "ContactDetector",
@@ -24,12 +25,15 @@ __all__ = [
     "ForceEstimate",
     "FrictionBounds",
     "FrictionTracker",
+    "TossAudit",
     "TossErrors",
     "TossFit",
     "Tosses",
+    "audit_tosses",
     "detect_contacts",
     "detection_errors",
     "estimate_forces",
+    "holds_tosses",
     "identify",
     "read_tosses",
     "write_tosses",

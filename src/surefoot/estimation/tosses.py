@@ -23,6 +23,8 @@ UNIT = 1e-3
 """How far a quaternion's length may be from one."""
 ROUNDED = 1e-14
 """And how far it is by rounding alone."""
+NAMES = ("states", "starts", "dt")
+"""Arrays that a file of tosses has."""
 SHORTEST = 4
 """Frames of the shortest toss that says anything."""
 
@@ -174,7 +176,7 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
             archive = np.load(file, allow_pickle=False)
             if not isinstance(archive, np.lib.npyio.NpzFile):
                 raise ProblemError("it is a single array, not an .npz archive")
-            missing = [name for name in ("states", "starts", "dt") if name not in archive.files]
+            missing = [name for name in NAMES if name not in archive.files]
             if missing:
                 raise ProblemError(f"it has no {', '.join(missing)}; it holds: {', '.join(archive.files)}")
             held = {name: archive[name] for name in archive.files}
@@ -185,6 +187,15 @@ def read_tosses(path: str | Path, cube: Cube | None = None) -> Tosses:
         raise ProblemError(f"{path} holds no tosses: {error}") from error
     except (ValueError, EOFError, zipfile.BadZipFile, KeyError, NotImplementedError) as error:
         raise ProblemError(f"{path} is no .npz file of tosses: {error}") from error
+
+
+def holds_tosses(path: str | Path) -> bool:
+    """Return whether a file is an .npz archive with the names that tosses have, whatever is in them."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return {f"{name}.npy" for name in NAMES} <= set(archive.namelist())
+    except (OSError, zipfile.BadZipFile):
+        return False
 
 
 def write_tosses(tosses: Tosses, path: str | Path) -> Path:
