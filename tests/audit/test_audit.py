@@ -120,11 +120,41 @@ def test_forces_alone_or_without_friction_are_not_enough() -> None:
 
 
 def test_a_log_of_contacts_needs_no_robot() -> None:
-    report = sf.audit_log(Log({name: log_of(TROT)[name] for name in (*CONTACT, "time")}))
+    log = Log({name: log_of(TROT)[name] for name in (*CONTACT, "time")}, {"mass": log_of(TROT).fact("mass")})
+    report = sf.audit_log(log)
     assert report.verdict == "lawful"
     assert report.contacts == tuple(f"contact {k}" for k in range(4))
     assert report.coverage["motion"] == "the log has no q, v"
-    assert report.weight == pytest.approx(log_of(TROT).fact("mass") * GRAVITY, rel=0.1)
+    assert report.weight == pytest.approx(log.fact("mass") * GRAVITY)
+
+
+def test_without_a_mass_the_robot_s_is_taken_and_without_a_robot_one_cannot_tell() -> None:
+    log = log_of(TROT)
+    report = sf.audit_log(Log(log.arrays, {k: v for k, v in log.facts.items() if k != "mass"}))
+    assert (report.verdict, report.weight) == ("lawful", pytest.approx(log.fact("mass") * GRAVITY))
+    assert any("from its model" in note for note in report.notes)
+    report = sf.audit_log(Log({name: log[name] for name in (*CONTACT, "time")}))
+    assert (report.verdict, report.weight) == (
+        "cannot tell",
+        pytest.approx(log.fact("mass") * GRAVITY, rel=0.1),
+    )
+    assert "does not tell the robot's mass" in report.reason
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3])
+def test_a_few_rows_tell_nothing_but_may_be_broken(rows: int) -> None:
+    log = log_of(TROT).rows(slice(500, 500 + rows))
+    assert sf.audit_log(log).verdict == "cannot tell"
+    assert f"{rows} rows are too few" in sf.audit_log(log).reason
+    assert sf.audit_log(changed(log, forces=-np.array(log["forces"]))).verdict == "broken"
+
+
+def test_forces_that_carry_nothing_of_the_mass_tell_nothing() -> None:
+    log = log_of(TROT)
+    arrays = {name: log[name] for name in (*CONTACT, "time")}
+    report = sf.audit_log(Log(arrays, {"mass": 1e6}))
+    assert report.verdict == "cannot tell"
+    assert "no contact ever carries anything" in report.reason
 
 
 def _nan(name: str) -> Callable[[Log], Log]:

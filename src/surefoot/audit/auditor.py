@@ -25,6 +25,8 @@ FINITE, CLOCK = "finite", "clock"
 _FAULTS = (FINITE, CLOCK)
 NEEDED = ("pull", "penetration", "distance", "friction")
 """Laws without which no log is called lawful: unilateral contact and Coulomb's cone."""
+LEAST = 4
+"""Rows without which no log is called lawful: fewer hold no motion that forces could contradict."""
 
 
 def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
@@ -210,11 +212,18 @@ def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tu
     """Return why a log in which no law is broken cannot be called lawful; empty if it can."""
     if violations:
         return str(violations[0])
-    if setting.doubts:
-        return setting.doubts[0]
     lacking = {why for name, why in coverage.items() if why and name in NEEDED}
     if lacking:
         return ", ".join(sorted(lacking))
-    if not coverage["motion"] or any(np.any(np.asarray(piece["forces"])) for piece in log.chunks()):
-        return ""
-    return "no contact ever carries anything, and the motion is not known"
+    if setting.doubts:
+        return setting.doubts[0]
+    if len(log) < LEAST:
+        return f"{len(log)} rows are too few, {LEAST} are the least"
+    if coverage["motion"] and not any(_loaded(piece, setting) for piece in log.chunks()):
+        return "no contact ever carries anything, and the motion is not known"
+    return ""
+
+
+def _loaded(log: Log, setting: Setting) -> bool:
+    """Return whether a contact is ever loaded."""
+    return bool(np.any(np.asarray(log["forces"])[..., 2] > setting.threshold))

@@ -100,7 +100,6 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     count = max((log[name].shape[1] for name in PER_POINT if name in log), default=0)
     feet, owner = _feet(log, count)
     names = tuple(_point_names(feet, owner))
-    weight = _weight(log, notes)
     steps = np.diff(np.asarray(log["time"][: 1 << 16]))
     good = steps[np.isfinite(steps) & (steps > 0.0)]
     told = float(log.fact("dt")) if "dt" in log.facts else 0.0
@@ -125,6 +124,7 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
         raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
     model, why = _robot(log, robot, doubts)
+    weight = _weight(log, model, payload, notes, doubts)
     return Setting(
         names, owner, feet, weight, dt, sinking, creep, stopping, payload, model, why, tuple(notes),
         tuple(doubts)
@@ -148,19 +148,21 @@ def _point_names(feet: tuple[str, ...], owner: IntArray) -> Iterator[str]:
         yield feet[k] if (owner == k).sum() == 1 else f"{feet[k]}:{at}"
 
 
-def _weight(log: Log, notes: list[str]) -> float:
-    """Return m g, from the forces where the log does not tell the mass."""
+def _weight(log: Log, model: Robot | None, payload: float, notes: list[str], doubts: list[str]) -> float:
+    """Return m g: the log's, else the robot's, else from the forces, which is a doubt."""
     if "mass" in log.facts:
         return float(log.fact("mass")) * GRAVITY
+    if model is not None:
+        notes.append(f"the log does not tell the robot's mass: {model.mass + payload:.3g} kg from its model")
+        return (model.mass + payload) * GRAVITY
     mean = 0.0
     if "forces" in log:
         total = np.asarray(log["forces"][: 1 << 16, :, 2]).sum(axis=1)
         mean = float(np.mean(total[np.isfinite(total)])) if np.isfinite(total).any() else 0.0
-    if not (math.isfinite(mean) and mean > 0.0):
-        notes.append("the log does not tell the robot's mass: forces are judged against 1 kg")
-        return GRAVITY
-    notes.append(f"the log does not tell the robot's mass: {mean / GRAVITY:.3g} kg from its forces")
-    return mean
+    known = math.isfinite(mean) and mean > 0.0
+    taken = f"{mean / GRAVITY:.3g} kg from its forces" if known else "1 kg is taken"
+    doubts.append(f"the log does not tell the robot's mass: {taken}")
+    return mean if known else GRAVITY
 
 
 def _not_negative(log: Log, name: str) -> float:
