@@ -37,6 +37,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     """Return a command as it is run here."""
     if words[0] == "bench":
         return words if "--quick" in words else (*words, "--quick")
+    if words[0] == "sweep":
+        return (*_alone(words), "--samples", "4", "--backend", "serial")
     if words[0] not in ("stand", "walk"):
         return words
     out = [*words, "--no-video", "--no-report"]
@@ -45,6 +47,16 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         at = out.index("--duration") if "--duration" in out else len(out)
         out[at : at + 2] = ["--duration", f"{SHORT:g}"]
     return tuple(out)
+
+
+def _alone(words: tuple[str, ...]) -> Iterator[str]:
+    """Yield the words of a sweep without those that say how many samples run where."""
+    rest = iter(words)
+    for word in rest:
+        if word in ("--samples", "--backend", "--workers", "--address"):
+            next(rest)
+        else:
+            yield word
 
 
 def same_run(words: tuple[str, ...]) -> tuple[str, ...]:

@@ -349,6 +349,8 @@ def test_wrong_arguments_are_named() -> None:
         StepOptions(order=3)
     with pytest.raises(sf.ProblemError, match="got a SpringDamper"):
         StepOptions(order=1, law=SpringDamper(2e4, 100.0))
+    with pytest.raises(sf.ProblemError, match="order=1 is of feet on the ground"):
+        RigidWorld(robot, order=1, collision="full")
     with pytest.raises(sf.ProblemError, match="got order=2"):
         Knot(Stepper(robot))
     exact = Stepper(robot)

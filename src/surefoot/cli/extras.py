@@ -13,6 +13,7 @@ from surefoot.errors import MissingExtra
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
+    "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
 FILM = ("mujoco", "imageio", "imageio-ffmpeg")

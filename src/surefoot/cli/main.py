@@ -19,6 +19,7 @@ from surefoot.cli import (
     region,
     solve,
     stand,
+    sweep,
     translate,
     walk,
     warmup,
@@ -41,7 +42,7 @@ app = typer.Typer(
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, identify.identify, audit.audit, warmup.warmup,
+    translate.translate, identify.identify, sweep.sweep, audit.audit, warmup.warmup,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
 app.add_typer(bench.app, name="bench")

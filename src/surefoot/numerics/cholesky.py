@@ -136,7 +136,7 @@ def _add_four(x: FloatArray, B: FloatArray, k: int, s: float, t: float, u: float
 
 @kernel
 def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
-    """Set out to A B, for small matrices."""
+    """Set out (n, m) to A B, for small A (n, k) and B (k, m)."""
     whole = A.shape[1] // 4 * 4
     for i in range(A.shape[0]):
         for j in range(B.shape[1]):

@@ -19,7 +19,7 @@ from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import ordered
 from surefoot.stepping.derivative_impact import Ground
-from surefoot.stepping.detection import Contacts
+from surefoot.stepping.detection import Contacts, Detection
 from surefoot.stepping.impacts import LostMotion
 from surefoot.stepping.state import State
 from surefoot.stepping.stepper import REACH, Stepper
@@ -74,6 +74,9 @@ class Knot:
 
         if stepper.options.order != 1:
             raise ProblemError(f"a knot takes StepOptions(order=1), got order={stepper.options.order}")
+        contacts = stepper.bodies.contacts
+        assert isinstance(contacts, Detection)  # order 1 is of feet on the ground
+        self._contacts = contacts
         self.stepper, bodies, options = stepper, stepper.bodies, stepper.options
         points = stepper.robot.contact_points
         self._model = model = bodies.model
@@ -91,13 +94,11 @@ class Knot:
         # Pinocchio's own arrays, seen from here: they hold what its last call left
         self._upper, self._twists = data.M, data.J.T
         self._by_q, self._by_v = data.dtau_dq, data.dtau_dv
-        self._seen = [data.oMf[k].translation for k in bodies.contacts.spheres]
+        self._seen = [data.oMf[k].translation for k in contacts.spheres]
         self._support, self._radii = points.support, points.radii
         self._centres, self._positions = np.zeros((p, 3)), np.zeros((p, 3))
-        self.gaps, self._frames = (
-            bodies.contacts.below(self._centres) if p else (np.zeros(0), np.zeros((0, 3, 3)))
-        )
-        self._above, self._curved = bodies.contacts.above, not stepper.terrain.planar
+        self.gaps, self._frames = contacts.below(self._centres) if p else (np.zeros(0), np.zeros((0, 3, 3)))
+        self._above, self._curved = contacts.above, not stepper.terrain.planar
         self._turns, self._slopes = np.zeros((2, p, 3, 3)), np.ascontiguousarray(self._frames[:, :, 2])
         self._J, self._L, self.impulses = np.zeros((3 * p, n)), np.zeros((n, n)), np.zeros((p, 3))
         self._settings = np.array(
@@ -162,7 +163,7 @@ class Knot:
         for k, centre in enumerate(self._seen):
             self._centres[k] = centre
         if self._curved:
-            self.gaps, frames = self.stepper.bodies.contacts.below(self._centres)
+            self.gaps, frames = self._contacts.below(self._centres)
             self._frames = frames.copy()
         self._settings[kernels.MU] = mu if self._quick else 0.0
         after = np.empty(model.nv)
