@@ -75,10 +75,15 @@ from .errors import NoSolution as NoSolution
 from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
+from .estimation import ContactDetector as ContactDetector
+from .estimation import DetectionSettings as DetectionSettings
 from .estimation import ForceEstimate as ForceEstimate
+from .estimation import FrictionTracker as FrictionTracker
 from .estimation import TossErrors as TossErrors
 from .estimation import Tosses as Tosses
 from .estimation import TossFit as TossFit
+from .estimation import detect_contacts as detect_contacts
+from .estimation import detection_errors as detection_errors
 from .estimation import estimate_forces as estimate_forces
 from .estimation import identify as identify
 from .estimation import read_tosses as read_tosses

@@ -100,6 +100,7 @@ estimation.cube_contact  rise                 estimation/test_cube_motion.py::te
 estimation.cube_motion   fly                  estimation/test_cube_motion.py::test_fly_turns_slowly_and_not_at_all
 estimation.cube_motion   simulate             estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.cube_motion   step                 estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
+estimation.friction  follow_friction      estimation/test_friction_tracker.py::test_kernel_against_plain_python
 numerics.cholesky        cholesky             numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        guarded_cholesky     numerics/test_cholesky.py::test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot
 numerics.cholesky        product              numerics/test_cholesky.py::test_product

@@ -1,0 +1,78 @@
+"""How often the 95 % intervals of `surefoot identify` hold the truth: the table of docs/identify.md.
+
+Run: python -m benchmarks.identify_coverage [--sets 100] [--tosses 64] [--first 1000] [--out FILE]. A set
+is made-up tosses with a good camera's noise on a tilted ground; with --out its row is written as soon as
+it is known, and a run that was interrupted goes on after the last one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from surefoot.estimation import identify
+from surefoot.estimation.cube_model import CubeModel
+from surefoot.problems.tosses import random_tosses
+
+LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.05}
+GROUND = (0.003, 0.01, -0.005)
+"""Height [m] and slopes."""
+TRUTH = LAW | {
+    "ground": GROUND[0],
+    "tilt_x": float(np.degrees(np.arctan(GROUND[1]))),
+    "tilt_y": float(np.degrees(np.arctan(GROUND[2]))),
+    "gravity": 9.81,
+}
+STEPS, RESAMPLES = 2, 400
+"""Of the simulation between frames, of data and fit alike, and of the bootstrap."""
+
+
+def one_set(seed: int, tosses: int) -> dict[str, list[float]]:
+    """Return error and ends of the interval less the truth, by parameter, of one made-up set."""
+    recorded = random_tosses(tosses, list(LAW.values()), ground=GROUND, seed=seed, steps=STEPS)
+    fit = identify(recorded, CubeModel(steps=STEPS), resamples=RESAMPLES)
+    rows = {name: [fit[name].value, fit[name].low, fit[name].high] for name in TRUTH}
+    return {name: [v - TRUTH[name] for v in row] for name, row in rows.items()}
+
+
+def coverage(rows: Sequence[dict[str, list[float]]]) -> Table:
+    """Return the table: how many intervals hold the truth, their half-width, and the error's size."""
+    table = Table(title=f"{len(rows)} sets: 95 % intervals")
+    for column in ("parameter", "truth", "hold it", "half-width (median)", "error (rms)"):
+        table.add_column(column, justify="left" if column == "parameter" else "right")
+    for name, truth in TRUTH.items():
+        error, low, high = np.array([row[name] for row in rows]).T
+        held = int(np.count_nonzero((low <= 0.0) & (high >= 0.0)))
+        half, size = float(np.median(high - low)) / 2.0, float(np.sqrt(np.mean(error**2)))
+        table.add_row(name, f"{truth:.4g}", f"{held} of {len(rows)}", f"{half:.2g}", f"{size:.2g}")
+    return table
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Fit the sets and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sets", type=int, default=100)
+    parser.add_argument("--tosses", type=int, default=64)
+    parser.add_argument("--first", type=int, default=1000, help="seed of the first set")
+    parser.add_argument("--out", type=Path, help="file of rows, gone on with where it exists")
+    given = parser.parse_args(arguments)
+    rows: list[dict[str, list[float]]] = []
+    if given.out is not None and given.out.exists():
+        rows = [json.loads(line) for line in given.out.read_text().splitlines()][: given.sets]
+    for seed in track(range(given.first + len(rows), given.first + given.sets), "sets"):
+        rows.append(one_set(seed, given.tosses))
+        if given.out is not None:
+            with given.out.open("a") as file:
+                file.write(json.dumps(rows[-1]) + "\n")
+    Console().print(coverage(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,317 @@
+"""Which feet touch, from torques and kinematics alone: no sensor in the foot.
+
+The generalised momentum p = M(q) v changes by what is known and by the ground's forces,
+
+    ṗ = S τ + C(q, v)ᵀ v - g(q) + Jᵀ f,
+
+so that r' = K (Jᵀ f - r) follows Jᵀ f without an acceleration being measured [1]_. The rows of a leg's joints
+give the force on its foot; a foot touches when it is pushed harder than a threshold and lets go at a
+lower one. A rise of the foot away from the ground ends a contact as well: a leg is lifted before the filtered
+force is gone.
+
+References
+----------
+.. [1] A. De Luca, A. Albu-Schäffer, S. Haddadin, G. Hirzinger, "Collision detection and safe reaction with
+   the DLR-III lightweight manipulator arm", IROS 2006.
+.. [2] G. Bledt, P. Wensing, S. Ingersoll, S. Kim, "Contact model fusion for event-based locomotion in
+   unstructured terrains", ICRA 2018 (why force alone is late).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.audit.contact_times import debounced
+from surefoot.errors import ProblemError
+from surefoot.log import Log
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY
+
+DAMPING = 1e-3
+"""Share of a leg's levers at which forces are damped: a straight knee cannot feel along the leg."""
+
+
+@dataclass(frozen=True)
+class DetectionSettings:
+    """When a foot counts as touching.
+
+    Attributes
+    ----------
+    bandwidth
+        K of the momentum observer [1/s]: a force is seen after about 1/K.
+    touchdown, lift_off
+        Force along the normal at which a contact begins and ends, as shares of m g over the number of feet.
+    rising
+        Speed along the normal away from the ground from which a foot has left it [m/s].
+    confirm
+        How long the force must stay above `touchdown` before a contact is told [s].
+    """
+
+    bandwidth: float = 200.0
+    touchdown: float = 0.25
+    lift_off: float = 0.10
+    rising: float = 0.15
+    confirm: float = 0.0015
+
+    def __post_init__(self) -> None:
+        for name in ("bandwidth", "touchdown", "lift_off", "rising"):
+            real_number(name, getattr(self, name), low=1e-9)
+        real_number("confirm", self.confirm, low=0.0)
+        if self.lift_off > self.touchdown:
+            raise ProblemError(
+                f"lift_off must not exceed touchdown, got {self.lift_off:g} and {self.touchdown:g}"
+            )
+
+
+class Detection(NamedTuple):
+    """What is known after one more step.
+
+    Attributes
+    ----------
+    contact
+        (n,) which feet touch.
+    forces
+        (n, 3) estimated forces on the feet, world axes [N].
+    """
+
+    contact: BoolArray
+    forces: FloatArray
+
+
+class ContactDetector:
+    """Tells from joint torques and the robot's motion which feet touch, step by step.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and feet.
+    dt
+        Time between updates [s].
+    settings
+        Thresholds; None for `DetectionSettings()`.
+
+    Raises
+    ------
+    ProblemError
+        If dt is not positive, or the robot is bolted to the world or has no feet.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from surefoot.robot import load_robot
+    >>> robot = load_robot("go2")
+    >>> detector = ContactDetector(robot, 0.002)
+    >>> detector.update(robot.nominal, np.zeros(18), np.zeros(12)).contact  # limp, at rest: it falls
+    array([False, False, False, False])
+    """
+
+    def __init__(self, robot: Robot, dt: float, settings: DetectionSettings | None = None) -> None:
+        if not robot.floating or not robot.feet:
+            raise ProblemError(
+                f"contacts are detected for a floating base with feet; {robot.name} has no such thing"
+            )
+        self.robot, self.settings = robot, settings or DetectionSettings()
+        self.dt = real_number("dt", dt, low=1e-6, high=1.0)
+        self._data: Any = robot.model.createData()
+        points = robot.contact_points
+        joints = np.arange(robot.model.nv) >= robot.base_dof
+        legs = [np.flatnonzero(moved & joints) for moved in points.foot_support]
+        kinds = [(6 if foot.flat else 3, leg.size) for foot, leg in zip(robot.feet, legs, strict=True)]
+        self._alike = [
+            (kind[0], which, np.array([legs[k] for k in which]))
+            for kind in dict.fromkeys(kinds)
+            for which in [np.array([k for k, one in enumerate(kinds) if one == kind])]
+        ]
+        self._share = robot.mass * GRAVITY / len(robot.feet)
+        self._keep = float(np.exp(-self.settings.bandwidth * self.dt))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: the next update is the first."""
+        n = len(self.robot.feet)
+        self._residual = np.zeros(self.robot.model.nv)
+        self._momentum: FloatArray | None = None
+        self._rate = np.zeros(self.robot.model.nv)
+        self._contact, self._above = np.zeros(n, dtype=bool), np.zeros(n)
+
+    def update(
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, normals: ArrayLike | None = None
+    ) -> Detection:
+        """Return which feet touch, after one more step of length dt.
+
+        Parameters
+        ----------
+        q, v
+            (nq,), (nv,) configuration and velocity now, Pinocchio's order.
+        tau
+            (joints,) torques applied from now to the next update [N m].
+        normals
+            (n, 3) of the ground under each foot, world axes; None for upwards.
+
+        Raises
+        ------
+        ProblemError
+            For wrong shapes or numbers that are not finite; the past is kept then.
+        """
+        import pinocchio
+
+        robot, model, data = self.robot, self.robot.model, self._data
+        configuration = robot.configuration(q)
+        velocity = finite_array("v", v, (model.nv,))
+        torque = finite_array("tau", tau, (robot.joints,))
+        up = self._normals(normals)
+        M = np.triu(pinocchio.crba(model, data, configuration))
+        C = pinocchio.computeCoriolisMatrix(model, data, configuration, velocity)  # and Jacobians
+        pinocchio.updateFramePlacements(model, data)
+        momentum = (M + np.triu(M, 1).T) @ velocity
+        if self._momentum is not None:
+            # over one step ṗ - rate is Jᵀ f, constant: r' = K (Jᵀ f - r) is solved exactly
+            seen = (momentum - self._momentum) / self.dt - self._rate
+            self._residual = self._keep * self._residual + (1.0 - self._keep) * seen
+        self._momentum = momentum
+        self._rate = C.T @ velocity - pinocchio.computeGeneralizedGravity(model, data, configuration)
+        self._rate[robot.base_dof :] += torque
+        forces, speeds = self._feet(velocity, up)
+        self._decide(np.einsum("ni,ni->n", forces, up), speeds)
+        return Detection(self._contact.copy(), forces)
+
+    def _normals(self, normals: ArrayLike | None) -> FloatArray:
+        n = len(self.robot.feet)
+        if normals is None:
+            return np.tile([0.0, 0.0, 1.0], (n, 1))
+        given = finite_array("normals", normals, (n, 3))
+        length = np.linalg.norm(given, axis=1)
+        if (np.abs(length - 1.0) > 1e-3).any():
+            raise ProblemError(f"normals must have length 1, got {length}")
+        return np.asarray(given / length[:, None])
+
+    def _feet(self, velocity: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (n, 3) forces that the residual means, and (n,) speeds of the feet along the normals."""
+        import pinocchio
+
+        aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        data, feet = self._data, self.robot.feet
+        J = np.array([pinocchio.getFrameJacobian(self.robot.model, data, f.frame, aligned) for f in feet])
+        arms = np.array([data.oMf[f.frame].rotation @ f.centre for f in feet])
+        arms -= np.array([f.radius for f in feet])[:, None] * up
+        J[:, :3] -= np.cross(arms[:, :, None], J[:, 3:], axis=1)
+        speeds = np.einsum("ni,nij,j->n", up, J[:, :3], velocity)
+        forces = np.zeros((len(feet), 3))
+        for rows, which, legs in self._alike:
+            A = J[which[:, None, None], np.arange(rows)[:, None], legs[:, None, :]]
+            forces[which] = _damped(A, self._residual[legs])[:, :3]
+        return forces, speeds
+
+    def _decide(self, normal: FloatArray, speeds: FloatArray) -> None:
+        """Move (n,) contacts on: hysteresis in the force, and a foot that rises has left."""
+        s = self.settings
+        pushed = (normal > s.touchdown * self._share) & (speeds < s.rising)
+        self._above = np.where(pushed, self._above + self.dt, 0.0)
+        begins = pushed & (self._above > s.confirm)
+        ends = (normal < s.lift_off * self._share) | (speeds > s.rising)
+        self._contact = np.where(self._contact, ~ends, begins)
+
+
+def _damped(J: FloatArray, torques: FloatArray) -> FloatArray:
+    """Return (n, r) forces f, Jᵀ f = torques by least squares, J (n, r, j), damped where levers are short."""
+    square = J @ J.transpose(0, 2, 1)
+    lowest = DAMPING**2 * np.trace(square, axis1=1, axis2=2)
+    square += lowest[:, None, None] * np.eye(J.shape[1])
+    return np.asarray(np.linalg.solve(square, (J @ torques[:, :, None])))[:, :, 0]
+
+
+def detect_contacts(robot: Robot, log: Log, settings: DetectionSettings | None = None) -> BoolArray:
+    """Return which feet touch in each row of a log, from its ``q``, ``v`` and ``torques``: (T, n).
+
+    Raises
+    ------
+    ProblemError
+        If a channel or the fact ``dt`` is missing, or what they hold does not fit the robot.
+    """
+    missing = [name for name in ("q", "v", "torques") if name not in log]
+    if missing:
+        raise ProblemError(
+            f"contacts are detected from q, v and torques; the log has no {', '.join(missing)}"
+        )
+    detector = ContactDetector(robot, log.fact("dt"), settings)
+    rows = zip(log["q"], log["v"], log["torques"], strict=True)
+    return np.array([detector.update(*row).contact for row in rows]).reshape(-1, len(robot.feet))
+
+
+@dataclass(frozen=True)
+class DetectionErrors:
+    """How well contacts were detected.
+
+    Attributes
+    ----------
+    touchdown_delays, lift_off_delays
+        (k,), (m,) of every event that was found; negative if it was told early [s].
+    missed, false
+        Contacts that were never told, and told ones that were none.
+    contacts
+        How many there were.
+    wrong_share
+        Share of the rows in which a foot's answer is wrong.
+    """
+
+    touchdown_delays: FloatArray
+    lift_off_delays: FloatArray
+    missed: int
+    false: int
+    contacts: int
+    wrong_share: float
+
+
+def detection_errors(
+    detected: BoolArray, truth: BoolArray, dt: float, shortest: float = 0.02
+) -> DetectionErrors:
+    """Compare detected contacts with true ones, (T, n) each.
+
+    Parameters
+    ----------
+    detected, truth
+        Which feet touch.
+    dt
+        Time between rows [s].
+    shortest
+        True phases shorter than this are taken for bounces and closed [s].
+
+    Raises
+    ------
+    ProblemError
+        If their shapes differ or there are fewer than two rows.
+    """
+    if detected.shape != truth.shape or truth.ndim != 2 or len(truth) < 2:
+        raise ProblemError(f"two (T, n) arrays of one shape are needed, got {detected.shape}, {truth.shape}")
+    step = real_number("dt", dt, low=1e-9)
+    time = step * np.arange(len(truth), dtype=np.float64)
+    downs, ups, missed, false, contacts, wrong = [], [], 0, 0, 0, 0
+    for k in range(truth.shape[1]):
+        real = debounced(time, truth[:, k], shortest)
+        told = detected[:, k]
+        wrong += int(np.count_nonzero(real != told))
+        phases, guesses = _phases(real), _phases(told)
+        contacts += len(phases)
+        overlap = (phases[:, None, 0] < guesses[None, :, 1]) & (guesses[None, :, 0] < phases[:, None, 1])
+        missed += int(np.count_nonzero(~overlap.any(axis=1)))
+        false += int(np.count_nonzero(~overlap.any(axis=0)))
+        for (start, stop), over in zip(phases, overlap, strict=True):
+            if over.any():
+                mine = guesses[over]
+                # what the recording cuts off at its ends is no event
+                downs += [mine[0, 0] - start] if start > 0 else []
+                ups += [mine[-1, 1] - stop] if stop < len(truth) else []
+    return DetectionErrors(
+        step * np.array(downs), step * np.array(ups), missed, false, contacts, wrong / truth.size
+    )
+
+
+def _phases(touch: BoolArray) -> IntArray:
+    """Return (k, 2) first row of each contact, and the row after its last."""
+    padded = np.concatenate([[False], touch, [False]]).astype(np.int8)
+    return np.flatnonzero(np.diff(padded)).reshape(-1, 2)
