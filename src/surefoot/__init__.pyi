@@ -99,10 +99,14 @@ from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
 from .simulation.rigid import RigidWorld as RigidWorld
+from .simulation.rigid import Touch as Touch
 from .simulation.run import run as run
 from .simulation.scenario import Ice as Ice
 from .simulation.scenario import Push as Push
 from .simulation.scenario import Scenario as Scenario
+from .simulation.scene import Body as Body
+from .simulation.scene import Scene as Scene
+from .simulation.scene_world import SceneWorld as SceneWorld
 from .solvers import Answer as Answer
 from .solvers import ContactForces as ContactForces
 from .solvers import ContactSolver as ContactSolver

@@ -36,6 +36,14 @@ def test_stands_on_soft_ground(capsys, tmp_path):
     assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
 
 
+def test_a_whole_robot_stands_as_its_feet_do(capsys, tmp_path):
+    common = ("stand", "--world", "rigid", "--duration", "0.5")
+    code, found = summary(capsys, tmp_path / "full", *common, "--collision", "full")
+    _, feet = summary(capsys, tmp_path / "feet", *common)
+    assert (code, found["stood"], found["laws_broken"]) == (0, True, [])
+    assert found["total_normal_mean"] == pytest.approx(feet["total_normal_mean"], rel=1e-9)
+
+
 def test_chatter_is_told_before_it_happens_and_breaks_laws(capsys, tmp_path):
     law = ("--law", "spring-damper:k=2e6,d=100")
     common = ["stand", "go2", "--world", "rigid", *law, "--duration", "0.5", "--no-video", "--no-report"]
@@ -68,6 +76,8 @@ def test_walks_in_the_rigid_world_and_on_soft_mujoco_ground(capsys, tmp_path):
         (["--solref", "0.02,-1"], "solref"),
         (["--solref", "a,b"], "not a finite number"),
         (["--world", "moon"], "unknown world 'moon'"),
+        (["--collision", "full"], "--collision full is of --world rigid"),
+        (["--world", "rigid", "--collision", "legs"], "valid names: feet, full"),
     ],
 )
 @pytest.mark.parametrize("command", ["stand", "walk"])

@@ -38,6 +38,7 @@ batch.kernel             solve_contacts       batch/test_batch.py::test_the_kern
 batch.loops              derive_range         batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
 batch.loops              measure_range        batch/test_batch.py::test_kinks_in_a_batch_are_one_sided by solve_batch
 batch.loops              solve_range          batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
+collision.manifold       manifolds            collision/test_manifold.py::test_contacts_lie_on_both_surfaces by PairSearch
 cones.double_description polar_rays           cones/test_representation.py::test_engines_agree_with_exact_rationals by from_rays
 cones.nearest            nearest_points       cones/test_nearest.py::test_nearest_points
 contact.admissible       dissipation_limit    contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
@@ -124,6 +125,7 @@ numerics.orthogonal      turn_first_row       numerics/test_orthogonal.py::test_
 numerics.points          contact_jacobian     numerics/test_points.py::test_velocities_and_their_jacobians
 numerics.points          point_jacobian       numerics/test_points.py::test_velocities_and_their_jacobians
 numerics.points          point_velocity       numerics/test_points.py::test_velocities_and_their_jacobians
+numerics.points          relative_jacobian    numerics/test_points.py::test_jacobian_of_one_body_against_another
 numerics.projection      differential         numerics/test_projection.py::test_generalised_jacobian
 numerics.projection      face                 numerics/test_projection.py::test_generalised_jacobian
 numerics.projection      project_cone         numerics/test_projection.py::test_projection

@@ -83,6 +83,14 @@ def test_rigid_world_and_mujoco_differ_as_told(tmp_path, facts_of):
     assert facts["rigid_creep"] < 1e-12 < facts["mujoco_creep"]
 
 
+def test_a_cradle_and_shins_on_a_stair(tmp_path, facts_of):
+    facts = facts_of("28_bodies", tmp_path)
+    assert facts["first"] == pytest.approx(-0.6, abs=1e-6)
+    assert facts["last"] == pytest.approx(1.0, abs=1e-8)
+    assert facts["rest"] < 1e-8
+    assert facts["shins"] > 40.0
+
+
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("2[0-9]_*.py")), ids=lambda p: p.stem)
 def test_examples_are_short(path):
     assert len(path.read_text().splitlines()) < 100

@@ -32,6 +32,20 @@ def test_velocities_and_their_jacobians():
         np.testing.assert_allclose(J[3 * k : 3 * k + 3], frames[k].T @ expected, atol=1e-13)
 
 
+def test_jacobian_of_one_body_against_another():
+    rng = np.random.default_rng(2)
+    twists, places = rng.normal(size=(6, 9)), rng.normal(size=(4, 3))
+    support = rng.random((3, 9)) < 0.6
+    first, second, on = np.array([0, 1, 0, 2]), np.array([1, 2, 2, 1]), np.array([True, True, False, True])
+    frames = np.linalg.qr(rng.normal(size=(4, 3, 3)))[0]
+    J = np.full((12, 9), np.nan)
+    points.relative_jacobian(twists, support, first, second, places, frames, on, J)
+    for k in range(4):
+        velocity = velocity_twin(twists, places[k])
+        expected = frames[k].T @ (velocity * support[second[k]] - velocity * support[first[k]])
+        np.testing.assert_allclose(J[3 * k : 3 * k + 3], expected * on[k], atol=1e-13)
+
+
 def test_vectors():
     rng = np.random.default_rng(1)
     a, b = rng.normal(size=(2, 3))

@@ -122,3 +122,42 @@ def test_block_on_a_slope_creeps_in_mujoco_only():
         speeds.append(np.linalg.norm(world.state()[0][:3] - before) / 0.5)
     assert speeds[0] < 1e-12
     assert 1e-8 < speeds[1] < 1e-5  # [m/s]: friction that is a very stiff damper
+
+
+def test_a_stack_carries_the_same_forces_and_sinks_only_in_mujoco():
+    """Five cubes: the forces between them agree; MuJoCo's contacts give, the rigid ones do not."""
+    import mujoco
+
+    from surefoot.collision import Box
+    from surefoot.simulation.scene import Body, Scene
+    from surefoot.simulation.scene_world import SceneWorld
+
+    bodies = "".join(
+        f'<body name="b{k}" pos="0 0 {0.1 + 0.2 * k}"><freejoint/>'
+        '<geom type="box" size=".1 .1 .1" mass="1"/></body>'
+        for k in range(5)
+    )
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="0.001" gravity="0 0 -{GRAVITY}" tolerance="1e-12"/>'
+        f'<worldbody><geom type="plane" size="2 2 .1"/>{bodies}</worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    soft, force = np.zeros(5), np.zeros(6)
+    for k in range(data.ncon):
+        mujoco.mj_contactForce(model, data, k, force)
+        upper = max(model.geom_bodyid[data.contact[k].geom1], model.geom_bodyid[data.contact[k].geom2])
+        soft[upper - 1] += force[0]
+
+    cube = Box((0.2, 0.2, 0.2))
+    world = SceneWorld(Scene([Body(f"b{k}", cube, 1.0, (0, 0, 0.1 + 0.2 * k)) for k in range(5)]))
+    for _ in range(200):
+        world.step()
+    rigid = np.zeros(5)
+    for touch in world.touches():
+        rigid[int(touch.body[1])] += touch.force[2]
+    np.testing.assert_allclose(rigid, GRAVITY * np.arange(5, 0, -1), atol=1e-5)
+    np.testing.assert_allclose(soft, rigid, rtol=2e-3)
+    sunk = 0.9 - data.xpos[5, 2]
+    assert sunk > 1e-4 > 1e3 * abs(0.9 - world.pose("b4").position[2])

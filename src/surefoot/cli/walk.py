@@ -56,6 +56,7 @@ def walk(
     world: worlds.WorldName = "mujoco",
     law: worlds.ContactLaw = None,
     explicit: worlds.Explicit = False,
+    collision: worlds.Collision = "feet",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
     out: options.Out = Path("runs"),
@@ -77,7 +78,7 @@ def walk(
         parsing.friction("--believed-mu", believed_mu)
     real_number("--noise", noise, low=0.0, high=100.0)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))

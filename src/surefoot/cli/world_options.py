@@ -28,6 +28,10 @@ ContactLaw: TypeAlias = Annotated[
 Explicit: TypeAlias = Annotated[
     bool, typer.Option("--explicit", help="Integrate --law explicitly, to see it chatter.")
 ]
+Collision: TypeAlias = Annotated[
+    str,
+    typer.Option(help="What may touch in the rigid world: feet alone, or full, the whole robot and itself."),
+]
 Solref: TypeAlias = Annotated[
     str | None, typer.Option(help="MuJoCo's TC,ZETA [s, 1] or -K,-B [1/s^2, 1/s] of the ground.")
 ]
@@ -84,7 +88,13 @@ def contact_law(text: str, mu: float) -> SoftLaw:
 
 
 def world_settings(
-    world: str, mu: float, law: str | None, explicit: bool, solref: str | None, solimp: str | None
+    world: str,
+    mu: float,
+    law: str | None,
+    explicit: bool,
+    solref: str | None,
+    solimp: str | None,
+    collision: str = "feet",
 ) -> dict[str, Any]:
     """Return what the options say to the world, or raise for an option that it does not have."""
     from surefoot.cli import parsing
@@ -103,6 +113,10 @@ def world_settings(
             told["law"] = contact_law(text, mu)
         else:
             told[option[2:]] = tuple(parsing.number(option, part) for part in text.split(","))
+    if collision != "feet":
+        if world != "rigid":
+            raise ProblemError(f"--collision {collision} is of --world rigid, got --world {world}")
+        told["collision"] = collision
     if explicit:
         if law is None:
             raise ProblemError("--explicit goes with --law")

@@ -52,3 +52,30 @@ def contact_jacobian(
             p, q, r = point_velocity(twists, j, x, y, z)
             for i in range(3):
                 out[3 * k + i, j] = R[0, i] * p + R[1, i] * q + R[2, i] * r
+
+
+@kernel
+def relative_jacobian(
+    twists: FloatArray, support: BoolArray, first: IntArray, second: IntArray, points: FloatArray,
+    frames: FloatArray, on: BoolArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill out (3p, nv) with the Jacobians of a second body's velocity against a first, at contact points.
+
+    As `contact_jacobian`, for the bodies `first` and `second` (p,) of each point; zeros where not `on` (p,).
+    """
+    for k in range(points.shape[0]):
+        if not on[k]:
+            for i in range(3):
+                for j in range(out.shape[1]):
+                    out[3 * k + i, j] = 0.0
+            continue
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        R = frames[k]
+        for j in range(out.shape[1]):
+            sign = (1.0 if support[second[k], j] else 0.0) - (1.0 if support[first[k], j] else 0.0)
+            if sign == 0.0:  # moved by neither, or both alike
+                out[3 * k, j] = out[3 * k + 1, j] = out[3 * k + 2, j] = 0.0
+                continue
+            p, q, r = point_velocity(twists, j, x, y, z)
+            for i in range(3):
+                out[3 * k + i, j] = sign * (R[0, i] * p + R[1, i] * q + R[2, i] * r)

@@ -6,18 +6,68 @@ A run of steps of `surefoot.stepping`; the scheme and what it keeps are describe
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
 from surefoot.contact.laws.soft import SoftLaw
-from surefoot.errors import ProblemError, StiffContactWarning
+from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
 from surefoot.stepping.options import Integration, Stabilisation
 from surefoot.terrain import Terrain
+
+COLLISIONS: dict[str, Callable[[Robot], Geometry | None]] = {
+    "feet": lambda robot: None,
+    "full": robot_geometry,
+}
+"""What may touch, by name."""
+
+
+class Touch(NamedTuple):
+    """A contact that carries a force.
+
+    Attributes
+    ----------
+    body, other
+        Names of what is touched: feet, links' solids, bodies; "ground" for the terrain.
+    gap
+        Distance [m], negative in penetration.
+    position
+        (3,) place of the contact [m], world axes.
+    normal
+        (3,) out of `other` into `body`, world axes.
+    force
+        (3,) on `body`, world axes [N]; the other has it the other way round.
+    """
+
+    body: str
+    other: str
+    gap: float
+    position: FloatArray
+    normal: FloatArray
+    force: FloatArray
+
+
+def chosen_geometry(robot: Robot, collision: str | Geometry) -> Geometry | None:
+    """Return what may touch besides feet and ground, None for nothing; a scene knows its own.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
+    """
+    own = getattr(robot, "geometry", None) if isinstance(collision, str) else collision
+    if own is not None or not isinstance(collision, str):
+        return own
+    if collision not in COLLISIONS:
+        raise ProblemError(unknown_name("collision", collision, tuple(COLLISIONS)))
+    return COLLISIONS[collision](robot)
 
 
 class RigidWorld:
@@ -37,6 +87,9 @@ class RigidWorld:
         Point mass fixed to the base's origin [kg], unknown to any controller.
     restitution, stabilisation, law, solver, tol, integration
         See `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
+    collision
+        What may touch: "feet" on the ground alone, or "full", all of the robot's collision geometry with the
+        ground and with itself; or a `Geometry` of `surefoot.collision`.
 
     Attributes
     ----------
@@ -58,7 +111,7 @@ class RigidWorld:
     Raises
     ------
     ProblemError
-        For a value out of range or an unknown stabilisation.
+        For a value out of range, an unknown stabilisation or collision, and soft ground under a whole robot.
 
     Warns
     -----
@@ -91,12 +144,13 @@ class RigidWorld:
         solver: str = "auto",
         tol: float = 1e-8,
         integration: Integration = "implicit",
+        collision: str | Geometry = "feet",
     ) -> None:
         law = "coulomb" if law is None else law
         options = StepOptions(dt, restitution, stabilisation, law, solver, tol, integration)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
-        self.stepper = Stepper(robot, terrain, options, payload)
+        self.stepper = Stepper(robot, terrain, options, payload, chosen_geometry(robot, collision))
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
         self.model = self.stepper.bodies.model
         self.contact_foot = robot.contact_points.foot
@@ -165,17 +219,37 @@ class RigidWorld:
             warnings.warn(StiffContactWarning(self.dt, stable), stacklevel=3)
 
     def contacts(self) -> ContactReading:
-        """Return what the ground did during the last step.
+        """Return what the ground did to the feet during the last step; all else is in `touches`.
 
         Forces are impulses over dt; velocities are the means until the next impulses, which the contact laws
         tie to the forces; gaps and positions are those at the impulses, the middle of the step. For a step
         without contacts velocities, gaps and positions are those at its start.
         """
+        p = len(self.contact_foot)
         if self.last is None:
             start, velocities = self._start, self._start.velocities(self._state.v)
-            return ContactReading(np.zeros(velocities.shape), start.gaps, velocities, start.positions)
+            forces = np.zeros(velocities.shape)
+            return ContactReading(forces[:p], start.gaps[:p], velocities[:p], start.positions[:p])
         step = self.last
-        return ContactReading(step.forces, step.gaps.copy(), step.velocities.copy(), step.positions.copy())
+        gaps, velocities, positions = (
+            step.gaps[:p].copy(),
+            step.velocities[:p].copy(),
+            step.positions[:p].copy(),
+        )
+        return ContactReading(step.forces[:p], gaps, velocities, positions)
+
+    def touches(self) -> list[Touch]:
+        """Return every contact that carried a force in the last step: feet, other links, bodies."""
+        step, contacts = self.last, self.stepper.bodies.contacts
+        if step is None or step.impact is None:
+            return []
+        frames = self.stepper.contacts(State(step.impact.q, step.impact.after)).frames
+        out = []
+        for k in np.flatnonzero(np.abs(step.impulses).max(axis=1, initial=0.0)).tolist():
+            body, other = contacts.names[contacts.group[k]]
+            force, normal = frames[k] @ step.impulses[k] / step.dt, frames[k, :, 2].copy()
+            out.append(Touch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
+        return out
 
     def derivative(self, smoothing: float = 0.0) -> StepDerivative:
         """Return the derivative of the last step, see `StepDerivative` and `stepping.step_derivative`.
@@ -183,10 +257,12 @@ class RigidWorld:
         Raises
         ------
         ProblemError
-            Before the first step, and with a soft law.
+            Before the first step, with a soft law, and where more than feet may touch.
         NoSolution
             If the step's contact problem is not SOLVED.
         """
+        if self.stepper.geometry is not None:
+            raise ProblemError("a step is differentiated with collision='feet' only")
         if self.last is None:
             raise ProblemError("there is no step to differentiate before the first step")
         return step_derivative(self.stepper, *self._given, smoothing)

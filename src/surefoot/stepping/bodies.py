@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
+from surefoot.collision import Geometry
 from surefoot.robot import Robot
 from surefoot.stepping import arithmetic
 from surefoot.stepping.detection import Detection
 from surefoot.stepping.motion import FreeMotion
+from surefoot.stepping.pair_detection import PairDetection
 from surefoot.terrain import Terrain
 
 
@@ -25,6 +27,8 @@ class Bodies:
         What its feet may touch.
     payload
         Point mass fixed to the base's origin [kg].
+    geometry, dt
+        What else may touch than the feet on the ground (None: nothing), and the length of a step [s].
 
     Attributes
     ----------
@@ -40,11 +44,22 @@ class Bodies:
         (3,) the base's own centre of mass in its frame [m], where pushes act.
     """
 
-    def __init__(self, robot: Robot, terrain: Terrain, payload: float) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        terrain: Terrain,
+        payload: float,
+        geometry: Geometry | None = None,
+        dt: float = 1e-3,
+    ) -> None:
         import pinocchio
 
         self.model = loaded_model(robot, payload)
-        self.contacts = Detection(self.model, robot.contact_points, terrain)
+        self.contacts: Detection | PairDetection = (
+            Detection(self.model, robot.contact_points, terrain)
+            if geometry is None
+            else PairDetection(self.model, robot, geometry, terrain, dt)
+        )
         self.data = self.contacts.data
         weightless = self.model.copy()
         weightless.gravity.setZero()

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import ContactPoints
 from surefoot.terrain import Terrain
@@ -38,6 +38,25 @@ class Contacts(NamedTuple):
         return np.asarray((self.J @ v).reshape(-1, 3))
 
 
+class Surfaces(NamedTuple):
+    """What the surfaces of the p contacts are, where they are not all alike.
+
+    Attributes
+    ----------
+    friction, restitution
+        (p,) of each contact.
+    on
+        (p,) whether there is anything near; unused slots of pairs are off.
+    propagation
+        Whether impacts run from body to body, one after the other.
+    """
+
+    friction: FloatArray
+    restitution: FloatArray
+    on: BoolArray
+    propagation: bool
+
+
 class Detection:
     """Finds the contacts of a robot on a terrain; one per thread, since it keeps its work arrays.
 
@@ -51,6 +70,15 @@ class Detection:
         The robot's contact points.
     terrain
         What they stand on.
+
+    Attributes
+    ----------
+    data
+        Pinocchio's.
+    group
+        (p,) index of the foot that each contact belongs to.
+    names
+        Names of the two sides of each foot's contacts; the ground's is "ground".
     """
 
     def __init__(self, model: Any, points: ContactPoints, terrain: Terrain) -> None:
@@ -72,7 +100,9 @@ class Detection:
         ]
         self.data = model.createData()
         self._jacobians, self._placed = pinocchio.computeJointJacobians, pinocchio.updateFramePlacement
-        n = len(points)
+        self.group, n = points.foot, len(points)
+        feet = dict(zip(points.foot.tolist(), points.names, strict=True))
+        self.names = [(name.rpartition(":")[0], "ground") for _, name in sorted(feet.items())]
         self._support, self._own, self._radii = points.support, np.arange(n), points.radii[:, None]
         self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
         self._J = np.zeros((3 * n, model.nv))
@@ -98,6 +128,11 @@ class Detection:
         positions = np.asarray(centres - self._radii * self._frames[:, :, 2])
         contact_jacobian(data.J, self._support, self._own, positions, self._frames, self._J)
         return Contacts(gaps, positions, self._frames, self._J)
+
+    def surfaces(self, mu: float, restitution: float) -> Surfaces | None:
+        """Return nothing: all contacts are with the ground, whose surface is the same everywhere."""
+        del mu, restitution
+        return None
 
     def twists(self, q: FloatArray) -> FloatArray:
         """Return the spatial Jacobian (6, nv) at q: every velocity's twist, world origin and axes."""

@@ -16,7 +16,7 @@ from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
-from surefoot.stepping.detection import Contacts
+from surefoot.stepping.detection import Contacts, Surfaces
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact
 
@@ -78,6 +78,8 @@ class Meeting(NamedTuple):
         Friction of the ground.
     options, tally
         How problems are solved, and who counts them.
+    surfaces
+        Of the contacts where they are not all alike; None for `mu` and the restitution of `options`.
     """
 
     q: FloatArray
@@ -90,6 +92,7 @@ class Meeting(NamedTuple):
     mu: float
     options: StepOptions
     tally: Tally
+    surfaces: Surfaces | None = None
 
     def collide(self, near: IntArray, last: FloatArray, leaving: FloatArray) -> Impact:
         """Return the exchange of impulses.
@@ -148,7 +151,9 @@ class Meeting(NamedTuple):
         return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)
 
 
-def finite_problem(G: FloatArray, g: FloatArray, mu: float, law: str = "coulomb") -> ContactProblem:
+def finite_problem(
+    G: FloatArray, g: FloatArray, mu: float | FloatArray, law: str = "coulomb"
+) -> ContactProblem:
     """Return the contact problem, of finite numbers."""
     if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
         raise LostMotion("contact problem")

@@ -158,8 +158,5 @@ class Step(NamedTuple):
         if self.impact is None or self.impact.rows is None:
             return 0.0
         power = float(np.sum(self.impulses * self.velocities))
-        if self.solution is not None and self.solution.problem.compliance is None:
-            impulses = self.solution.forces.ravel()
-            return power - 0.5 * float(impulses @ self.solution.problem.G @ impulses)
         change = self.impact.rows.T @ self.impact.impulses[self.impact.near].ravel()
         return power - 0.5 * float(change @ change)

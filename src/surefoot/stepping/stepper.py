@@ -19,7 +19,8 @@ is zero and positions are not pulled by velocities.
 Soft laws (`soft_impacts`, `explicit`) take the place of Signorini's at the same point of the step.
 
 Joints are ideal torque sources without friction, rotor inertia or stops; only the feet's spheres touch
-the ground; a sphere on curved ground sees the tangent plane below its centre.
+the ground, or with a `Geometry` all of a robot and other bodies, and each other (`pair_detection`). A sphere
+on curved ground sees the tangent plane below its centre.
 
 References
 ----------
@@ -32,19 +33,21 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.collision import Geometry
 from surefoot.contact import ContactProblem, ContactSolution
 from surefoot.contact.laws.soft import stable_step_together
-from surefoot.errors import SimulationError
+from surefoot.errors import ProblemError, SimulationError
 from surefoot.robot import Robot
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import Bodies, finite_vector
-from surefoot.stepping.detection import Contacts
+from surefoot.stepping.detection import Contacts, Surfaces
 from surefoot.stepping.explicit import ExplicitMeeting
 from surefoot.stepping.impacts import FASTEST, LostMotion, Meeting, Tally, finite_problem
 from surefoot.stepping.motion import Ahead, FreeMotion
 from surefoot.stepping.options import StepOptions
+from surefoot.stepping.pair_impacts import PairMeeting
 from surefoot.stepping.soft_impacts import SoftMeeting
 from surefoot.stepping.state import Impact, Memory, State, Step
 from surefoot.terrain import FlatTerrain, Terrain
@@ -73,11 +76,13 @@ class Stepper:
         None for the defaults of `StepOptions`.
     payload
         Point mass fixed to the base's origin [kg].
+    geometry
+        What else may touch than feet on the ground: other links, bodies, each other; None for feet alone.
 
     Raises
     ------
     ProblemError
-        For a payload that is negative or not a number.
+        For a payload that is negative or not a number, and a geometry together with a soft law.
 
     Examples
     --------
@@ -95,13 +100,19 @@ class Stepper:
         terrain: Terrain | None = None,
         options: StepOptions | None = None,
         payload: float = 0.0,
+        geometry: Geometry | None = None,
     ) -> None:
         self.robot, self.options = robot, options or StepOptions()
         self.terrain = FlatTerrain() if terrain is None else terrain
-        self.bodies = Bodies(robot, self.terrain, real_number("payload", payload, low=0.0))
-        self._foot = robot.contact_points.foot
+        if geometry is not None and self.options.soft is not None:
+            raise ProblemError("soft laws are of feet on the ground; a geometry's contacts are rigid")
+        load = real_number("payload", payload, low=0.0)
+        self.bodies = Bodies(robot, self.terrain, load, geometry, self.options.dt)
+        self.geometry = geometry
+        self._foot = self.bodies.contacts.group
         soft = {"implicit": SoftMeeting, "explicit": ExplicitMeeting}
-        self._meeting = Meeting if self.options.soft is None else soft[self.options.integration]
+        rigid = Meeting if geometry is None else PairMeeting
+        self._meeting = rigid if self.options.soft is None else soft[self.options.integration]
         self._still = np.zeros(self.bodies.model.nv)
         self._seen: tuple[FloatArray, Contacts] | None = None
 
@@ -173,7 +184,8 @@ class Stepper:
             Where the motion cannot be resolved or stops being finite.
         """
         effort = np.zeros(self.bodies.model.nv)
-        effort[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
+        first, joints = self.robot.base_dof, self.robot.joints
+        effort[first : first + joints] = finite_vector("torques", torques, joints)
         if push is not None:
             push = finite_vector("push", push, 3)
         try:
@@ -217,7 +229,9 @@ class Stepper:
             raise LostMotion("velocity under the given torques")
         # the ground's
         near = arithmetic.near_ground(contacts.J, before, free, contacts.gaps, dt, REACH)
-        meeting = self._meeting(q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
+        meeting = self._meeting(
+            q, before, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally, self._surfaces(mu)
+        )
         impact = meeting.collide(near, last, leaving)
         impulses = impact.impulses if arrival is None else impact.impulses + arrival
         # free motion to the end
@@ -252,10 +266,15 @@ class Stepper:
         if not near.size:
             return None
         self.bodies.weigh(state.q)
-        meeting = Meeting(
-            state.q, state.v, state.v, contacts, self._foot, self.bodies.L, soon, mu, self.options, tally
-        )
+        meeting = self._meeting(
+            state.q, state.v, state.v, contacts, self._foot, self.bodies.L, soon, mu, self.options, tally,
+            self._surfaces(mu),
+        )  # fmt: skip
         return meeting.collide(near, nothing, nothing)
+
+    def _surfaces(self, mu: float) -> Surfaces | None:
+        """Return the surfaces of the contacts seen last, on ground of friction `mu`."""
+        return self.bodies.contacts.surfaces(mu, self.options.restitution)
 
     def _projected(self, q: FloatArray, contacts: Contacts) -> tuple[FloatArray, Contacts]:
         """Return q and contacts moved out of the ground where they are in it by more than `SLOP`.

@@ -1,0 +1,96 @@
+"""Bodies that touch each other: Newton's cradle by two laws, and a robot's shins on the edge of a stair."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio
+from scipy.spatial import ConvexHull
+
+import surefoot as sf
+from surefoot.collision import Shape, Sphere, robot_geometry
+
+BALLS, RADIUS = 5, 0.05
+
+
+def cradle(propagation: bool) -> np.ndarray:
+    """Speeds (n,) of five balls in a row after one came at 1 m/s [m/s]."""
+    bodies = []
+    for k in range(BALLS):
+        place, speed = (2.0 * RADIUS * k if k else -0.1, 0.0, RADIUS), (0.0 if k else 1.0, 0.0, 0.0)
+        bodies.append(sf.Body(f"ball {k}", Sphere(RADIUS), position=place, velocity=speed, restitution=1.0))
+    world = sf.SceneWorld(sf.Scene(bodies, propagation=propagation), mu=0.0)
+    for _ in range(250):
+        world.step()
+    return np.array([world.twist(body.name)[0][0] for body in bodies])
+
+
+def on_a_stair() -> sf.RigidWorld:
+    """Go2 pushed forwards until its shins hold it."""
+    robot = sf.load_robot("go2")
+    world = sf.RigidWorld(robot, sf.StairsTerrain(0.12, 0.3, 1), collision="full")
+    q = robot.nominal.copy()
+    q[0] = -0.03 - robot.foot_positions()[0, 0]
+    world.reset(q)
+    for k in range(1500):
+        now, v = world.state()
+        torques = np.clip(80.0 * (robot.nominal[7:] - now[7:]) - 2.0 * v[6:], -23.0, 23.0)
+        world.step(torques, np.array([60.0, 0.0, 0.0]) if k > 200 else None)
+    return world
+
+
+def outline(shape: Shape, rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """The outline (n, 2) of a shape seen along y [m]."""
+    around = np.linspace(0.0, 2.0 * np.pi, 40)
+    circle = shape.radius * np.column_stack([np.cos(around), 0.0 * around, np.sin(around)])
+    points = ((shape.knots() @ rotation.T + position)[:, None] + circle)[..., [0, 2]].reshape(-1, 2)
+    return points[ConvexHull(points).vertices]
+
+
+def draw_robot(axes: Any, world: sf.RigidWorld) -> None:
+    """Draw what may touch, the ground and the forces."""
+    data = world.robot.model.createData()
+    pinocchio.forwardKinematics(world.robot.model, data, world.state()[0])
+    for solid in robot_geometry(world.robot).solids:
+        pose = data.oMi[solid.joint] * pinocchio.SE3(solid.rotation, solid.position)
+        line = outline(solid.shape, pose.rotation, pose.translation)
+        axes.fill(*line.T, facecolor="#9db4cc", edgecolor="#43566b", alpha=0.55, linewidth=0.8)
+    axes.fill([-0.7, 0.0, 0.0, 0.4, 0.4, -0.7], [0, 0, 0.12, 0.12, -0.05, -0.05], color="#c9c2b4")
+    for touch in world.touches():
+        start, along = touch.position[[0, 2]], 2e-3 * touch.force[[0, 2]]
+        axes.annotate(
+            "", start + along, start, arrowprops={"color": "#b5332b", "arrowstyle": "->", "lw": 1.6}
+        )
+    axes.set(xlim=(-0.6, 0.4), ylim=(-0.05, 0.55), aspect="equal", title="Go2's shins on the edge of a stair")
+
+
+def main(parent: Path = Path("runs")) -> dict[str, float]:
+    """Print the speeds of the cradle and draw both."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    (parent / "bodies").mkdir(parents=True, exist_ok=True)
+    path = parent / "bodies" / "bodies.png"
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4), layout="constrained")
+    at_once, wave, place = cradle(False), cradle(True), np.arange(BALLS)
+    left.bar(place - 0.2, at_once, 0.4, label="Newton's law, all contacts at once", color="#9db4cc")
+    left.bar(place + 0.2, wave, 0.4, label="propagation", color="#b5332b")
+    left.set(xlabel="ball", ylabel="speed after [m/s]", title="Cradle: ball 0 came at 1 m/s")
+    left.legend(frameon=False, loc="upper left")
+    world = on_a_stair()
+    draw_robot(right, world)
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
+    shins = sum(float(np.linalg.norm(t.force)) for t in world.touches() if "calf" in t.body)
+    print("at once    ", np.round(at_once, 3), "\npropagation", np.round(wave, 3))
+    print(f"shins carry {shins:.0f} N; picture: {path}")
+    return {"first": at_once[0], "last": wave[-1], "rest": np.abs(wave[:-1]).max(), "shins": shins}
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path("runs"))

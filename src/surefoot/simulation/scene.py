@@ -1,0 +1,263 @@
+"""Several bodies in one world: free ones, fixed ones and a robot, with their shapes and surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.collision import Geometry, Shape, Solid, robot_geometry
+from surefoot.collision.shapes import positive
+from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.robot import Robot
+
+
+@dataclass(frozen=True)
+class Body:
+    """A homogeneous body of simple shape; a value.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    shape
+        `Sphere`, `Box` or `Capsule` of `surefoot.collision`, about the body's centre of mass.
+    mass
+        [kg].
+    position, orientation
+        (3,) centre of mass [m], and the quaternion (x, y, z, w) of its axes, at the start; world axes.
+    velocity, spin
+        (3,) velocity of the centre of mass [m/s] and angular velocity [rad/s] at the start, world axes.
+    friction, restitution
+        Of its surface; None for those of the ground.
+    fixed
+        Whether it stays where it is, whatever touches it.
+
+    Raises
+    ------
+    ProblemError
+        For a mass that is not positive, or a value that is not finite.
+    """
+
+    name: str
+    shape: Shape
+    mass: float = 1.0
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    orientation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    friction: float | None = None
+    restitution: float | None = None
+    fixed: bool = False
+
+    def __post_init__(self) -> None:
+        positive("mass", self.mass)
+        for name, size in (("position", 3), ("orientation", 4), ("velocity", 3), ("spin", 3)):
+            finite_array(name, getattr(self, name), (size,))
+        length = float(np.linalg.norm(self.orientation))
+        if abs(length - 1.0) > 1e-3:
+            raise ProblemError(
+                f"orientation of {self.name} must be a unit quaternion (x, y, z, w), its length is {length:g}"
+            )
+        if self.fixed and (any(self.velocity) or any(self.spin)):
+            raise ProblemError(f"{self.name} is fixed and cannot move")
+
+    @property
+    def rotation(self) -> FloatArray:
+        """(3, 3) rotation_world_body at the start."""
+        quaternion = _pinocchio().Quaternion(np.array(self.orientation, dtype=np.float64))
+        return np.array(quaternion.normalized().matrix())
+
+
+class Scene(Robot):
+    """Bodies, and a robot if there is one, as one multibody system: a `Robot` to whoever steps it.
+
+    q and v are the robot's, then for each free body in their order position, quaternion (x, y, z, w), and
+    linear and angular velocity in its own axes. Motors are the robot's alone. Without a robot the first free
+    body is the base.
+
+    Parameters
+    ----------
+    bodies
+        With names of their own.
+    robot
+        With all its collision geometry, in its nominal pose at the start.
+    combine
+        How two surfaces' coefficients make a contact's, see `sf.combination_rules`; of two surfaces with the
+        ground's the ground's.
+    propagation
+        Whether impacts run from body to body one after the other, as through a row of balls; else Newton's
+        law of restitution holds for all contacts at once.
+
+    Attributes
+    ----------
+    bodies
+        As given.
+    geometry
+        What touches, for `Stepper`.
+
+    Raises
+    ------
+    ProblemError
+        For names that are not unique, or nothing that can move.
+
+    Examples
+    --------
+    >>> from surefoot.collision import Box
+    >>> cube = Box((0.2, 0.2, 0.2))
+    >>> scene = Scene([Body("lower", cube, 2.0, (0, 0, 0.1)), Body("upper", cube, 1.0, (0, 0, 0.3))])
+    >>> scene.mass, scene.pose("upper").position
+    (3.0, array([0. , 0. , 0.3]))
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[Body],
+        robot: Robot | None = None,
+        *,
+        combine: str = "physx-min",
+        propagation: bool = False,
+    ) -> None:
+        pinocchio = _pinocchio()
+        self.bodies, self._robot = tuple(bodies), robot
+        names = [body.name for body in self.bodies]
+        if len(set(names)) != len(names):
+            raise ProblemError(f"bodies must have names of their own, got {', '.join(names)}")
+        own = None if robot is None else robot_geometry(robot)
+        taken = {"ground"} | (set() if own is None else {solid.name for solid in own.solids})
+        for name in names:
+            if name in taken:
+                raise ProblemError(f"a body cannot be called {name!r}: something else is")
+        if robot is None and all(body.fixed for body in self.bodies):
+            raise ProblemError("a scene needs something that can move")
+        model: Any = pinocchio.Model() if robot is None else robot.model.copy()
+        start = [] if robot is None else [robot.nominal]
+        solids = [] if own is None else list(own.solids)
+        self._joint: dict[str, int] = {}
+        for body in self.bodies:
+            joint = 0 if body.fixed else _add(model, body)
+            self._joint[body.name] = joint
+            place = Pose(np.array(body.position, dtype=np.float64), body.rotation)
+            here = place if body.fixed else Pose(np.zeros(3), np.eye(3))
+            solids.append(
+                Solid(
+                    body.name,
+                    body.shape,
+                    joint,
+                    here.rotation,
+                    here.position,
+                    body.friction,
+                    body.restitution,
+                )
+            )
+            if not body.fixed:
+                start.append(np.array([*body.position, *body.orientation], dtype=np.float64))
+        apart = frozenset() if own is None else own.apart
+        self.geometry = Geometry(tuple(solids), apart, combine, propagation)
+        empty = pinocchio.GeometryModel()
+        collision, visual = (
+            (empty, lambda: empty) if robot is None else (robot.collision, lambda: robot.visual)
+        )
+        floating = True if robot is None else robot.floating
+        super().__init__("scene", model, collision, visual, (), np.concatenate(start), floating)
+        if robot is not None:
+            self.feet = robot.feet
+        self.nominal = self.configuration(self.nominal)
+
+    @property
+    def joints(self) -> int:
+        """Number of the robot's actuated velocity components, 0 without one."""
+        return 0 if self._robot is None else self._robot.joints
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the robot's actuated joints."""
+        return () if self._robot is None else self._robot.joint_names
+
+    @property
+    def effort_limits(self) -> FloatArray:
+        """(joints,) torque limits of the robot [N m]."""
+        return np.zeros(0) if self._robot is None else self._robot.effort_limits
+
+    def configuration(self, q: ArrayLike | None = None) -> FloatArray:
+        """Return q checked (nominal for None), its quaternions normalised: (nq,)."""
+        out = super().configuration(q)
+        for name, joint in self._joint.items():
+            if joint:
+                turn = slice(self.model.joints[joint].idx_q + 3, self.model.joints[joint].idx_q + 7)
+                length = float(np.linalg.norm(out[turn]))
+                if abs(length - 1.0) > 1e-3:
+                    raise ProblemError(
+                        f"the quaternion (x, y, z, w) of {name} must have length 1, its length is {length:g}"
+                    )
+                out[turn] /= length
+        return out
+
+    def start(self) -> tuple[FloatArray, FloatArray]:
+        """Return q (nq,) and v (nv,) of the bodies as they were given; the robot is at rest."""
+        v = np.zeros(self.model.nv)
+        for body in self.bodies:
+            if not body.fixed:
+                first = self.model.joints[self._joint[body.name]].idx_v
+                v[first : first + 3] = body.rotation.T @ np.array(body.velocity)
+                v[first + 3 : first + 6] = body.rotation.T @ np.array(body.spin)
+        return self.nominal.copy(), v
+
+    def pose(self, name: str, q: FloatArray | None = None) -> Pose:
+        """Return where a body is at (nq,) q, None for the start.
+
+        Raises
+        ------
+        ProblemError
+            If there is no such body; the message lists them.
+        """
+        joint = self._found(name)
+        if joint == 0:
+            body = next(b for b in self.bodies if b.name == name)
+            return Pose(np.array(body.position, dtype=np.float64), body.rotation)
+        self._forward(self.configuration(q))
+        place = self.data.oMi[joint]
+        return Pose(np.array(place.translation), np.array(place.rotation))
+
+    def twist(self, name: str, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return velocity of a body's centre [m/s] and angular velocity [rad/s], (3,) each, world axes."""
+        joint = self._found(name)
+        if joint == 0:
+            return np.zeros(3), np.zeros(3)
+        first, turn = self.model.joints[joint].idx_v, self.pose(name, q).rotation
+        return turn @ v[first : first + 3], turn @ v[first + 3 : first + 6]
+
+    def _found(self, name: str) -> int:
+        """Return the joint of a body."""
+        if name not in self._joint:
+            raise ProblemError(unknown_name("body", name, tuple(self._joint)))
+        return self._joint[name]
+
+
+class Pose(NamedTuple):
+    """Where a body is: `position` (3,) of its centre of mass [m], `rotation` (3, 3) rotation_world_body."""
+
+    position: FloatArray
+    rotation: FloatArray
+
+
+def _add(model: Any, body: Body) -> int:
+    """Add a free body to a Pinocchio model and return its joint."""
+    pinocchio = _pinocchio()
+    here = pinocchio.SE3.Identity()
+    joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), here, f"body:{body.name}")
+    inertia = pinocchio.Inertia(float(body.mass), np.zeros(3), np.diag(body.shape.moments(body.mass)))
+    model.appendBodyToJoint(joint, inertia, here)
+    return int(joint)
+
+
+def _pinocchio() -> Any:
+    try:
+        import pinocchio
+    except ImportError as error:
+        raise MissingExtra("pin", "robot") from error
+    return pinocchio

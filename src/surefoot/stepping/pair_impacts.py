@@ -1,0 +1,114 @@
+"""The exchange of impulses between many bodies: surfaces of their own, and impacts that run through them.
+
+Newton's law of restitution for all contacts at once has one answer, which is not what a row of balls does: of
+three that touch, the first one comes back. The velocities of a wave of collisions one after the other are had
+by solving the contacts that close, those alone, again and again, until none does [1]_: the same law, and the
+same friction, in the order in which the shock arrives.
+
+References
+----------
+.. [1] B. Smith, D. M. Kaufman, E. Vouga, R. Tamstorf, E. Grinspun, "Reflections on simultaneous impact", ACM
+   Transactions on Graphics 31(4), 2012.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact import ContactSolution
+from surefoot.solvers import solve
+from surefoot.spatial import GRAVITY
+from surefoot.stepping import arithmetic
+from surefoot.stepping.detection import Surfaces
+from surefoot.stepping.impacts import FASTEST, PULL, LostMotion, Meeting, finite_problem
+from surefoot.stepping.state import Impact
+
+STAGES = 1000
+"""Most exchanges of one wave."""
+
+
+class PairMeeting(Meeting):
+    """Bodies that are about to exchange impulses; `surfaces` says what each contact is made of."""
+
+    def collide(self, near: IntArray, last: FloatArray, leaving: FloatArray) -> Impact:
+        """Return the exchange of impulses, see `Meeting.collide`."""
+        surfaces = self._surfaces
+        last = np.where(surfaces.on[:, None], last, 0.0)
+        if not surfaces.propagation:
+            return super().collide(near, last, leaving)
+        wave, change = self._wave(near)
+        if wave is None:
+            return super().collide(near, last, leaving)
+        settled = self._replace(before=self.before + change, free=self.free + change)
+        impact = super(PairMeeting, settled).collide(near, last, leaving)
+        return impact._replace(before=self.before, free=self.free, impulses=impact.impulses + wave)
+
+    @property
+    def _surfaces(self) -> Surfaces:
+        assert self.surfaces is not None
+        return self.surfaces
+
+    @property
+    def _slow(self) -> float:
+        """Speed below which nothing bounces [m/s]: what gravity makes in two steps."""
+        return 2.0 * self.options.dt * GRAVITY
+
+    def _wave(self, near: IntArray) -> tuple[FloatArray | None, FloatArray]:
+        """Return the impulses (p, 3) of a wave of impacts (None without any), and their change of v (nv,)."""
+        surfaces, contacts = self._surfaces, self.contacts
+        total, v, still = np.zeros((len(self.foot), 3)), self.before, np.zeros(self.before.size)
+        for stage in range(STAGES):
+            speeds = contacts.velocities(v)[near, 2]
+            closing = (speeds < -self._slow) & (surfaces.restitution[near] > 0.0)
+            closing &= contacts.gaps[near] + self.horizon * speeds <= 0.0
+            chosen = near[closing]
+            if not chosen.size:
+                return (total if stage else None), v - self.before
+            rows, G, g = arithmetic.assemble(
+                contacts.J, self.L, v, v, 0.0 * contacts.gaps, chosen, self.horizon, 0.0, np.inf, 0.0
+            )
+            g[2::3] += surfaces.restitution[chosen] * speeds[closing]
+            solution = self._solved(G, g, chosen, np.zeros((chosen.size, 3)))
+            total[chosen] += solution.forces
+            v = v + arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), still)
+        return total, v - self.before
+
+    def _exchange(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
+        """Return the impulses of the near contacts, all others without, and what they lead to."""
+        options, impulses, solution = self.options, np.zeros(warm.shape), None
+        after, rows = self.free, None
+        if near.size:
+            pull = PULL if options.stabilisation == "baumgarte" else 0.0
+            gaps = self.contacts.gaps
+            rows, G, g = arithmetic.assemble(
+                self.contacts.J, self.L, self.before, self.free, gaps, near, self.horizon, 0.0, np.inf, pull
+            )
+            self._bounce(near, g, pull)
+            if swerve is not None:
+                g += swerve[near].ravel()
+            solution = self._solved(G, g, near, warm[near])
+            impulses[near] = solution.forces
+            after = arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), self.free)
+            if not arithmetic.largest(after) < FASTEST:
+                raise LostMotion("velocity under the impulses of contacts")
+        leaving = self.contacts.velocities(after)
+        means = leaving if swerve is None else leaving + swerve
+        return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)
+
+    def _bounce(self, near: IntArray, g: FloatArray, pull: float) -> None:
+        """Put each contact's restitution into g, as `arithmetic.assemble` does one for all."""
+        e, gaps, dt = self._surfaces.restitution[near], self.contacts.gaps[near], self.horizon
+        if not e.any():
+            return
+        before = self.contacts.velocities(self.before)[near, 2]
+        shift = np.where(gaps > 0.0, gaps, pull * gaps) / dt
+        closing = (before < -self._slow) & (gaps + dt * (g[2::3] - shift) <= 0.0) & (e > 0.0)
+        g[2::3] += np.where(closing, np.minimum(shift, e * before) - shift, 0.0)
+
+    def _solved(self, G: FloatArray, g: FloatArray, chosen: IntArray, warm: FloatArray) -> ContactSolution:
+        """Return the counted solution of a contact problem of the chosen contacts."""
+        problem = finite_problem(G, g, self._surfaces.friction[chosen], self.options.problem_law)
+        solution = solve(problem, self.options.solver, self.options.tol, warm_start=warm)
+        self.tally.add(solution)
+        return solution

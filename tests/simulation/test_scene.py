@@ -1,0 +1,355 @@
+"""Several bodies that touch each other, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.collision import Box, Capsule, Sphere
+from surefoot.errors import ProblemError
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.simulation.scene import Body, Scene
+from surefoot.simulation.scene_world import SceneWorld
+from surefoot.spatial import GRAVITY
+
+CUBE = Box((0.2, 0.2, 0.2))
+RADIUS = 0.05
+BALL = Sphere(RADIUS)
+
+
+def turned(axis, degrees):
+    """The quaternion (x, y, z, w) of a turn."""
+    half = math.radians(degrees) / 2.0
+    return (*(math.sin(half) * np.array(axis, dtype=float)).tolist(), math.cos(half))
+
+
+def run(world, steps):
+    for _ in range(steps):
+        world.step()
+    assert world.unsolved == 0
+    assert world.worst_residual <= 1e-8
+    return world
+
+
+def forces(world):
+    """The force on each body from each other [N]."""
+    out: dict[tuple[str, str], np.ndarray] = {}
+    for touch in world.touches():
+        out[touch.body, touch.other] = out.get((touch.body, touch.other), np.zeros(3)) + touch.force
+    return out
+
+
+def test_a_stack_of_five_stands_still_and_carries_its_weight():
+    masses = [1.0, 2.0, 3.0, 4.0, 5.0]
+    bodies = [Body(f"b{k}", CUBE, m, (0, 0, 0.1 + 0.2 * k)) for k, m in enumerate(masses)]
+    world = SceneWorld(Scene(bodies))
+    start = world.state()[0]
+    run(world, 500)
+    assert np.abs(world.state()[0] - start).max() < 1e-9
+    found = forces(world)
+    for k in range(5):
+        below = "ground" if k == 0 else f"b{k - 1}"
+        expected = [0.0, 0.0, GRAVITY * sum(masses[k:])]
+        np.testing.assert_allclose(found[f"b{k}", below], expected, atol=1e-4)
+    assert world.contact_work() <= 1e-12
+
+
+def test_a_crooked_stack_falls_on_itself_and_stays():
+    """Dropped from 1 cm each, turned and shifted: it comes to rest as high as its edges add up to."""
+    bodies = [
+        Body(f"b{k}", CUBE, 1.0, (0.01 * (-1) ** k, 0.0, 0.1 + 0.21 * k), turned((0, 0, 1), 20.0 * k))
+        for k in range(4)
+    ]
+    world = run(SceneWorld(Scene(bodies)), 600)
+    heights = [world.pose(f"b{k}").position[2] for k in range(4)]
+    np.testing.assert_allclose(heights, [0.1, 0.3, 0.5, 0.7], atol=1e-5)
+    assert np.abs(world.state()[1]).max() < 1e-6
+
+
+@pytest.mark.parametrize("degrees", [12.0, 15.0])
+@pytest.mark.parametrize("mu", [0.22, 0.26])
+def test_a_stack_on_a_slope_slides_beyond_the_friction_angle(degrees, mu):
+    slope = sf.SlopeTerrain(degrees)
+    normal, turn = slope.normal([0.0, 0.0]), turned((0, 1, 0), -degrees)
+    bodies = [Body(f"b{k}", CUBE, 1.0 + k, tuple(normal * (0.1 + 0.2 * k)), turn) for k in range(2)]
+    world = run(SceneWorld(Scene(bodies), slope, mu=mu), 200)
+    a = math.radians(degrees)
+    expected = max(0.0, GRAVITY * (math.sin(a) - mu * math.cos(a))) * world.time
+    for name in ("b0", "b1"):
+        assert abs(np.linalg.norm(world.twist(name)[0]) - expected) < 1e-7
+
+
+def test_a_box_slides_on_a_plank_until_both_move_alike():
+    """Momentum is kept on ice; the slide is v² / (2 mu g (1 + m / M))."""
+    m, M, mu, v = 1.0, 3.0, 0.4, 1.5
+    plank = Body("plank", Box((3.0, 0.3, 0.1)), M, (0, 0, 0.05), friction=mu)
+    block = Body("block", Box((0.2, 0.2, 0.1)), m, (-1.0, 0, 0.15), velocity=(v, 0, 0), friction=mu)
+    world = run(SceneWorld(Scene([plank, block]), mu=0.0), 700)
+    for name in ("plank", "block"):
+        np.testing.assert_allclose(world.twist(name)[0], [v * m / (m + M), 0, 0], atol=1e-8)
+    slid = world.pose("block").position[0] - world.pose("plank").position[0] + 1.0
+    assert abs(slid - v**2 / (2.0 * mu * GRAVITY * (1.0 + m / M))) < v * world.dt
+
+
+def test_friction_of_a_pair_is_made_by_the_rule():
+    for rule, expected in (("physx-min", 0.2), ("mujoco", 0.4), ("drake", 2 * 0.08 / 0.6), ("physx", 0.3)):
+        table = Body("table", Box((3.0, 1.0, 0.1)), fixed=True, friction=0.4)
+        block = Body("block", CUBE, 1.0, (0, 0, 0.15), velocity=(1, 0, 0), friction=0.2)
+        world = run(SceneWorld(Scene([table, block], combine=rule)), 50)
+        assert abs(world.twist("block")[0][0] - (1.0 - expected * GRAVITY * world.time)) < 1e-8
+
+
+def row(n, moving=1, restitution=1.0, propagation=True):
+    """Balls in a row on ice that touch, those that come from the left 0.1 m apart from the others."""
+    bodies = [
+        Body(
+            f"s{k}",
+            BALL,
+            1.0,
+            (2.0 * RADIUS * k - (0.1 if k < moving else 0.0), 0, RADIUS),
+            velocity=(1.0 if k < moving else 0.0, 0, 0),
+            friction=0.0,
+            restitution=restitution,
+        )
+        for k in range(n)
+    ]
+    world = SceneWorld(Scene(bodies, propagation=propagation), mu=0.0)
+    energy = world.energy()
+    run(world, 250)
+    return [float(world.twist(f"s{k}")[0][0]) for k in range(n)], world.energy() - energy
+
+
+@pytest.mark.parametrize(("n", "moving"), [(2, 1), (3, 1), (5, 1), (5, 2), (4, 3)])
+def test_newtons_cradle_passes_on_as_many_balls_as_came(n, moving):
+    speeds, change = row(n, moving)
+    np.testing.assert_allclose(speeds, [0.0] * (n - moving) + [1.0] * moving, atol=1e-8)
+    assert abs(change) < 1e-8
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_newtons_law_for_all_contacts_at_once_is_no_cradle(n):
+    """All balls that were at rest leave together: energy and momentum are kept, yet no cradle does it."""
+    speeds, change = row(n, propagation=False)
+    np.testing.assert_allclose(speeds, [2.0 / n - 1.0] + [2.0 / n] * (n - 1), atol=1e-6)
+    assert abs(change) < 1e-6
+
+
+def test_a_lossy_cradle_is_a_wave_of_collisions_of_two():
+    """e = 0.6 of three balls: pair after pair, until none closes faster than what counts as rest."""
+    speeds, _ = row(3, restitution=0.6)
+    v = np.array([1.0, 0.0, 0.0])
+    for _ in range(100):
+        for a in (0, 1):
+            if v[a] - v[a + 1] > 2.0 * GRAVITY * 1e-3:
+                mean, off = 0.5 * (v[a] + v[a + 1]), 0.3 * (v[a] - v[a + 1])
+                v[a], v[a + 1] = mean - off, mean + off
+    np.testing.assert_allclose(speeds, v, atol=2.0 * GRAVITY * 1e-3)
+    assert abs(sum(speeds) - 1.0) < 1e-9
+
+
+def test_an_oblique_collision_of_balls_parts_at_a_right_angle():
+    offset = 0.06  # sin = offset / (2 radius)
+    bodies = [
+        Body("cue", BALL, 1.0, (-0.2, 0, RADIUS), velocity=(1, 0, 0), friction=0.0, restitution=1.0),
+        Body("object", BALL, 1.0, (0, offset, RADIUS), friction=0.0, restitution=1.0),
+    ]
+    world = SceneWorld(Scene(bodies), mu=0.0, dt=1e-4)
+    run(world, 2000)
+    cue, other = world.twist("cue")[0], world.twist("object")[0]
+    assert abs(cue @ other) < 1e-9
+    np.testing.assert_allclose(cue + other, [1, 0, 0], atol=1e-9)
+    line = np.array([math.sqrt(1.0 - 0.36), 0.6, 0.0])
+    np.testing.assert_allclose(other, 0.8 * line, atol=world.dt / RADIUS)  # found within a step's way
+
+
+def test_two_balls_bounce_by_the_smaller_restitution_and_their_masses():
+    bodies = [
+        Body("heavy", BALL, 3.0, (0, 0, RADIUS), friction=0.0, restitution=0.9),
+        Body("light", BALL, 1.0, (0.2, 0, RADIUS), velocity=(-2, 0, 0), friction=0.0, restitution=0.5),
+    ]
+    world = run(SceneWorld(Scene(bodies), mu=0.0), 120)
+    assert abs(world.twist("heavy")[0][0] - -2.0 * 1.0 * 1.5 / 4.0) < 1e-9
+    assert abs(world.twist("light")[0][0] - (-2.0 + 2.0 * 3.0 * 1.5 / 4.0)) < 1e-9
+
+
+@pytest.mark.parametrize("on_table", [False, True])
+def test_a_sliding_ball_rolls_at_five_sevenths_of_its_speed(on_table):
+    lift = 0.3 if on_table else 0.0
+    bodies = [Body("ball", Sphere(0.1), 1.0, (0, 0, 0.1 + lift), velocity=(1, 0, 0))]
+    if on_table:
+        bodies.append(Body("table", Box((4.0, 1.0, 0.3)), fixed=True, position=(0, 0, 0.15)))
+    world = run(SceneWorld(Scene(bodies), mu=0.3), 200)
+    velocity, spin = world.twist("ball")
+    np.testing.assert_allclose(velocity, [5.0 / 7.0, 0, 0], atol=1e-6)
+    np.testing.assert_allclose(spin, [0, 50.0 / 7.0, 0], atol=1e-5)
+
+
+def test_a_ball_rolls_down_a_tilted_box():
+    degrees, lift = 20.0, 0.05 + 0.1
+    turn = turned((0, 1, 0), degrees)
+    up = np.array([math.sin(math.radians(degrees)), 0, math.cos(math.radians(degrees))])
+    ramp = Body("ramp", Box((2.0, 1.0, 0.1)), fixed=True, position=(0, 0, 1.0), orientation=turn)
+    ball = Body("ball", Sphere(0.1), 1.0, tuple(np.array([0, 0, 1.0]) + lift * up))
+    world = run(SceneWorld(Scene([ramp, ball])), 300)
+    expected = 5.0 / 7.0 * GRAVITY * math.sin(math.radians(degrees)) * world.time
+    assert abs(np.linalg.norm(world.twist("ball")[0]) - expected) < 1e-6
+
+
+@pytest.mark.parametrize("on_table", [False, True])
+def test_a_capsule_comes_to_lie(on_table):
+    lift = 0.2 if on_table else 0.0
+    bodies = [Body("capsule", Capsule(0.05, 0.3), 2.0, (0, 0, 0.12 + lift), turned((0, 1, 0), 80.0))]
+    if on_table:
+        bodies.insert(0, Body("table", Box((1.0, 1.0, 0.2)), 20.0, (0, 0, 0.1)))
+    world = run(SceneWorld(Scene(bodies)), 1200)
+    pose, under = world.pose("capsule"), "table" if on_table else "ground"
+    assert abs(pose.position[2] - 0.05 - lift) < 1e-5
+    assert abs(pose.rotation[2, 2]) < 1e-5
+    assert abs(forces(world)["capsule", under][2] - 2.0 * GRAVITY) < 1e-5
+    assert sum(t.body == "capsule" for t in world.touches()) == 2
+
+
+def test_a_log_lies_between_two_others():
+    """Each carries m g / (2 cos 30°) along its normal, without friction."""
+    lying, mu = turned((0, 1, 0), 90.0), 0.0
+    log = Capsule(0.05, 0.3)
+    bodies = [
+        Body("left", log, position=(0, -0.05, 0.05), orientation=lying, fixed=True),
+        Body("right", log, position=(0, 0.05, 0.05), orientation=lying, fixed=True),
+        Body("top", log, 1.0, (0, 0, 0.05 + 0.05 * math.sqrt(3.0)), lying),
+    ]
+    world = run(SceneWorld(Scene(bodies), mu=mu), 300)
+    assert abs(world.pose("top").position[1]) < 1e-9
+    for side in ("left", "right"):
+        assert abs(np.linalg.norm(forces(world)["top", side]) - GRAVITY / math.sqrt(3.0)) < 1e-6
+
+
+@pytest.mark.parametrize(("share", "falls"), [(0.97, False), (1.03, True)])
+def test_a_domino_on_a_table_tips_with_enough_spin(share, falls):
+    """About its edge: I w² / 2 against the rise of the centre onto the diagonal."""
+    b, h, m = 0.04, 0.2, 0.5
+    diagonal = math.hypot(b, h) / 2.0
+    inertia = m / 12.0 * (b * b + h * h) + m * diagonal**2
+    spin = share * math.sqrt(2.0 * m * GRAVITY * (diagonal - h / 2.0) / inertia)
+    # it turns about its lower front edge
+    velocity = (spin * h / 2.0, 0.0, spin * b / 2.0)
+    table = Body("table", Box((1.0, 1.0, 0.2)), fixed=True, position=(0, 0, 0.1))
+    domino = Body("domino", Box((b, 0.1, h)), m, (0, 0, 0.2 + h / 2.0), velocity=velocity, spin=(0, spin, 0))
+    world = run(SceneWorld(Scene([table, domino]), mu=2.0), 1500)
+    assert bool(world.pose("domino").position[2] < 0.2 + 0.4 * h) == falls
+
+
+def test_a_row_of_dominoes_falls_one_after_the_other():
+    shape, push = Box((0.02, 0.1, 0.2)), 2.0
+    pieces = [Body(f"d{k}", shape, 0.3, (0.08 * k, 0, 0.1)) for k in range(1, 4)]
+    pieces.insert(
+        0, Body("d0", shape, 0.3, (0, 0, 0.1), velocity=(0.1 * push, 0, 0.01 * push), spin=(0, push, 0))
+    )
+    world, energy, fallen = SceneWorld(Scene(pieces), mu=0.5), math.inf, []
+    for _ in range(1200):
+        world.step()
+        assert world.energy() <= energy + 1e-6
+        energy = world.energy()
+        for k in range(4):
+            if k not in fallen and world.pose(f"d{k}").rotation[2, 2] < 0.95:
+                fallen.append(k)
+    assert fallen == [0, 1, 2, 3]
+    assert world.unsolved == 0
+
+
+def test_momentum_of_bodies_in_the_air_is_kept():
+    rng = np.random.default_rng(4)
+    shapes, places = (CUBE, Capsule(0.05, 0.3), BALL), np.vstack([np.eye(3), -np.eye(3)]) * 0.4
+    bodies = [
+        Body(
+            f"b{k}",
+            shapes[k % 3],
+            1.0 + k,
+            tuple(places[k] + [0, 0, 5.0]),
+            velocity=tuple(-4.0 * places[k] + 0.2 * rng.normal(size=3)),
+            spin=tuple(rng.normal(size=3)),
+            restitution=0.5,
+        )
+        for k in range(6)
+    ]
+    world = SceneWorld(Scene(bodies), mu=0.4)
+
+    def momentum():
+        p, L = np.zeros(3), np.zeros(3)
+        for body in bodies:
+            pose, (v, w) = world.pose(body.name), world.twist(body.name)
+            inertia = pose.rotation @ np.diag(body.shape.moments(body.mass)) @ pose.rotation.T
+            p += body.mass * v
+            L += inertia @ w + body.mass * np.cross(pose.position, v)
+        return p, L
+
+    met, (p, L), mass = 0, momentum(), sum(b.mass for b in bodies)
+    for _ in range(300):
+        world.step()
+        met += bool(world.touches())
+    assert met > 3
+    fall = np.array([0, 0, -GRAVITY * world.time])
+    after, angular = momentum()
+    np.testing.assert_allclose(after, p + mass * fall, atol=1e-9)
+    centre = sum(b.mass * np.array(b.position) for b in bodies) / mass
+    # the moment of the weight about the origin, along the way of the common centre of mass
+    moment = np.cross(centre, fall) + 0.5 * world.time * np.cross(p / mass, fall)
+    np.testing.assert_allclose(angular, L + mass * moment, atol=1e-6)
+
+
+def test_go2_stands_on_a_box_with_its_front_feet():
+    robot = sf.load_robot("go2")
+    q, feet = robot.nominal, robot.foot_positions()
+    box = Body("step", Box((0.3, 0.6, 0.02)), 5.0, (feet[0, 0], 0, 0.01))
+    scene = Scene([box], robot)
+    world = SceneWorld(scene)
+    start, _ = scene.start()
+    start[2] += 0.021
+    world.reset(start)
+    for _ in range(600):
+        now, v = world.state()
+        world.step(60.0 * (q[7:] - now[7:19]) - 2.0 * v[6:18])
+    assert world.unsolved == 0
+    found = forces(world)
+    ground = sum(f for (_, other), f in found.items() if other == "ground")
+    assert abs(ground[2] - (robot.mass + 5.0) * GRAVITY) < 1.0
+    on_box = sum(np.linalg.norm(f) for pair, f in found.items() if "step" in pair and "ground" not in pair)
+    assert on_box > 50.0
+    assert scene.joints == 12 == len(scene.joint_names)
+
+
+def test_a_rigid_world_knows_a_scene():
+    scene = Scene([Body("a", CUBE, 1.0, (0, 0, 0.1)), Body("b", BALL, 1.0, (0, 0, 0.25))])
+    world = RigidWorld(scene)
+    for _ in range(5):
+        world.step(np.zeros(0))
+    assert {(t.body, t.other) for t in world.touches()} == {("a", "ground"), ("b", "a")}
+    assert world.contacts().forces.shape == (0, 3)
+    with pytest.raises(ProblemError, match="feet"):
+        world.derivative()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Scene([]), "can move"),
+        (lambda: Scene([Body("a", CUBE, fixed=True)]), "can move"),
+        (lambda: Scene([Body("a", CUBE), Body("a", BALL)]), "names of their own"),
+        (lambda: Scene([Body("ground", CUBE)]), "something else is"),
+        (lambda: Scene([Body("a", CUBE)], combine="sum"), "unknown rule 'sum'"),
+        (lambda: Body("a", CUBE, 0.0), "mass"),
+        (lambda: Body("a", CUBE, position=(0, 0, np.nan)), "position"),
+        (lambda: Body("a", CUBE, orientation=(0, 0, 0, 2)), "unit quaternion"),
+        (lambda: Body("a", CUBE, fixed=True, velocity=(1, 0, 0)), "cannot move"),
+        (lambda: Scene([Body("a", CUBE, friction=-1.0)]), "friction"),
+        (lambda: Scene([Body("a", CUBE, restitution=1.5)]), "restitution"),
+        (lambda: Scene([Body("a", CUBE)]).pose("b"), "unknown body 'b'"),
+        (lambda: RigidWorld(sf.load_robot("go2"), collision="all"), "unknown collision 'all'"),
+    ],
+)
+def test_wrong_scenes_are_told(make, words):
+    with pytest.raises(ProblemError, match=words):
+        make()
