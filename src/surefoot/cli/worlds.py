@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from surefoot.simulation.experiments import Outcome
 
-NAMES = "drop, bounce, slide, stick, tip, spin, roll, stand, trot, friction, harden, solref"
+NAMES = "drop, bounce, slide, stick, tip, spin, roll, stack, stand, trot, friction, harden, solref"
 
 
 def worlds(
