@@ -105,4 +105,4 @@ def test_robots_stand_and_walk_there(
     options = ["--world", "drake", "--no-video", "--no-report", "--json", "--out", str(tmp_path)]
     assert main([*words, *options]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["outcome"] == "done"
+    assert found["outcome"] in ("stood", "walked")

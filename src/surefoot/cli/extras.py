@@ -14,7 +14,7 @@ from surefoot.simulation import drake_python
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
-    "drake": "drake",
+    "drake": "drake", "jax": "jax", "mujoco-mjx": "jax",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
 FILM = ("mujoco", "imageio", "imageio-ffmpeg")
@@ -68,7 +68,7 @@ def _installed(package: str) -> bool:
     """Tell whether a package is there; some have no module of their name, Drake may live elsewhere."""
     if package == drake_python.PACKAGE:
         return drake_python.present()
-    if package == "example-robot-data":
+    if package in ("example-robot-data", "mujoco-mjx"):
         try:
             distribution(package)
         except PackageNotFoundError:

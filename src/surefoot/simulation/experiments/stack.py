@@ -2,8 +2,8 @@
 
 Boxes that touch boxes are each world's own: a scene in the rigid world, MuJoCo's boxes, and in Drake, whose
 boxes meet in one point at a time, the corners of the upper one as small spheres on the lower. Drake's
-approximation is "lagged" here: SAP, a convex relaxation, throws what is set sliding by a blow into the air with
-mu times the speed of sliding, whatever the step.
+approximation is "lagged" here: SAP, a convex relaxation, throws what is set sliding by a blow into the air
+with mu times the speed of sliding, whatever the step.
 """
 
 from __future__ import annotations
@@ -49,6 +49,11 @@ class StackRun(NamedTuple):
     ground: float
 
 
+def _stack_run(places: list[tuple[float, float]], between: float, ground: float) -> StackRun:
+    both = np.array(places, dtype=np.float64)
+    return StackRun(both[:, 0], both[:, 1], between, ground)
+
+
 def _heights() -> tuple[float, float]:
     return 0.5 * SIZES[0][2], SIZES[0][2] + 0.5 * SIZES[1][2]
 
@@ -73,7 +78,7 @@ def _rigid(dt: float) -> StackRun:
         world.step()
         q = world.state()[0]
         places.append((q[0], q[7]))
-    return StackRun(*np.array(places).T, between, ground)
+    return _stack_run(places, between, ground)
 
 
 def _mujoco(dt: float) -> StackRun:
@@ -105,7 +110,7 @@ def _mujoco(dt: float) -> StackRun:
     for _ in range(round(SECONDS / dt)):
         mujoco.mj_step(model, data)
         places.append((data.qpos[0], data.qpos[7]))
-    return StackRun(*np.array(places).T, loads[1], loads[0])
+    return _stack_run(places, loads[1], loads[0])
 
 
 def _drake(dt: float) -> StackRun:
@@ -134,7 +139,7 @@ def _drake(dt: float) -> StackRun:
         answer = worker.ask(["step", still])
         places.append((answer["q"][4], answer["q"][11]))
     worker.close()
-    return StackRun(*np.array(places).T, loads[1], loads[0])
+    return _stack_run(places, loads[1], loads[0])
 
 
 def _free(size: tuple[float, float, float], mass: float) -> dict[str, Any]:
