@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import time
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -13,6 +13,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from surefoot.arrays import FloatArray
+
+Answer = TypeVar("Answer")
 Key = TypeVar("Key", bound=Hashable)
 
 
@@ -49,18 +52,30 @@ def one_core() -> Iterator[None]:
             gc.enable()
 
 
-def time_calls(function: Callable[[Any], Any], items: Iterable[Any], warm_up: int = 20) -> Timing:
+def best_of(
+    function: Callable[[Any], Answer], items: Sequence[Any], passes: int = 1, warm_up: int = 20
+) -> tuple[FloatArray, list[Answer]]:
+    """Return the least wall time of `function(item)` over some passes (items,) [s], and the last answers.
+
+    The least, for the rest is other work on the machine. `warm_up` calls on the first items come before.
+    """
+    for item in items[:warm_up]:
+        function(item)
+    seconds, clock = np.full(len(items), np.inf), time.perf_counter
+    answers: list[Answer] = []
+    for _ in range(passes):
+        answers = []
+        for k, item in enumerate(items):
+            start = clock()
+            answer = function(item)
+            seconds[k] = min(seconds[k], clock() - start)
+            answers.append(answer)
+    return seconds, answers
+
+
+def time_calls(function: Callable[[Any], Any], items: Sequence[Any], warm_up: int = 20) -> Timing:
     """Time `function(item)` for every item, after `warm_up` calls on the first items."""
-    work = list(items)
-    for item in work[:warm_up]:
-        function(item)
-    seconds = np.empty(len(work))
-    clock = time.perf_counter
-    for k, item in enumerate(work):
-        start = clock()
-        function(item)
-        seconds[k] = clock() - start
-    return Timing.of(seconds)
+    return Timing.of(best_of(function, items, warm_up=warm_up)[0])
 
 
 def interleaved(

@@ -8,7 +8,7 @@ new in every call; then setting up a problem from raw arrays is on the clock. Al
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.contact import rivals as contact_rivals
 from benchmarks.contact import siconos_rival
-from benchmarks.contact.ours import CONTACT_SOLVER, our_calls
+from benchmarks.contact.ours import CONTACT_SOLVER, in_turn, our_calls
 from benchmarks.timing import Timing, interleaved, one_core
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem, read_problem
@@ -270,32 +270,17 @@ def _runs(
     for name, setting in contact_rivals.settings(problem).items() if rivals else ():
         found, gaps[name] = contact_rivals.best_call(problem, setting, tol, copies)
         if found is not None:
-            calls |= _rival_calls(name, found, [(contact_rivals.matrix(p, setting), p.g) for p in copies])
+            raw = [(contact_rivals.matrix(p, setting), p.g) for p in copies]
+            calls[name, "ready"] = found.ready
+            calls[name, "fresh"] = in_turn(found.fresh, raw)
     timings = interleaved(calls)
-    return [
-        _run(
-            named,
-            name,
-            timings.get((name, "ready"), NOTHING),
-            timings.get((name, "fresh"), NOTHING),
-            gap,
-            tol,
-        )
-        for name, gap in gaps.items()
-    ]
+    return [_run(named, name, timings, gap, tol) for name, gap in gaps.items()]
 
 
-def _rival_calls(
-    name: str, found: contact_rivals.PinocchioCall, items: list[tuple[Any, FloatArray]]
-) -> dict[tuple[str, Kind], Callable[[int], Any]]:
-    """Return the two calls of a rival; each takes its turn's number."""
-    return {
-        (name, "ready"): lambda _: found.ready(),
-        (name, "fresh"): lambda k: found.fresh(items[k % len(items)]),
-    }
-
-
-def _run(named: NamedProblem, solver: str, ready: Timing, fresh: Timing, residual: float, tol: float) -> Run:
+def _run(
+    named: NamedProblem, solver: str, timings: Mapping[tuple[str, Kind], Timing], residual: float, tol: float
+) -> Run:
+    ready, fresh = timings.get((solver, "ready"), NOTHING), timings.get((solver, "fresh"), NOTHING)
     solved = bool(residual <= tol and ready.calls)
     return Run(
         named.name, named.family, named.problem.contacts, solver, ready.median, residual, solved, ready.p99,

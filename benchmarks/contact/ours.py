@@ -16,6 +16,8 @@ from surefoot.solvers.compiled import COMPILED_CONTACTS
 CONTACT_SOLVER = "contact solver"
 """Name of the real-time path in the tables."""
 Call = Callable[[int], FloatArray]
+Item = tuple[Any, FloatArray]
+"""A matrix and a free velocity."""
 
 
 def our_calls(
@@ -31,7 +33,7 @@ def our_calls(
     out = {name: _by_solve(problem, raw, name, tol, max_time) for name in solvers}
     path = real_time_path(problem, tol) if "auto" in solvers else None
     if path is not None:
-        out[CONTACT_SOLVER] = _in_turn(path, own), _in_turn(path, raw)
+        out[CONTACT_SOLVER] = in_turn(path, own), in_turn(path, raw)
     return out
 
 
@@ -42,17 +44,17 @@ def matrix_of(problem: ContactProblem) -> Any:
     return sp.csr_matrix(problem.G)
 
 
-def real_time_path(problem: ContactProblem, tol: float) -> Callable[[Any, FloatArray], FloatArray] | None:
+def real_time_path(problem: ContactProblem, tol: float) -> Callable[[Item], FloatArray] | None:
     """Return `ContactSolver` as a function of raw G and g, from a cold start; None above its contacts."""
     if problem.contacts > COMPILED_CONTACTS:
         return None
     solver = ContactSolver(  # G already holds the compliance
         problem.contacts, problem.mu, problem.law, _lower_bounds(problem), problem.normal_max,
-        problem.facets, problem.fit, bilateral=problem.bilateral, tol=tol, warm_start=False,
+        facets=problem.facets, fit=problem.fit, bilateral=problem.bilateral, tol=tol, warm_start=False,
     )  # fmt: skip
 
-    def forces(G: Any, g: FloatArray) -> FloatArray:
-        return np.asarray(solver.solve(G, g).forces)
+    def forces(item: Item) -> FloatArray:
+        return np.asarray(solver.solve(*item).forces)
 
     return forces
 
@@ -64,16 +66,14 @@ def _lower_bounds(problem: ContactProblem) -> FloatArray:
     return np.asarray(np.where(problem.bilateral, 0.0, problem.normal_min))
 
 
-def _in_turn(
-    function: Callable[[Any, FloatArray], FloatArray], items: Sequence[tuple[Any, FloatArray]]
-) -> Call:
-    """Return a call that goes round the items."""
+def in_turn(function: Callable[[Item], FloatArray], items: Sequence[Item]) -> Call:
+    """Return a call that takes the number of its turn and goes round the items."""
     count = len(items)
-    return lambda k: function(*items[k % count])
+    return lambda k: function(items[k % count])
 
 
 def _by_solve(
-    problem: ContactProblem, raw: Sequence[tuple[Any, FloatArray]], name: str, tol: float, max_time: float
+    problem: ContactProblem, raw: Sequence[Item], name: str, tol: float, max_time: float
 ) -> tuple[Call, Call]:
     """Return the calls of `solve`, the second with a new `ContactProblem` each."""
     low = _lower_bounds(problem)
@@ -84,8 +84,8 @@ def _by_solve(
     def ready(_: int) -> FloatArray:
         return solve(problem, name, tol, max_time=max_time).forces
 
-    def fresh(G: Any, g: FloatArray) -> FloatArray:
-        new = ContactProblem(G, g, mu, low, high, law, facets, fit, bilateral=mask)
+    def fresh(item: Item) -> FloatArray:
+        new = ContactProblem(*item, mu, low, high, law, facets, fit, bilateral=mask)
         return solve(new, name, tol, max_time=max_time).forces
 
-    return ready, _in_turn(fresh, raw)
+    return ready, in_turn(fresh, raw)

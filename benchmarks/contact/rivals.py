@@ -126,7 +126,7 @@ class PinocchioCall:
         self.delassus: Any = self.operator(matrix(problem, setting))
         self.g = problem.g
 
-    def ready(self) -> FloatArray:
+    def ready(self, _turn: int = 0) -> FloatArray:
         """Solve the problem with everything made beforehand, and return the (n, 3) impulses."""
         return self._solve(self.delassus, self.g)
 

@@ -13,10 +13,10 @@ from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Kind, Rival, av
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionCone
+from surefoot.cones.cone import Fit
 from surefoot.contact import Status
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.problems.allocation_program import (
-    Fit,
     Program,
     cone_violation,
     facet_violation,
@@ -170,26 +170,31 @@ def judge(
     answers: Sequence[FloatArray | None], best: FloatArray, exact: Exact, lost: float,
 ) -> Row:  # fmt: skip
     """Return the row of a run, each answer checked against the program it was asked to solve."""
-    gaps, violations, distances, short, solved = [], [], [], [], 0
+    gaps, violations, distances, short = [], [], [], []
     for p, x, least, ours in zip(programs, answers, best, exact.forces, strict=True):
-        if x is None or not np.isfinite(x).all():
+        if x is None or not solves(p, x, least):
             continue
         f = p.forces(x)
-        gap, broken = excess(p, x, least)
-        if gap > GAP or broken > BROKEN:
-            continue
-        solved += 1
-        gaps.append(gap)
+        gaps.append(excess(p, x, least)[0])
         violations.append(cone_violation(p.instance, f))
         distances.append(np.linalg.norm(f - ours, axis=1).max())
         short.append(shortfall(p.instance, f) - shortfall(p.instance, ours))
-    empty = not gaps
+    solved = len(gaps) / len(programs)
+    if not gaps:
+        nan = float("nan")
+        return Row(name, cone, kind, warm, Timing.of(times), solved, nan, nan, lost, nan, nan, nan)
     return Row(
-        name, cone, kind, warm, Timing.of(times), solved / len(programs),
-        np.nan if empty else max(gaps), np.nan if empty else max(violations), lost,
-        np.nan if empty else float(np.median(distances)), np.nan if empty else max(distances),
-        np.nan if empty else float(np.mean(short)),
+        name, cone, kind, warm, Timing.of(times), solved, max(gaps), max(violations), lost,
+        float(np.median(distances)), max(distances), float(np.mean(short)),
     )  # fmt: skip
+
+
+def solves(p: Program, x: FloatArray | None, least: float) -> bool:
+    """Tell whether an answer counts as one; see GAP and BROKEN."""
+    if x is None or not np.isfinite(x).all():
+        return False
+    gap, broken = excess(p, x, least)
+    return gap <= GAP and broken <= BROKEN
 
 
 def excess(p: Program, x: FloatArray, least: float) -> tuple[float, float]:
@@ -204,11 +209,7 @@ def tuned(kind: Kind, programs: Sequence[Program], best: FloatArray, warm: bool)
     def attempt(tol: float) -> float | None:
         rival = kind(tol)
         for p, least in zip(programs, best, strict=True):
-            x = (rival.warm if warm else rival.cold)(p)()
-            if x is None or not np.isfinite(x).all():
-                return None
-            gap, broken = excess(p, x, least)
-            if gap > GAP or broken > BROKEN:
+            if not solves(p, rival.solve(p, warm), least):
                 return None
         return tol
 
@@ -221,10 +222,7 @@ def best_known(programs: Sequence[Program], answers: Sequence[Sequence[FloatArra
     best = np.full(len(programs), np.inf)
     for run in answers:
         for k, (p, x) in enumerate(zip(programs, run, strict=True)):
-            if x is None or not np.isfinite(x).all():
-                continue
-            broken = facet_violation(p, x) if p.C is not None else cone_violation(p.instance, p.forces(x))
-            if broken <= 1e-10:
+            if x is not None and np.isfinite(x).all() and excess(p, x, 0.0)[1] <= 1e-10:
                 best[k] = min(best[k], objective(p, x))
     return best
 

@@ -23,11 +23,19 @@ TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Kind:
-    """A solver on one kind of program: its name in tables and in `BACKENDS`, exact cones or facets."""
+    """A solver by its name in tables; in small letters it is its name in `BACKENDS`."""
 
     name: str
-    backend: str
-    exact: bool
+
+    @property
+    def backend(self) -> str:
+        """Its name in `BACKENDS`."""
+        return self.name.lower()
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is given exact cones, not facets."""
+        return BACKENDS[self.backend].takes_cones
 
     @property
     def can_warm(self) -> bool:
@@ -62,13 +70,10 @@ class Rival:
         solver = self._warm if warm and self.kind.can_warm else self._cold
         return Asked(solver.call(item), solver)
 
-    def cold(self, p: Program) -> Asked:
-        """Return the call that sets up and solves."""
-        return self.ask(self.ready(p), warm=False)
-
-    def warm(self, p: Program) -> Asked:
-        """Return the call that solves from the last answer; a cold one where the rival cannot."""
-        return self.ask(self.ready(p), warm=True)
+    def solve(self, p: Program, warm: bool) -> FloatArray | None:
+        """Set up and solve a program, from the last answer where it is warm and can; see `Asked.read`."""
+        asked = self.ask(self.ready(p), warm)
+        return asked.read(asked.call())
 
 
 @dataclass(frozen=True)
@@ -83,17 +88,10 @@ class Asked:
         found = self.solver.read(answer)
         return np.array(found.x) if found.found else None
 
-    def __call__(self) -> FloatArray | None:
-        """Solve and return x."""
-        return self.read(self.call())
 
-
-EXACT_RIVALS = (Kind("Clarabel", "clarabel", True), Kind("ECOS", "ecos", True), Kind("SCS", "scs", True))
-DAQP = Kind("DAQP", "daqp", False)
-FACET_RIVALS = (
-    DAQP, Kind("quadprog", "quadprog", False), Kind("ProxQP", "proxqp", False), Kind("OSQP", "osqp", False),
-    Kind("PIQP", "piqp", False), Kind("HiGHS", "highs", False),
-)  # fmt: skip
+EXACT_RIVALS = tuple(map(Kind, ("Clarabel", "ECOS", "SCS")))
+DAQP = Kind("DAQP")
+FACET_RIVALS = (DAQP, *map(Kind, ("quadprog", "ProxQP", "OSQP", "PIQP", "HiGHS")))
 
 
 def available(rivals: tuple[Kind, ...]) -> list[Kind]:

@@ -118,9 +118,6 @@ def _race(question: str, racers: _Racers) -> list[Race]:
 
 
 def _stand_racers(cases: list[StanceCase]) -> _Racers:
-    def call(solve: Callable[[], Any]) -> Any:
-        return solve()
-
     return [
         ("surefoot, exact cones, a stance asked before", _ask, cases),
         (
@@ -128,9 +125,13 @@ def _stand_racers(cases: list[StanceCase]) -> _Racers:
             lambda c: can_stand(c.stance, c.com, c.mass, c.external_wrench, facets=8),
             cases,
         ),
-        ("Clarabel, exact cones", call, [rivals.clarabel_margin(c) for c in cases]),
-        ("SciPy HiGHS, 8 facets", call, [rivals.highs_feasible(c) for c in cases]),
+        ("Clarabel, exact cones", _call, [rivals.clarabel_margin(c) for c in cases]),
+        ("SciPy HiGHS, 8 facets", _call, [rivals.highs_feasible(c) for c in cases]),
     ]
+
+
+def _call(solve: Callable[[], Any]) -> Any:
+    return solve()
 
 
 def _ask(case: StanceCase) -> Any:
@@ -179,23 +180,17 @@ def _many_races(cases: list[StanceCase]) -> list[Race]:
 
 
 def _region_racers(cases: list[StanceCase]) -> _Racers:
-    def call(solve: Callable[[], Any]) -> Any:
-        return solve()
-
     return [
         ("surefoot, exact cones, certified gap", lambda c: com_region(c.stance, c.mass, tol=1e-3), cases),
-        ("SciPy HiGHS, 32 LPs of 8 facets", call, [rivals.highs_region(c.stance, c.mass) for c in cases]),
+        ("SciPy HiGHS, 32 LPs of 8 facets", _call, [rivals.highs_region(c.stance, c.mass) for c in cases]),
     ]
 
 
 def _cone_racers(cases: list[StanceCase]) -> _Racers:
-    def call(solve: Callable[[], Any]) -> Any:
-        return solve()
-
     rays = [wrench_cone(c.stance, c.com, facets=8).rays for c in cases]
     cddlib: _Racers = []
     if find_spec("cdd") is not None:  # its wheel is missing for many Pythons
-        cddlib = [("cddlib, rays to half-spaces", call, [rivals.cddlib_rows(r) for r in rays])]
+        cddlib = [("cddlib, rays to half-spaces", _call, [rivals.cddlib_rows(r) for r in rays])]
     return [
         ("surefoot, rays to half-spaces", lambda r: halfspaces_from_rays(r, "dd"), rays),
         ("surefoot through SciPy's Qhull", halfspaces_from_rays, rays),

@@ -41,10 +41,18 @@ def corners(stance: Stance) -> list[tuple[FloatArray, FloatArray, float]]:
     return out
 
 
-def world_grasp(case: StanceCase) -> FloatArray:
-    """Return the (6, 3 k) grasp map of corner forces in contact frames, about the centre of mass."""
-    blocks = [np.vstack([R, skew(p - case.com) @ R]) for p, R, _ in corners(case.stance)]
-    return np.hstack(blocks)
+def world_grasp(stance: Stance, about: FloatArray) -> FloatArray:
+    """Return the (6, 3 k) grasp map of corner forces in contact frames, moments about a (3,) point."""
+    return np.hstack([np.vstack([R, skew(p - about) @ R]) for p, R, _ in corners(stance)])
+
+
+def edge_columns(stance: Stance, about: FloatArray, facets: int) -> FloatArray:
+    """Return the (6, k facets) wrenches of unit weights on the edges of the corners' inner pyramids."""
+    angles, grasp = 2.0 * np.pi * np.arange(facets) / facets, world_grasp(stance, about)
+    edges = [
+        np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)]) for *_, mu in corners(stance)
+    ]
+    return np.hstack([grasp[:, 3 * k : 3 * k + 3] @ rays for k, rays in enumerate(edges)])
 
 
 def clarabel_margin(case: StanceCase) -> Callable[[], float]:
@@ -56,7 +64,7 @@ def clarabel_margin(case: StanceCase) -> Callable[[], float]:
     load = load_of(case)
     scale = float(np.linalg.norm(load))
     points = corners(case.stance)
-    A, n = world_grasp(case), 3 * len(points)
+    A, n = world_grasp(case.stance, case.com), 3 * len(points)
     cones = np.zeros((3 * len(points), n + 1))  # s = (mu f_z - t sqrt(1 + mu^2), f_x, f_y) in the cone
     for k, (_, _, mu) in enumerate(points):
         cones[3 * k, 3 * k + 2], cones[3 * k, n] = mu, -math.sqrt(1.0 + mu * mu)
@@ -85,15 +93,9 @@ def highs_margin(case: StanceCase, facets: int = 8) -> Callable[[], float]:
     """
     load = load_of(case)
     scale = float(np.linalg.norm(load))
-    points = corners(case.stance)
-    angles = 2.0 * np.pi * np.arange(facets) / facets
-    edges, shift = [], []
-    for k, (_, _, mu) in enumerate(points):
-        rays = np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)])
-        edges.append(world_grasp(case)[:, 3 * k : 3 * k + 3] @ rays)
-        side = mu * math.cos(math.pi / facets)
-        shift.append(np.full(facets, math.sqrt(1.0 + side * side) / side / facets))
-    A, e = np.hstack(edges), np.concatenate(shift)
+    A = edge_columns(case.stance, case.com, facets)
+    side = np.repeat([mu * math.cos(math.pi / facets) for *_, mu in corners(case.stance)], facets)
+    e = np.sqrt(1.0 + side * side) / side / facets
     # beta = beta' + t e with beta' >= 0
     equal = np.hstack([A, (A @ e)[:, None]])
     cost = np.concatenate([np.zeros(A.shape[1]), [-1.0]])
@@ -111,16 +113,7 @@ def highs_margin(case: StanceCase, facets: int = 8) -> Callable[[], float]:
 
 def highs_feasible(case: StanceCase, facets: int = 8) -> Callable[[], bool]:
     """Return a call that only tells whether inner pyramids can give the load: the usual LP, by HiGHS."""
-    load = load_of(case)
-    angles = 2.0 * np.pi * np.arange(facets) / facets
-    grasp = world_grasp(case)
-    A = np.hstack(
-        [
-            grasp[:, 3 * k : 3 * k + 3]
-            @ np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)])
-            for k, (_, _, mu) in enumerate(corners(case.stance))
-        ]
-    )
+    load, A = load_of(case), edge_columns(case.stance, case.com, facets)
     cost = np.zeros(A.shape[1])
 
     def solve() -> bool:
@@ -133,12 +126,7 @@ def highs_region(
     stance: Stance, mass: float, directions: int = 32, facets: int = 8
 ) -> Callable[[], FloatArray]:
     """Return a call that finds the CoM region's corners by one LP per direction, by HiGHS."""
-    angles = 2.0 * np.pi * np.arange(facets) / facets
-    columns = []
-    for p, R, mu in corners(stance):
-        rays = R @ np.array([mu * np.cos(angles), mu * np.sin(angles), np.ones(facets)])
-        columns.append(np.vstack([rays, np.cross(p, rays.T).T]))
-    A = np.hstack(columns)
+    A = edge_columns(stance, np.zeros(3), facets)
     weight = mass * GRAVITY
     # [sum of forces; moments about the origin] = [0, 0, weight; weight (y, -x), 0]
     com = np.zeros((6, 2))

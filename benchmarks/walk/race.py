@@ -9,7 +9,6 @@ optimum is then measured on all inputs, at a tighter tolerance if it needs one t
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -17,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.timing import Timing, one_core
+from benchmarks.timing import Timing, best_of, one_core
 from benchmarks.walk import rivals as mpc_rivals
 from benchmarks.walk.rivals import Rival, Variant
 from benchmarks.walk.steps import StepRow, measure_steps
@@ -227,19 +226,8 @@ def _time(
     call: Callable[[Any], FloatArray], items: Sequence[Any], passes: int = PASSES
 ) -> tuple[Timing, list[FloatArray]]:
     """Return the time per call (best of some passes) and the forces of the last pass."""
-    seconds = np.full(len(items), np.inf)
-    forces: list[FloatArray] = []
-    clock = time.perf_counter
     with one_core():
-        for item in items[:10]:
-            call(item)
-        for _ in range(passes):
-            forces = []
-            for k, item in enumerate(items):
-                start = clock()
-                found = call(item)
-                seconds[k] = min(seconds[k], clock() - start)
-                forces.append(found)
+        seconds, forces = best_of(call, items, passes, warm_up=10)
     return Timing.of(seconds), forces
 
 

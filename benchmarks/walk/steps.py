@@ -6,14 +6,12 @@ kept and then given to them again, so that nothing but the call is timed.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from benchmarks.timing import Timing, one_core
+from benchmarks.timing import Timing, best_of, one_core
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.whole_body import Tasks
@@ -62,11 +60,12 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
         fresh.mpc.shift(item[0])
         fresh.mpc.solve(*item[1])
 
+    with one_core():
+        steps, _ = best_of(lambda item: fresh.whole_body.step(*item), tape.whole_body, PASSES)
+        plans, _ = best_of(plan, tape.plans, PASSES)
     return [
-        StepRow(
-            robot, "whole-body step", _best_times(lambda item: fresh.whole_body.step(*item), tape.whole_body)
-        ),
-        StepRow(robot, f"MPC, {fresh.mpc.horizon} steps", _best_times(plan, tape.plans)),
+        StepRow(robot, "whole-body step", Timing.of(steps)),
+        StepRow(robot, f"MPC, {fresh.mpc.horizon} steps", Timing.of(plans)),
     ]
 
 
@@ -101,18 +100,3 @@ def _record_calls(controller: WalkingController, tape: _Tape) -> None:
         (mpc, "solve", keep_plan),
     ):
         setattr(owner, name, wrapped)
-
-
-def _best_times(call: Callable[[Any], Any], items: Sequence[Any]) -> Timing:
-    """Return the best time of some passes for every item."""
-    seconds = np.full(len(items), np.inf)
-    clock = time.perf_counter
-    with one_core():
-        for item in items[:20]:
-            call(item)
-        for _ in range(PASSES):
-            for k, item in enumerate(items):
-                start = clock()
-                call(item)
-                seconds[k] = min(seconds[k], clock() - start)
-    return Timing.of(seconds)

@@ -127,6 +127,10 @@ from .stance import StanceBatch as StanceBatch
 from .stance import grasp_map as grasp_map
 from .stance import read_stance as read_stance
 from .stance import write_stance as write_stance
+from .sweep import SweepConfig as SweepConfig
+from .sweep import SweepResult as SweepResult
+from .sweep import read_sweep as read_sweep
+from .sweep import run_sweep as run_sweep
 from .terrain import FlatTerrain as FlatTerrain
 from .terrain import HeightfieldTerrain as HeightfieldTerrain
 from .terrain import PitTerrain as PitTerrain

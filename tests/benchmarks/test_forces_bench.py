@@ -28,8 +28,8 @@ def test_rivals_solve_their_program(rival, kind):
         problem = sf.ContactProblem(p.H, p.h, p.mu, p.low[2::3], p.high[2::3], law="convex")
         if not rival.exact:
             problem = problem.polyhedral(8)
-        for call in (rival().cold(p), rival().warm(p)):
-            x = call()
+        for warm in (False, True):
+            x = rival().solve(p, warm)
             if rival.name == "HiGHS" and x is None:
                 continue
             assert sf.residuals(problem, p.forces(x)).velocity_error < 1e-3
@@ -42,7 +42,7 @@ def test_warm_rivals_follow_a_change_of_friction(rival):
     for k, instance in enumerate(four_feet("near-boundary", 4, seed=3)):
         changed = replace(instance, mu=instance.mu * (1.0 - 0.2 * k))
         p = program(changed, None if rival.exact else 8)
-        x = solver.warm(p)()
+        x = solver.solve(p, warm=True)
         problem = sf.ContactProblem(p.H, p.h, p.mu, p.low[2::3], p.high[2::3], law="convex")
         checked.append(judge_problem(problem if rival.exact else problem.polyhedral(8), p.forces(x)))
     assert max(checked) < 1e-3

@@ -40,6 +40,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     if words[0] == "worlds":  # all of them in all worlds are tests/simulation/test_experiments.py's
         names = words if len(words) > 1 and not words[1].startswith("-") else (words[0], "slide", *words[1:])
         return (*names, "--no-pictures")
+    if words[0] == "sweep":
+        return (*_alone(words), "--samples", "4", "--backend", "serial")
     if words[0] not in ("stand", "walk"):
         return words
     out = [*words, "--no-video", "--no-report"]
@@ -48,6 +50,16 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         at = out.index("--duration") if "--duration" in out else len(out)
         out[at : at + 2] = ["--duration", f"{SHORT:g}"]
     return tuple(out)
+
+
+def _alone(words: tuple[str, ...]) -> Iterator[str]:
+    """Yield the words of a sweep without those that say how many samples run where."""
+    rest = iter(words)
+    for word in rest:
+        if word in ("--samples", "--backend", "--workers", "--address"):
+            next(rest)
+        else:
+            yield word
 
 
 def same_run(words: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,8 +10,8 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 import surefoot as sf
-from surefoot.problems.rigid_bodies import GRAVITY, Scene
-from surefoot.spatial import skew
+from surefoot.problems.rigid_bodies import Scene
+from surefoot.spatial import GRAVITY, skew
 
 SOLVERS = ("auto", "nsgs", "admm", "interior_point")
 

@@ -53,8 +53,6 @@ contact.residuals        certify_dense        contact/test_contact_residuals.py:
 contact.scales           scales_blocks        contact/test_scales.py::test_speeds_are_those_of_connected_parts
 contact.scales           scales_dense         contact/test_scales.py::test_speeds_are_those_of_connected_parts by scales
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
-contact.spectral         spectral_norm        contact/test_contact_problem.py::test_norm_is_the_spectral_norm
-contact.spectral         spectral_norm_blocks contact/test_contact_problem.py::test_norm_is_the_spectral_norm
 control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
@@ -62,15 +60,13 @@ control.mpc_model        build                control/test_mpc_model.py::test_th
 control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
 control.mpc_model        finish               control/test_mpc_model.py::test_the_prediction_is_the_march by solve
 control.mpc_model        hessians             control/test_mpc_model.py::test_the_hessian_is_that_of_simulated_errors
-control.mpc_model        log_between          control/test_mpc_model.py::test_the_rotation_vector_is_scipys
 control.mpc_model        planned_sway         control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
 control.mpc_model        predict              control/test_mpc_model.py::test_the_prediction_is_the_march by solve
-control.standing_kernels contact_torques      control/test_standing.py::test_contact_torques_kernel_against_pinocchio
 control.standing_kernels foot_impedance       control/test_standing.py::test_foot_impedance_kernel_against_plain_numpy
 control.standing_kernels grasp_map_of_points  control/test_standing.py::test_grasp_map_kernel
 control.standing_kernels pd_wrench            control/test_standing.py::test_pd_wrench_kernel_against_plain_numpy
 control.standing_kernels within_limits        control/test_standing.py::test_within_limits_kernel
-control.swing            smooth_step          control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
+control.swing            minimum_jerk         control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
 control.whole_body_kernels base_tasks         control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
 control.whole_body_kernels contact_rows       control/test_whole_body_kernels.py::test_contact_rows
@@ -90,6 +86,7 @@ equilibrium.outline      trace                equilibrium/test_regions.py::test_
 equilibrium.polygons     enclose              equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners
 equilibrium.polygons     hull                 equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners
 equilibrium.polygons     intersection         equilibrium/test_equilibrium_kernels.py::test_half_planes_meet_where_qhull_says
+equilibrium.polygons     to_segment           equilibrium/test_equilibrium_kernels.py::test_the_hull_is_qhulls_and_the_gap_that_of_the_outer_corners by enclose
 equilibrium.polygons     without_flat_corners equilibrium/test_regions.py::test_polygons
 equilibrium.scaling      apply                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
 equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation
@@ -130,6 +127,7 @@ numerics.projection      differential         numerics/test_projection.py::test_
 numerics.projection      face                 numerics/test_projection.py::test_generalised_jacobian
 numerics.projection      project_cone         numerics/test_projection.py::test_projection
 numerics.projection      project_truncated    numerics/test_projection.py::test_projection
+numerics.rotations       log_between          numerics/test_rotations.py::test_the_rotation_vector_is_scipys
 numerics.six             add_outer            numerics/test_six.py::test_six_dimensional_algebra
 numerics.six             dot                  numerics/test_six.py::test_six_dimensional_algebra
 numerics.six             mix                  numerics/test_six.py::test_six_dimensional_algebra
@@ -142,6 +140,7 @@ numerics.vectors         cross                numerics/test_points.py::test_vect
 numerics.vectors         dot                  numerics/test_points.py::test_vectors
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
+solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one
 solvers.dual_newton.horizon newton            solvers/test_dual_newton_horizon.py::test_the_answer_is_a_fixed_point_of_projected_gradients

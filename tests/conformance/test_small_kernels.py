@@ -8,7 +8,7 @@ import pytest
 import surefoot as sf
 from surefoot.contact import blocks
 from surefoot.kernels import kernel
-from surefoot.solvers import nsgs, stopping
+from surefoot.solvers import admm, nsgs, stopping
 from surefoot.stepping import arithmetic
 
 
@@ -101,3 +101,16 @@ def test_mean_work_and_swerves() -> None:
     np.testing.assert_allclose(found[0], u, atol=1e-13)
     np.testing.assert_allclose(found[1], expected, atol=1e-13)
     assert arithmetic.swerves(J, v, leaving, impulses, foot, frames, 1e9) is None
+
+
+def test_the_penalty_follows_the_relative_residuals() -> None:
+    """Boyd et al. 2011, section 3.4.1: times the root of their quotient, by ten at most, within bounds."""
+    z, y = np.array([0.5, -2.0, 1.0]), np.array([0.25, 0.0, -0.5])
+    for primal, dual, factor in ((1.0, 1.0, None), (8.0, 0.5, 2.0), (0.2, 0.8, 0.25), (4e9, 1.0, 10.0)):
+        ratio = (primal / 2.0) / (dual / 0.5)
+        expected = 3.0 if 1 / 3 <= ratio <= 3.0 else 3.0 * min(max(np.sqrt(ratio), 0.1), 10.0)
+        found = admm.next_penalty(3.0, 3.0, primal, dual, z, y, 1.0)
+        assert found == pytest.approx(expected, rel=1e-15)
+        assert factor is None or found == pytest.approx(3.0 * factor)
+    assert admm.next_penalty(1e6, 1e6, 1e9, 1.0, z, y, 1.0) == 1e6  # the upper bound, 1e6 of the largest
+    assert admm.next_penalty(2.0, 1.9, 1.0, 1e-30, z, y, 1e-7) == pytest.approx(0.1)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.swing import RISE, apex_height, clear_lift, smooth_step, swing_motion
+from surefoot.control.swing import RISE, apex_height, clear_lift, minimum_jerk, swing_motion
 from surefoot.terrain import FlatTerrain, StairsTerrain
 
 PLACES = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
@@ -57,7 +57,7 @@ def test_the_smooth_step_is_the_minimum_jerk_polynomial() -> None:
     step = np.polynomial.Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])
     for share in np.linspace(-0.1, 1.4, 31):
         s = np.clip(share, 0.0, 1.0)
-        assert smooth_step(share) == pytest.approx([step(s), step.deriv()(s), step.deriv(2)(s)], abs=1e-12)
+        assert minimum_jerk(share) == pytest.approx([step(s), step.deriv()(s), step.deriv(2)(s)], abs=1e-12)
 
 
 def test_the_apex_clears_ends_and_ground() -> None:

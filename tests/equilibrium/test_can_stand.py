@@ -176,7 +176,7 @@ def test_bounds_on_normal_forces_against_a_linear_program():
         case.com[:] = case.stance.positions.mean(axis=0)
         stance = sf.Stance(contacts)
         angle = 2.0 * np.pi * np.arange(8) / 8
-        grasp, rows, column = rivals.world_grasp(case), [], 0
+        grasp, rows, column = rivals.world_grasp(case.stance, case.com), [], 0
         pieces = []
         for c in stance:
             for _ in range(1 if c.dim == 3 else 4):

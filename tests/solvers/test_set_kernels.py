@@ -83,3 +83,13 @@ def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) ->
             assert smooth.mean() > 0.8
             expected = 0.5 * (ahead + behind)
             assert np.allclose((matrix @ d)[smooth], expected[smooth], rtol=1e-4, atol=1e-4)
+
+
+def test_a_disc_without_radius_holds_its_rows_wherever_the_point_is() -> None:
+    """Frictionless: the tangential force is zero and stays so, also on the normal itself."""
+    contacts = sf.ContactSet([sf.contacts.Point(mu=0.0)])
+    packed = set_kernels.pack(contacts, sf.laws.Law("coulomb", 1.0), np.ones(1))
+    for tangent in (0.0, 0.3):
+        J = np.empty((1, set_kernels.WIDEST, set_kernels.WIDEST))
+        set_kernels.jacobian_sets(*packed, np.array([tangent, 0.0, 1.0]), J)
+        assert J[0, :3, :3].tolist() == np.diag([0.0, 0.0, 1.0]).tolist()

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
-from surefoot.cli.console import plain_console
+from surefoot.cli import shared_options as shared
+from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
-from surefoot.cli.output import to_json
-from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY
 
 PUSHES = {
@@ -25,43 +25,37 @@ PUSHES = {
 
 
 def check(
-    file: Annotated[
-        Path | None, typer.Argument(help="A stance file (YAML); see docs/stance-files.md.")
-    ] = None,
-    robot: Annotated[str | None, typer.Option(help="A known robot instead of a file.")] = None,
-    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
-    feet: Annotated[str | None, typer.Option(help="Foot frames of the robot, comma-separated.")] = None,
-    slope: Annotated[float, typer.Option(help="Slope under the robot that rises along +x [deg].")] = 0.0,
-    mu: Annotated[float | None, typer.Option(help="Friction of every contact (robot: 0.6).")] = None,
-    lift: Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")] = None,
-    facets: Annotated[str, typer.Option(help="Sides of friction pyramids, or 'exact'.")] = "exact",
-    fit: Annotated[str, typer.Option(help="Pyramids inside or around the cones: inner or outer.")] = "inner",
+    file: shared.StanceFile = None,
+    robot: shared.RobotInstead = None,
+    urdf: shared.Urdf = None,
+    feet: shared.RobotFeet = None,
+    slope: shared.SlopeUnder = 0.0,
+    mu: shared.EveryFriction = None,
+    lift: shared.Lifted = None,
+    facets: shared.Facets = "exact",
+    fit: shared.Fit = "inner",
     motors: Annotated[
         bool, typer.Option("--motors/--no-motors", help="Ask the robot's torque limits.")
     ] = True,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
+    out: shared.PictureOut = Path("runs"),
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the stance.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: shared.AsJson = False,
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
     from surefoot.cli import parsing
     from surefoot.cli.stance_input import asked
+    from surefoot.cones.polyhedral import checked_fit
 
-    if fit not in ("inner", "outer"):
-        raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
+    side = checked_fit(fit)
     given = asked(file, robot, urdf, feet, slope, mu, lift)
-    sides = parsing.facets(facets)
-    facts, ground, motor = _facts(given, sides, fit, motors)
+    facts, ground, motor = _facts(given, parsing.facets(facets), side, motors)
     folder, facts["note"] = picture_folder(out, "check") if picture else (None, "")
     if folder is not None:
         from surefoot.viz.stance_plots import draw_check
 
         verdict = motor if ground.feasible and motor is not None else ground
         facts["picture"] = str(draw_check(given.question, verdict, facts["verdict"], folder / "stance.png"))
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print)
     return 0 if facts["possible"] else 1
 
 
@@ -134,22 +128,23 @@ def _sentence(asked: Any, ground: Any, motor: Any, needed: float) -> str:
 def _contact_rows(stance: Any, verdict: Any) -> list[dict[str, Any]]:
     """Return one row per contact: place, friction, force, share of the friction in use."""
     forces = verdict.by_contact() if verdict is not None else [None] * len(stance)
-    rows = []
-    for contact, force in zip(stance, forces, strict=True):
-        row: dict[str, Any] = {
+    return [
+        {
             "name": contact.name,
             "position": contact.position,
             "tilt_deg": math.degrees(math.acos(max(-1.0, min(1.0, float(contact.normal[2]))))),
             "mu": contact.mu,
-            "force": None,
-            "friction_used": None,
+            "force": force,
+            "friction_used": None if force is None else _share(force, contact.mu),
         }
-        if force is not None:
-            row["force"] = force
-            side, limit = math.hypot(force[0], force[1]), contact.mu * force[2]
-            row["friction_used"] = side / limit if limit > 0.0 else (0.0 if side < 1e-9 else math.inf)
-        rows.append(row)
-    return rows
+        for contact, force in zip(stance, forces, strict=True)
+    ]
+
+
+def _share(force: Any, mu: float) -> float:
+    """Return the share of its friction that a force in contact axes uses."""
+    side, limit = math.hypot(force[0], force[1]), mu * force[2]
+    return side / limit if limit > 0.0 else (0.0 if side < 1e-9 else math.inf)
 
 
 def _numbers(values: Any, digits: int) -> str:
@@ -157,35 +152,27 @@ def _numbers(values: Any, digits: int) -> str:
     return "  ".join(f"{round(float(x), digits) + 0.0:.{digits}f}" for x in values)
 
 
-def _print(facts: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    console = plain_console()
+def _print(console: Console, facts: dict[str, Any]) -> None:
     style = "bold green" if facts["possible"] else "bold red"
-    console.print(f"{facts['name']}: {facts['verdict']}", style=style, soft_wrap=True, highlight=False)
-    table = Table()
-    for name in ("contact", "position [m]", "tilt [deg]", "mu", "force x, y, z [N]", "friction used"):
-        table.add_column(name, no_wrap=name in ("position [m]", "force x, y, z [N]"))
+    say(console, f"{facts['name']}: {facts['verdict']}", style=style)
+    rows = []
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)
         used = "-" if row["friction_used"] is None else f"{100 * row['friction_used']:.0f} %"
         place = _numbers(row["position"], 3)
-        table.add_row(row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, used)
-    console.print(table)
+        rows.append((row["name"], place, f"{row['tilt_deg']:.1f}", f"{row['mu']:g}", force, used))
+    whole = ("position [m]", "force x, y, z [N]")
+    header = ("contact", whole[0], "tilt [deg]", "mu", whole[1], "friction used")
+    console.print(table(header, rows, left=6, whole=whole))
     if facts["largest_push"]:
-        table = Table("push at the centre of mass", "largest [N]")
-        for name, size in facts["largest_push"].items():
-            table.add_row(name, "any" if math.isinf(size) else f"{size:.1f}")
-        console.print(table)
+        pushes = facts["largest_push"].items()
+        sizes = [(name, "any" if math.isinf(size) else f"{size:.1f}") for name, size in pushes]
+        console.print(table(("push at the centre of mass", "largest [N]"), sizes, left=2))
     if facts["certificate"] is not None:
         motion = facts["certificate"] / max(abs(x) for x in facts["certificate"])
-        console.print(
+        say(
+            console,
             f"It gives way by the motion [{_numbers(motion[:3], 3)}] [{_numbers(motion[3:], 3)}] (linear, "
             "and angular about the centre of mass): gravity works with it, no contact force against it.",
-            soft_wrap=True,
-            highlight=False,
         )
-    if facts["picture"]:
-        console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
-    if facts["note"]:
-        console.print(facts["note"], soft_wrap=True, highlight=False)
+    say(console, f"picture: {facts['picture']}" if facts["picture"] else "", facts["note"])

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
 from surefoot.arrays import real_number
-from surefoot.cli.console import plain_console
+from surefoot.cli import shared_options as shared
+from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
-from surefoot.cli.output import to_json
-from surefoot.errors import ProblemError, unknown_name
 
 PICTURE_FACETS = (3, 4, 8, 16)
 MOST_ROWS = 32
@@ -24,30 +25,26 @@ def cone(
     facets: Annotated[int, typer.Option(help="Sides of the pyramid, at least 3.")] = 8,
     fit: Annotated[str, typer.Option(help="inner or outer.")] = "inner",
     phase: Annotated[float, typer.Option(help="Turn of the pyramid about the normal [deg].")] = 0.0,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
+    out: shared.PictureOut = Path("runs"),
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the pyramids.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: shared.AsJson = False,
 ) -> int:
     """Print the half-spaces, the rays and the exact fit errors of a friction pyramid, and draw it."""
     from surefoot.cli import parsing
     from surefoot.cones import FrictionCone
+    from surefoot.cones.polyhedral import checked_fit
 
     parsing.friction("--mu", mu)
     parsing.facet_count(facets)
     real_number("--phase", phase, low=-360.0, high=360.0)
-    if fit not in ("inner", "outer"):
-        raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
-    pyramid = FrictionCone(mu).polyhedral(facets, fit, math.radians(phase))  # type: ignore[arg-type]
-    drawn, note = None, ""
-    folder: Path | None = None
-    if picture and mu > 0.0:
-        folder, note = picture_folder(out, "cone")
+    pyramid = FrictionCone(mu).polyhedral(facets, checked_fit(fit), math.radians(phase))
+    drawn = None
+    folder, note = picture_folder(out, "cone") if picture and mu > 0.0 else (None, "")
     if folder is not None:
         from surefoot.viz.cone_plots import draw_pyramids
 
         chosen = sorted({*PICTURE_FACETS, facets} if facets <= 64 else set(PICTURE_FACETS))
         drawn = draw_pyramids(mu, chosen, math.radians(phase), folder / "pyramids.png")
-    error = pyramid.fit_error
     facts: dict[str, Any] = {
         "mu": mu,
         "facets": facets,
@@ -55,21 +52,15 @@ def cone(
         "phase_deg": phase,
         "halfspaces": pyramid.halfspaces,
         "rays": pyramid.rays,
-        "fit_error": {"radial": error.radial, "area": error.area},
+        "fit_error": asdict(pyramid.fit_error),
         "picture": str(drawn) if drawn else None,
         "note": note,
     }
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print)
     return 0
 
 
-def _print(facts: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    console = plain_console()
+def _print(console: Console, facts: dict[str, Any]) -> None:
     console.print(
         f"Friction cone of mu = {facts['mu']:g} as an {facts['fit']} pyramid with {facts['facets']} sides."
     )
@@ -77,15 +68,11 @@ def _print(facts: dict[str, Any]) -> None:
         ("Half-spaces, a . f <= 0", facts["halfspaces"], ("a_x", "a_y", "a_z")),
         ("Rays, f = sum of beta_i ray_i, beta >= 0", facts["rays"], ("f_x", "f_y", "f_z")),
     ):
-        table = Table(title=title, title_justify="left")
-        table.add_column("#", justify="right")
-        for name in names:
-            table.add_column(name, justify="right")
-        for k, row in enumerate(rows[:MOST_ROWS]):
-            table.add_row(str(k), *(f"{x + 0.0:.6f}" for x in row))
+        numbers = ((str(k), *(f"{x + 0.0:.6f}" for x in row)) for k, row in enumerate(rows[:MOST_ROWS]))
+        listed = table(("#", *names), numbers, title, left=0)
         if len(rows) > MOST_ROWS:
-            table.caption = f"and {len(rows) - MOST_ROWS} more, see --json"
-        console.print(table)
+            listed.caption = f"and {len(rows) - MOST_ROWS} more, see --json"
+        console.print(listed)
     error = facts["fit_error"]
     verb = "gives up" if facts["fit"] == "inner" else "promises too much, by"
     console.print(
@@ -94,5 +81,4 @@ def _print(facts: dict[str, Any]) -> None:
     )
     if facts["picture"]:
         console.print(f"Picture: {facts['picture']}", soft_wrap=True)
-    if facts["note"]:
-        console.print(facts["note"], soft_wrap=True, highlight=False)
+    say(console, facts["note"])

@@ -15,6 +15,7 @@ _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
     "drake": "drake", "jax": "jax", "mujoco-mjx": "jax",
+    "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
 FILM = ("mujoco", "imageio", "imageio-ffmpeg")

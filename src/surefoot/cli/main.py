@@ -19,6 +19,7 @@ from surefoot.cli import (
     region,
     solve,
     stand,
+    sweep,
     translate,
     walk,
     warmup,
@@ -42,7 +43,7 @@ app = typer.Typer(
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, identify.identify, audit.audit, worlds.worlds,
+    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds,
     warmup.warmup,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

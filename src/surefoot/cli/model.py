@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli import shared_options as shared
+from surefoot.cli.console import show, table
 
 
 def model(
-    robot: Annotated[
-        str | None, typer.Argument(help="A known robot (default go2); see --urdf for others.")
-    ] = None,
-    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
-    feet: Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")] = None,
+    robot: shared.RobotName = None,
+    urdf: shared.Urdf = None,
+    feet: shared.FootFrames = None,
     fixed_base: Annotated[bool, typer.Option("--fixed-base", help="Bolt the base to the world.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: shared.AsJson = False,
 ) -> int:
     """Print masses, joints and limits, feet, ranks of the contact Jacobian and the centroidal inertia."""
     from surefoot.cli.robots import load
 
-    facts = describe(load(robot, urdf, feet, fixed_base=fixed_base or None))
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(describe(load(robot, urdf, feet, fixed_base=fixed_base or None)), as_json, _print)
     return 0
 
 
@@ -115,9 +109,8 @@ def _feet(robot: Any, stance: Any, J: Any) -> list[dict[str, Any]]:
     return out
 
 
-def _print(facts: dict[str, Any]) -> None:
+def _print(console: Console, facts: dict[str, Any]) -> None:
     """Print the facts as tables."""
-    console = plain_console()
     base = "floating base" if facts["floating_base"] else "fixed base"
     console.print(
         f"{facts['robot']}: {facts['mass']:.3f} kg, {base}, nq = {facts['nq']}, "
@@ -137,43 +130,30 @@ def _print(facts: dict[str, Any]) -> None:
 
 
 def _joint_table(joints: list[dict[str, Any]]) -> Any:
-    from rich.table import Table
-
-    title = "Joints: link mass [kg], range [rad], effort [N m], speed [rad/s]"
-    table = Table(title=title, title_justify="left")
-    table.add_column("joint", no_wrap=True)
-    for name in ("mass", "lower", "upper", "effort", "speed"):
-        table.add_column(name, justify="right", no_wrap=True)
+    rows = []
     for joint in joints:
         limits = [joint.get(key) for key in ("lower", "upper", "effort", "speed")]
         cells = ["-" if x is None or abs(x) > 1e100 else f"{x:.2f}" for x in limits]
-        table.add_row(joint["name"], f"{joint['mass']:.3f}", *cells)
-    return table
+        rows.append((joint["name"], f"{joint['mass']:.3f}", *cells))
+    title = "Joints: link mass [kg], range [rad], effort [N m], speed [rad/s]"
+    header = ("joint", "mass", "lower", "upper", "effort", "speed")
+    return table(header, rows, title, whole=header)
 
 
 def _foot_table(feet: list[dict[str, Any]]) -> Any:
-    from rich.table import Table
-
-    table = Table(title="Feet in the nominal pose: size [mm], place [m]", title_justify="left")
-    table.add_column("foot", no_wrap=True)
-    for name in ("shape", "size", "x", "y", "z", "rank", "by its leg"):
-        table.add_column(name, justify="right", no_wrap=True)
+    rows = []
     for foot in feet:
         size = " x ".join(f"{1e3 * s:.0f}" for s in foot["size"])
         place = (f"{round(x, 3) + 0.0:.3f}" for x in foot["position"])
         ranks = (f"{foot['rank']}/{foot['rows']}", f"{foot['rank_of_its_leg']}/{foot['rows']}")
-        table.add_row(foot["name"], foot["shape"], size, *place, *ranks)
-    return table
+        rows.append((foot["name"], foot["shape"], size, *place, *ranks))
+    header = ("foot", "shape", "size", "x", "y", "z", "rank", "by its leg")
+    return table(header, rows, "Feet in the nominal pose: size [mm], place [m]", whole=header)
 
 
 def _inertia_table(centroidal: dict[str, Any]) -> Any:
-    from rich.table import Table
-
     place = ", ".join(f"{x:.3f}" for x in centroidal["com"])
-    table = Table(title=f"Centroidal inertia [kg m²] about ({place}) m, joints locked", title_justify="left")
-    for name in ("", "x", "y", "z", "radius of gyration [m]"):
-        table.add_column(name, justify="right")
-    rows = zip("xyz", centroidal["inertia"], centroidal["radii_of_gyration"], strict=True)
-    for axis, row, radius in rows:
-        table.add_row(axis, *(f"{x + 0.0:.4f}" for x in row), f"{radius:.3f}")
-    return table
+    title = f"Centroidal inertia [kg m²] about ({place}) m, joints locked"
+    inertia = zip("xyz", centroidal["inertia"], centroidal["radii_of_gyration"], strict=True)
+    rows = ((axis, *(f"{x + 0.0:.4f}" for x in row), f"{radius:.3f}") for axis, row, radius in inertia)
+    return table(("", "x", "y", "z", "radius of gyration [m]"), rows, title, left=0)

@@ -6,28 +6,27 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
 from surefoot.arrays import real_number
-from surefoot.cli.console import plain_console
+from surefoot.cli import shared_options as shared
+from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
-from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError
 
 
 def region(
-    file: Annotated[
-        Path | None, typer.Argument(help="A stance file (YAML); see docs/stance-files.md.")
-    ] = None,
-    robot: Annotated[str | None, typer.Option(help="A known robot instead of a file.")] = None,
-    urdf: Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")] = None,
-    feet: Annotated[str | None, typer.Option(help="Foot frames of the robot, comma-separated.")] = None,
-    slope: Annotated[float, typer.Option(help="Slope under the robot that rises along +x [deg].")] = 0.0,
-    mu: Annotated[float | None, typer.Option(help="Friction of every contact (robot: 0.6).")] = None,
-    lift: Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")] = None,
+    file: shared.StanceFile = None,
+    robot: shared.RobotInstead = None,
+    urdf: shared.Urdf = None,
+    feet: shared.RobotFeet = None,
+    slope: shared.SlopeUnder = 0.0,
+    mu: shared.EveryFriction = None,
+    lift: shared.Lifted = None,
     tol: Annotated[float, typer.Option(help="Largest gap of the regions [m].")] = 1e-3,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
+    out: shared.PictureOut = Path("runs"),
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the regions.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: shared.AsJson = False,
 ) -> int:
     """Draw where the centre of mass and the zero-moment point may be, and say where they differ and why.
 
@@ -57,44 +56,25 @@ def region(
         from surefoot.viz.stance_plots import draw_regions
 
         facts["picture"] = str(draw_regions(question, found, folder / "regions.png"))
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print)
     return 0
 
 
 def _region_facts(region: Any) -> dict[str, Any]:
-    return {
-        "corners": region.inner,
-        "area": region.area,
-        "gap": region.gap,
-        "height": region.height,
-        "force_limit": region.force_limit,
-    }
+    sizes = {key: getattr(region, key) for key in ("area", "gap", "height", "force_limit")}
+    return {"corners": region.inner, **sizes}
 
 
-def _print(facts: dict[str, Any]) -> None:
-    from rich.table import Table
-
+def _print(console: Console, facts: dict[str, Any]) -> None:
     from surefoot.equilibrium.region import polygon_area
 
-    console = plain_console()
-    word = "inside" if facts["com_inside"] else "outside"
-    style = "bold green" if facts["com_inside"] else "bold red"
+    word, style = ("inside", "bold green") if facts["com_inside"] else ("outside", "bold red")
     console.print(f"{facts['name']}: the centre of mass is {word} its region", style=style, soft_wrap=True)
-    table = Table("region", "area [cm²]", "corners", "gap [mm]")
-    for name, key in (("centre of mass", "com_region"), ("zero-moment point", "zmp_region")):
-        row = facts[key]
-        if row is not None:
-            area, count = f"{1e4 * row['area']:.1f}", str(len(row["corners"]))
-            table.add_row(name, area, count, f"{1e3 * row['gap']:.3f}")
     support = facts["support_polygon"]
-    table.add_row("support polygon", f"{1e4 * polygon_area(support):.1f}", str(len(support)), "0")
-    console.print(table)
-    for sentence in facts["differences"]:
-        console.print(sentence, soft_wrap=True, highlight=False)
-    if facts["picture"]:
-        console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
-    if facts["note"]:
-        console.print(facts["note"], soft_wrap=True, highlight=False)
+    named = (("centre of mass", facts["com_region"]), ("zero-moment point", facts["zmp_region"]))
+    sizes = [(name, r["area"], r["corners"], f"{1e3 * r['gap']:.3f}") for name, r in named if r is not None]
+    sizes.append(("support polygon", polygon_area(support), support, "0"))
+    rows = [(name, f"{1e4 * area:.1f}", str(len(corners)), gap) for name, area, corners, gap in sizes]
+    console.print(table(("region", "area [cm²]", "corners", "gap [mm]"), rows, left=4))
+    picture = f"picture: {facts['picture']}" if facts["picture"] else ""
+    say(console, *facts["differences"], picture, facts["note"])

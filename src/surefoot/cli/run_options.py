@@ -13,11 +13,6 @@ from surefoot.arrays import real_number
 if TYPE_CHECKING:
     from surefoot.simulation.scenario import Scenario
 
-RobotName: TypeAlias = Annotated[
-    str | None, typer.Argument(help="A known robot (default go2); see --urdf for others.")
-]
-Urdf: TypeAlias = Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")]
-FootFrames: TypeAlias = Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")]
 Friction: TypeAlias = Annotated[float, typer.Option(help="Friction of the ground.")]
 Duration: TypeAlias = Annotated[float, typer.Option(help="Simulated time [s].")]
 Payload: TypeAlias = Annotated[

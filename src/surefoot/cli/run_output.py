@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
+from surefoot.cli.console import say, table
 from surefoot.spatial import GRAVITY
 
 OUTCOMES = {
@@ -68,22 +69,14 @@ def cost_line(summary: RunSummary) -> str:
 
 def print_tables(console: Any, tables: Sequence[Table], lines: Sequence[str]) -> None:
     """Print the tables and figures of a run."""
-    from rich.table import Table as Grid
-
-    for table in tables:
-        grid = Grid()
-        for k, name in enumerate(table.header):
-            grid.add_column(name, justify="left" if k == 0 else "right")
-        for row in table.rows:
-            grid.add_row(*row)
-        console.print(grid)
-    for line in lines:
-        console.print(line, soft_wrap=True, highlight=False)
+    for one in tables:
+        console.print(table(one.header, one.rows))
+    say(console, *lines)
 
 
 def report_sections(tables: Sequence[Table], lines: Sequence[str]) -> list[tuple[str, str]]:
     """Return the report's sections of tables and figures."""
-    from surefoot.viz.report import paragraph, table
+    from surefoot.viz import report
 
-    written = [(one.title, table(one.header, one.rows)) for one in tables]
-    return [*written, ("Figures", "".join(paragraph(line) for line in lines))]
+    written = [(one.title, report.table(one.header, one.rows)) for one in tables]
+    return [*written, ("Figures", "".join(report.paragraph(line) for line in lines))]

@@ -13,6 +13,7 @@ from rich.console import Console
 
 from surefoot.audit import RunSummary
 from surefoot.cli import run_files
+from surefoot.cli.console import say
 from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import to_json
 from surefoot.cli.progress import progress_bar
@@ -98,8 +99,7 @@ class SimulatedRun:
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
                 watching = [] if tell is None else [Progress(tell)]
                 log = run(world, controller, scenario, watching, self.folder / run_files.PARTS)
-            for line in warned:
-                self._say(line)
+            say(self.console, *warned)
             summary, entries = self._write(log, account)
             if self.as_json:
                 print(to_json(entries))
@@ -131,12 +131,7 @@ class SimulatedRun:
             command = shlex.join(["surefoot", *sys.argv[1:]])
             verdict = headline, summary.good
             written.attempt(page, lambda: write_report(page, title, verdict, sections, command))
-        for note in pictures.notes() + written.notes:
-            self._say(note)
-        self._say(headline, "bold green" if summary.good else "bold red")
-        self._say(f"report: {page if page.exists() else folder}")
+        say(self.console, *pictures.notes(), *written.notes)
+        say(self.console, headline, style="bold green" if summary.good else "bold red")
+        say(self.console, f"report: {page if page.exists() else folder}")
         return summary, entries
-
-    def _say(self, text: str, style: str | None = None) -> None:
-        """Print a line as it is."""
-        self.console.print(text, style=style, soft_wrap=True, highlight=False)

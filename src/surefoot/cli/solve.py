@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.console import Console
 from rich.table import Table
 
 from surefoot.arrays import real_number
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli import shared_options as shared
+from surefoot.cli.console import show
 
 if TYPE_CHECKING:  # the other commands need no compiled code
     from surefoot.contact.lcp import LCP
@@ -33,7 +35,7 @@ def solve(
         ),
     ] = 1e-8,
     max_time: Annotated[float, typer.Option(min=0.0, help="Bound on each solve [s].")] = math.inf,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    json: shared.AsJson = False,
 ) -> int:
     """Solve the problems in files, contacts or LCPs, and print a certificate for each.
 
@@ -65,11 +67,7 @@ def solve(
         else _contact(path, problem, solver, tol, max_time)
         for path, problem in problems
     ]
-    if json:
-        print(to_json(records))
-    else:
-        _print([r for r in records if r["kind"] == "contact"], tol)
-        _print_lcp([r for r in records if r["kind"] == "lcp"], tol)
+    show(records, json, partial(_print, tol=tol))
     return 0 if all(r["status"] == "solved" for r in records) else 1
 
 
@@ -79,14 +77,14 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
     from surefoot.solvers import solve as solve_problem
 
     found = solve_problem(problem, solver, tol, max_time=max_time)
-    shared = redundancy(problem)
+    proof, rows = found.proof, redundancy(problem)
     given = None if problem.reference is None else residuals(problem, problem.reference).velocity_error
     return {
         "file": path.name,
         "kind": "contact",
         "contacts": problem.contacts,
-        "rank": shared.rank,
-        "rows": shared.size,
+        "rank": rows.rank,
+        "rows": rows.size,
         "solver": found.solver,
         "status": found.status.value,
         "velocity_error": found.residuals.velocity_error,
@@ -94,12 +92,8 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
         "natural_map": found.residuals.velocity_error,  # the old name, for one release
         "reference_velocity_error": given,
         "proof": None
-        if found.proof is None
-        else {
-            "direction": found.proof.direction,
-            "reach": found.proof.reach,
-            "work": found.proof.work,
-        },
+        if proof is None
+        else {key: getattr(proof, key) for key in ("direction", "reach", "work")},
         "iterations": found.iterations,
         "seconds": found.solve_time,
         "notes": list(problem.notes),
@@ -113,49 +107,54 @@ def _complementarity(path: Path, problem: LCP, solver: str, tol: float, max_time
     from surefoot.solvers.lcp import solve_lcp
 
     found = solve_lcp(problem, solver, tol, max_time=max_time)
+    names = ("residual", "iterations", "message", "ray", "proof", "z", "w")
     return {
         "file": path.name,
         "kind": "lcp",
         "size": problem.size,
         "solver": found.solver,
         "status": found.status.value,
-        "residual": found.residual,
-        "iterations": found.iterations,
         "seconds": found.solve_time,
-        "message": found.message,
-        "ray": found.ray,
-        "proof": found.proof,
-        "z": found.z,
-        "w": found.w,
+        **{name: getattr(found, name) for name in names},
     }
 
 
+def _print(console: Console, records: list[dict[str, Any]], tol: float) -> None:
+    """Print a table of contact problems and one of LCPs, and what there is to say of single ones."""
+    contacts = [r for r in records if r["kind"] == "contact"]
+    if contacts:
+        table = _table("Contact", tol, ("n", "rank", "status", "velocity error"))
+        for r in contacts:
+            size = str(r["contacts"]), f"{r['rank']}/{r['rows']}"
+            table.add_row(r["file"], *size, r["status"], f"{r['velocity_error']:.1e}", *_effort(r))
+        console.print(table)
+        _print_proofs(console, contacts)
+    lcps = [r for r in records if r["kind"] == "lcp"]
+    if lcps:
+        table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual"))
+        for r in lcps:
+            kept = str(r["size"]), r["solver"], r["status"]
+            table.add_row(r["file"], *kept, f"{r['residual']:.1e}", *_effort(r))
+        console.print(table)
+        _print_rays(console, lcps)
+
+
 def _table(kind: str, tol: float, columns: tuple[str, ...]) -> Table:
-    """Return an empty table with one row per file to come."""
+    """Return an empty table with one row per file to come, its effort last."""
     table = Table(title=f"{kind} problems, to be solved to {tol:g}", title_justify="left")
     table.add_column("file", overflow="fold", min_width=18)
-    for name in columns:
+    for name in (*columns, "steps", "ms"):
         table.add_column(name, justify="left" if name in ("solver", "status") else "right", no_wrap=True)
     return table
 
 
-def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
-    """Print one row per LCP, and what there is to say of those without a solution."""
-    if not records:
-        return
-    console = plain_console()
-    table = _table("Linear complementarity", tol, ("size", "solver", "status", "residual", "steps", "ms"))
-    for r in records:
-        table.add_row(
-            r["file"],
-            str(r["size"]),
-            r["solver"],
-            r["status"],
-            f"{r['residual']:.1e}",
-            str(r["iterations"]),
-            f"{1e3 * r['seconds']:.2f}",
-        )
-    console.print(table)
+def _effort(record: dict[str, Any]) -> tuple[str, str]:
+    """Return iterations and milliseconds."""
+    return str(record["iterations"]), f"{1e3 * record['seconds']:.2f}"
+
+
+def _print_rays(console: Console, records: list[dict[str, Any]]) -> None:
+    """Print what there is to say of LCPs without a solution."""
     for r in records:
         if r["message"]:
             console.print(f"{r['file']}: {r['message']}")
@@ -165,22 +164,8 @@ def _print_lcp(records: list[dict[str, Any]], tol: float) -> None:
                 break
 
 
-def _print(records: list[dict[str, Any]], tol: float) -> None:
-    if not records:
-        return
-    console = plain_console()
-    table = _table("Contact", tol, ("n", "rank", "status", "velocity error", "steps", "ms"))
-    for r in records:
-        table.add_row(
-            r["file"],
-            str(r["contacts"]),
-            f"{r['rank']}/{r['rows']}",
-            r["status"],
-            f"{r['velocity_error']:.1e}",
-            str(r["iterations"]),
-            f"{1e3 * r['seconds']:.2f}",
-        )
-    console.print(table)
+def _print_proofs(console: Console, records: list[dict[str, Any]]) -> None:
+    """Print notes on contact problems, and the proofs that some have no solution."""
     for r in records:
         for note in r["notes"]:
             console.print(f"{r['file']}: {note}")

@@ -10,11 +10,12 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import run_options as options
+from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
-from surefoot.cli.console import plain_console
+from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.robots import load
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError
 from surefoot.simulation.worlds import WORLDS
 
 SHORTEST = 0.1
@@ -22,13 +23,13 @@ SHORTEST = 0.1
 
 
 def stand(
-    robot: options.RobotName = None,
-    urdf: options.Urdf = None,
-    feet: options.FootFrames = None,
+    robot: shared.RobotName = None,
+    urdf: shared.Urdf = None,
+    feet: shared.FootFrames = None,
     mu: options.Friction = 0.6,
     slope: Annotated[float, typer.Option(help="Slope that rises along +x [deg].")] = 0.0,
-    facets: Annotated[str, typer.Option(help="Sides of friction pyramids, or 'exact'.")] = "exact",
-    fit: Annotated[str, typer.Option(help="Pyramids inside or around the cones: inner or outer.")] = "inner",
+    facets: shared.Facets = "exact",
+    fit: shared.Fit = "inner",
     solver: Annotated[str, typer.Option(help="Solver that shares the wrench among the feet.")] = "auto",
     duration: options.Duration = 5.0,
     payload: options.Payload = 0.0,
@@ -70,8 +71,7 @@ def stand(
         "asking whether it can stand (a first run compiles)"
     ):
         statics = _statics(setup, mu, payload)
-    for phase in statics:
-        console.print(phase["text"], soft_wrap=True, highlight=False)
+    say(console, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not anyway:
         if as_json:
             print(to_json(_impossible(setup, statics)))
@@ -113,8 +113,9 @@ def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float,
 
 def _allocation(setup: _Setup, mu: float, facets: int | None, fit: str, solver: str) -> Any:
     """Return how forces are shared; None for the default, exact cones."""
-    if fit not in ("inner", "outer"):
-        raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
+    from surefoot.cones.polyhedral import checked_fit
+
+    side = checked_fit(fit)
     if facets is None and solver in ("auto", "distribution"):
         return None
     import numpy as np
@@ -124,7 +125,7 @@ def _allocation(setup: _Setup, mu: float, facets: int | None, fit: str, solver: 
 
     points = sum(len(foot.centres) for foot in setup.robot.feet)
     weights = wrench_weights(setup.robot, setup.q)
-    return SolverAllocation(np.full(points, mu), weights, FORCE_WEIGHT, solver, facets, fit)  # type: ignore[arg-type]
+    return SolverAllocation(np.full(points, mu), weights, FORCE_WEIGHT, solver, facets, side)
 
 
 def _statics(setup: _Setup, mu: float, payload: float) -> list[dict[str, Any]]:
@@ -142,28 +143,16 @@ def _statics(setup: _Setup, mu: float, payload: float) -> list[dict[str, Any]]:
     for phase, contacts, com in cases:
         verdict = can_stand(contacts, com, robot.mass + payload)
         needed = friction_needed(contacts, com, robot.mass + payload)
+        said = {"phase": phase, "possible": verdict.feasible, "margin": float(verdict.margin)}
         text = statics_line(phase, verdict.feasible, verdict.margin, needed, mu)
-        out.append(
-            {
-                "phase": phase,
-                "possible": bool(verdict.feasible),
-                "margin": float(verdict.margin),
-                "friction_needed": needed,
-                "text": text,
-            }
-        )
+        out.append({**said, "friction_needed": needed, "text": text})
     return out
 
 
 def _impossible(setup: _Setup, statics: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the summary of a stand that statics rules out."""
-    return {
-        "robot": setup.robot.name,
-        "mass": setup.robot.mass,
-        "stood": False,
-        "outcome": "impossible",
-        "statics": statics,
-    }
+    named = {"robot": setup.robot.name, "mass": setup.robot.mass}
+    return {**named, "stood": False, "outcome": "impossible", "statics": statics}
 
 
 def _account(statics: list[dict[str, Any]]) -> Any:

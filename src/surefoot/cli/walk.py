@@ -10,8 +10,9 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import run_options as options
+from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
-from surefoot.cli.console import plain_console
+from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
 from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
@@ -22,9 +23,9 @@ SHORTEST = 0.5
 
 
 def walk(
-    robot: options.RobotName = None,
-    urdf: options.Urdf = None,
-    feet: options.FootFrames = None,
+    robot: shared.RobotName = None,
+    urdf: shared.Urdf = None,
+    feet: shared.FootFrames = None,
     gait: Annotated[
         str, typer.Option(help="stand, trot, walk, pace, bound, flying_trot, or a name in --gait-file.")
     ] = "trot",
@@ -88,8 +89,7 @@ def walk(
     _check_steps(model, schedule, command)
     controller, q = _set_up(model, ground, schedule, command, mu, believed_mu)
     physics = worlds.build_world(world, model, ground, mu, payload, told, console)
-    for note in controller.notes:
-        console.print(note, soft_wrap=True, highlight=False)
+    say(console, *controller.notes)
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
     return run.carry_out(physics, controller, replace(scenario, start=q), _account())
@@ -149,11 +149,5 @@ def _account() -> Any:
     from surefoot.cli.simulated_run import Account
     from surefoot.viz.walk_plots import draw_walk
 
-    return Account(
-        "walking",
-        summarise_walk,
-        walk_output.headline,
-        walk_output.tables,
-        walk_output.figure_lines,
-        draw_walk,
-    )
+    said = (walk_output.headline, walk_output.tables, walk_output.figure_lines)
+    return Account("walking", summarise_walk, *said, draw_walk)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 from rich.console import Console
 
+from surefoot.cli.console import say
 from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
@@ -139,6 +140,5 @@ def build_world(
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", StiffContactWarning)
         world = make_world(name, robot, terrain, mu, payload=payload, **told)
-    for warning in said:
-        console.print(str(warning.message), soft_wrap=True, highlight=False)
+    say(console, *(str(warning.message) for warning in said))
     return world

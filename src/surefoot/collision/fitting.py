@@ -35,7 +35,7 @@ def robot_geometry(robot: Robot) -> Geometry:
     >>> from surefoot.robot import load_robot
     >>> geometry = robot_geometry(load_robot("go2"))
     >>> [(s.name, type(s.shape).__name__) for s in geometry.solids[:3]]
-    [('base_0', 'Box'), ('FL_thigh_0', 'Box'), ('FL_calf_0', 'Capsule')]
+    [('base_0', 'Capsule'), ('FL_thigh_0', 'Capsule'), ('FL_calf_0', 'Capsule')]
     """
     feet = {foot.frame for foot in robot.feet}
     solids = []

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.errors import ProblemError
+
+Fit = Literal["inner", "outer"]
+"""Which side of a cone its pyramid is on: "inner" never promises a force that the cone does not hold."""
 
 
 class Cone(ABC):

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import COMPILING, inline_kernel, kernel
+from surefoot.numerics.vectors import dot
 
 _TIGHT = 1e-10
 
@@ -73,9 +74,7 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
     slack = np.empty(room)
     count = d
     for k in range(d):
-        size = np.sqrt(np.sum(first[k] * first[k]))
-        for q in range(d):
-            rays[k, q] = first[k, q] / size
+        rays[k] = first[k] / np.sqrt(dot(first[k], first[k]))
         for j in range(d):
             if j != k:
                 bits[k, j >> 6] |= _ONE << np.uint64(j & 63)
@@ -85,13 +84,10 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
         mark = _ONE << np.uint64(step & 63)
         outside = 0
         for k in range(count):
-            s = 0.0
-            for q in range(d):
-                s += v[q] * rays[k, q]
-            slack[k] = s
-            if s > _TIGHT:
+            slack[k] = dot(v, rays[k])
+            if slack[k] > _TIGHT:
                 outside += 1
-            elif s >= -_TIGHT:
+            elif slack[k] >= -_TIGHT:
                 slack[k] = 0.0
                 bits[k, step >> 6] |= mark
         if outside == 0:
@@ -105,12 +101,12 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
                     continue
                 if count == room:
                     room *= 2
-                    rays, bits, slack = _grow(rays, bits, slack, room)
-                size = 0.0
-                for q in range(d):
+                    rays = np.concatenate((rays, np.empty_like(rays)))
+                    bits = np.concatenate((bits, np.zeros_like(bits)))
+                    slack = np.concatenate((slack, np.empty_like(slack)))
+                for q in range(d):  # where the edge between the two crosses the new half-space's border
                     rays[count, q] = slack[p] * rays[m, q] - slack[m] * rays[p, q]
-                    size += rays[count, q] ** 2
-                size = 1.0 / np.sqrt(size)
+                size = 1.0 / np.sqrt(dot(rays[count], rays[count]))
                 for q in range(d):
                     rays[count, q] *= size
                 bits[count] = both
@@ -147,21 +143,6 @@ def _adjacent(bits: _Words, count: int, p: int, m: int, d: int, both: _Words) ->
         if holds:
             return False
     return True
-
-
-@kernel
-def _grow(
-    rays: FloatArray, bits: _Words, slack: FloatArray, room: int
-) -> tuple[FloatArray, _Words, FloatArray]:
-    """Return the arrays with room for more rays."""
-    n, d = rays.shape
-    more_rays = np.empty((room, d))
-    more_bits = np.zeros((room, bits.shape[1]), dtype=np.uint64)
-    more_slack = np.empty(room)
-    more_rays[:n] = rays
-    more_bits[:n] = bits
-    more_slack[:n] = slack
-    return more_rays, more_bits, more_slack
 
 
 def polar_rays_exact(V: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.cones.cone import Cone
+from surefoot.cones.cone import Cone, Fit
 
 if TYPE_CHECKING:
     from surefoot.cones.polyhedral import FrictionPyramid
@@ -99,9 +99,7 @@ class FrictionCone(Cone):
             return FrictionCone(math.inf)
         return FrictionCone(1.0 / self.mu)
 
-    def polyhedral(
-        self, facets: int = 8, fit: Literal["inner", "outer"] = "inner", phase: float = 0.0
-    ) -> FrictionPyramid:
+    def polyhedral(self, facets: int = 8, fit: Fit = "inner", phase: float = 0.0) -> FrictionPyramid:
         """Return the pyramid with `facets` sides inside or around this cone.
 
         Parameters

@@ -18,6 +18,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import solve_upper
 from surefoot.numerics.orthogonal import remove_rows, scale_row
+from surefoot.numerics.vectors import dot
 
 _DEPENDENT = 1e-11
 
@@ -60,10 +61,7 @@ def _project(
     """Find the weights beta >= 0 of the nearest point; used marks passive (1) and refused (2) rays."""
     r, d = rays.shape
     beta[:], used[:] = 0.0, 0
-    size = 0.0
-    for q in range(d):
-        size += x[q] * x[q]
-    tol = 1e-13 * math.sqrt(size)
+    tol = 1e-13 * math.sqrt(dot(x, x))
     count = 0
     for _ in range(10 * (r + d)):
         best, at = tol, -1
@@ -152,9 +150,7 @@ def _append(rays: FloatArray, at: int, count: int, basis: FloatArray, L: FloatAr
 def _weights(x: FloatArray, count: int, basis: FloatArray, L: FloatArray, y: FloatArray) -> None:
     """Set y to the least-squares weights of the passive rays: Lᵀ y = basis x."""
     for j in range(count):
-        y[j] = 0.0
-        for q in range(x.size):
-            y[j] += basis[j, q] * x[q]
+        y[j] = dot(basis[j], x)
     solve_upper(L, y[:count])
 
 

@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, cast, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
-from surefoot.cones.cone import Cone
+from surefoot.cones.cone import Cone, Fit
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:  # what needs SciPy and compiled code is loaded by the methods that do
     from surefoot.cones.representation import Method
+
+
+def checked_fit(fit: str) -> Fit:
+    """Return which side of a cone its pyramid is on: "inner" or "outer"; any other word is refused."""
+    if fit not in get_args(Fit):
+        raise ProblemError(unknown_name("fit", fit, get_args(Fit)))
+    return cast("Fit", fit)
 
 
 class PolyhedralCone(Cone):
@@ -111,26 +118,23 @@ class PolyhedralCone(Cone):
     def margin(self, x: ArrayLike) -> FloatArray:
         """Return the signed distance to the boundary: (...), positive inside, infinite in the whole space."""
         points = self._points(x)
-        size = np.linalg.norm(self.halfspaces, axis=1, keepdims=True)
-        normals = self.halfspaces[size[:, 0] > 0.0] / size[size[:, 0] > 0.0]
-        if not len(normals):
-            return np.full(points.shape[:-1], np.inf)
-        slack = -np.max(points @ normals.T, axis=-1)
+        slack = np.asarray(-self._excess(points))
         outside = slack < 0.0
         if np.any(outside):
-            distance = np.linalg.norm(points[outside] - self.project(points[outside]), axis=-1)
-            slack = np.array(slack)
-            slack[outside] = -distance
-        return np.asarray(slack)
+            slack[outside] = -np.linalg.norm(points[outside] - self.project(points[outside]), axis=-1)
+        return slack
 
     def contains(self, x: ArrayLike, tol: float = 1e-9) -> BoolArray:
         """Tell whether x violates no half-space by more than `tol` times max(1, ||x||): (...)."""
         points = self._points(x)
-        size = np.linalg.norm(self.halfspaces, axis=1, keepdims=True)
-        normals = self.halfspaces / np.where(size > 0.0, size, 1.0)
         scale = np.maximum(1.0, np.linalg.norm(points, axis=-1))
-        worst = np.max(points @ normals.T, axis=-1, initial=-np.inf)
-        return np.asarray(worst <= tol * scale)
+        return np.asarray(self._excess(points) <= tol * scale)
+
+    def _excess(self, points: FloatArray) -> FloatArray:
+        """Return how far (..., dim) points are beyond the worst half-space: (...), -inf without any."""
+        size = np.linalg.norm(self.halfspaces, axis=1)
+        normals = self.halfspaces[size > 0.0] / size[size > 0.0, None]
+        return np.asarray(np.max(points @ normals.T, axis=-1, initial=-np.inf))
 
     def dual(self) -> PolyhedralCone:
         """Return the dual cone: its rays are minus the half-spaces, its half-spaces minus the rays."""
@@ -161,17 +165,13 @@ class FrictionPyramid(PolyhedralCone):
     along z and one more row, -f_z <= 0, is needed.
     """
 
-    def __init__(
-        self, mu: float, facets: int = 8, fit: Literal["inner", "outer"] = "inner", phase: float = 0.0
-    ) -> None:
+    def __init__(self, mu: float, facets: int = 8, fit: Fit = "inner", phase: float = 0.0) -> None:
         self.mu = real_number("mu", mu, low=0.0)
         if math.isinf(self.mu):
             raise ProblemError("a friction pyramid needs a finite mu, got inf")
         if int(facets) != facets or facets < 3:
             raise ProblemError(f"facets must be a whole number >= 3, got {facets!r}")
-        if fit not in ("inner", "outer"):
-            raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
-        self.facets, self.fit, self.phase = int(facets), fit, float(phase)
+        self.facets, self.fit, self.phase = int(facets), checked_fit(fit), float(phase)
         half = math.pi / self.facets
         at = self.phase + 2.0 * half * np.arange(self.facets)
         face_angle, ray_angle = (at + half, at) if fit == "inner" else (at, at + half)

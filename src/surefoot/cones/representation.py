@@ -15,9 +15,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import qr
-from scipy.optimize import linprog
-from scipy.spatial import ConvexHull, QhullError
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.double_description import polar_rays, polar_rays_exact
@@ -91,8 +88,7 @@ def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, Int
     column = np.abs(V).max(axis=0)
     column[column == 0.0] = 1.0
     W = _unit_rows(V / column)
-    _, singular, basis = np.linalg.svd(W, full_matrices=True)
-    rank = int(np.sum(singular > _FLAT * singular[0]))
+    singular, basis, rank = _row_space(W)
     whiten = basis[:rank].T / singular[:rank]
     X = _unit_rows(W @ whiten)
     facets, kept = _facets(X, method)
@@ -113,6 +109,12 @@ def _unit_rows(rows: FloatArray) -> FloatArray:
     return np.asarray(rows / np.sqrt(np.einsum("ij,ij->i", rows, rows))[:, None])
 
 
+def _row_space(rows: FloatArray) -> tuple[FloatArray, FloatArray, int]:
+    """Return singular values and an orthonormal basis whose first `rank` rows span the rows, and the rank."""
+    _, singular, basis = np.linalg.svd(rows, full_matrices=True)
+    return singular, basis, int(np.sum(singular > _FLAT * singular[0]))
+
+
 def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
     """Return facet normals and needed generators of cone(X), X of full rank with rows of length one."""
     section = _section(X)
@@ -122,8 +124,7 @@ def _facets(X: FloatArray, method: Method) -> tuple[FloatArray, IntArray]:
     lineal = lineality(X)
     if not np.any(lineal):  # too thin to tell: flat within the tolerance
         lineal = np.ones(len(X), dtype=np.bool_)
-    _, singular, basis = np.linalg.svd(X[lineal], full_matrices=True)
-    rank = int(np.sum(singular > _FLAT * singular[0]))
+    _, basis, rank = _row_space(X[lineal])
     rest = basis[rank:]
     needed = list(np.flatnonzero(lineal))
     if not len(rest):
@@ -142,6 +143,8 @@ def _section(X: FloatArray) -> FloatArray | None:
     length = float(np.linalg.norm(c))
     if length > 0.1 and float((X @ c).min()) > 0.05 * length * length:
         return np.asarray(c / length)
+    from scipy.optimize import linprog  # here as below: loading it takes longer than most programs need cones
+
     rows, dim = X.shape
     result = linprog(
         np.array([*np.zeros(dim), -1.0]),
@@ -160,6 +163,8 @@ def _section(X: FloatArray) -> FloatArray | None:
 
 def lineality(X: FloatArray) -> BoolArray:
     """Tell which rows of X lie in the lineality space of cone(X), that is whose opposite is in it too."""
+    from scipy.optimize import linprog
+
     rows, dim = X.shape
     # maximise sum(s), s <= beta, 0 <= s <= 1, X' beta = 0: s is 1 on the rows of the space, else 0
     result = linprog(
@@ -186,6 +191,8 @@ def _pointed_facets(X: FloatArray, section: FloatArray) -> tuple[FloatArray, Int
         low, high = int(np.argmin(q)), int(np.argmax(q))
         facets = np.array([plane[0] - q[high, 0] * section, q[low, 0] * section - plane[0]])
         return _unit_rows(facets), np.unique([low, high])
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         hull = ConvexHull(q, qhull_options="Qx" if dim > 5 else "")
     except QhullError:
@@ -217,6 +224,8 @@ def _described(X: FloatArray) -> tuple[FloatArray, IntArray] | None:
 
     None where rounding got the better of it, which its own result shows.
     """
+    from scipy.linalg import qr
+
     dim = X.shape[1]
     _, _, pivot = qr(X.T, mode="economic", pivoting=True)
     order = np.concatenate([pivot[:dim], np.setdiff1d(np.arange(len(X)), pivot[:dim])])

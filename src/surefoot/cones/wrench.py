@@ -7,13 +7,13 @@ Formulae of the Contact Wrench Cone for Rectangular Support Areas", ICRA 2015.
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.cones.polyhedral import PolyhedralCone
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.cones.cone import Fit
+from surefoot.cones.polyhedral import PolyhedralCone, checked_fit
+from surefoot.errors import ProblemError
 
 _SIGNS = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]])
 
@@ -60,7 +60,7 @@ class WrenchCone(PolyhedralCone):
         length: float,
         width: float,
         mu: float,
-        fit: Literal["inner", "outer"] = "inner",
+        fit: Fit = "inner",
         torsion: float | None = None,
     ) -> None:
         self.length = _size("length", length)
@@ -68,25 +68,19 @@ class WrenchCone(PolyhedralCone):
         self.mu = real_number("mu", mu, low=0.0)
         if math.isinf(self.mu):
             raise ProblemError("a wrench cone needs a finite mu, got inf")
-        if fit not in ("inner", "outer"):
-            raise ProblemError(unknown_name("fit", fit, ["inner", "outer"]))
-        self.fit = fit
+        self.fit = checked_fit(fit)
         self.torsion = None if torsion is None else real_number("torsion", torsion, low=0.0)
         side = self.mu / math.sqrt(2.0) if fit == "inner" else self.mu
         half = (0.5 * self.length, 0.5 * self.width)
+        limits = (*half, side)
         if self.torsion is None:
-            super().__init__(_coupled_rows(*half, side), _coupled_rays(*half, side))
+            super().__init__(_coupled_rows(*limits), _coupled_rays(*limits))
         else:
-            super().__init__(
-                _decoupled_rows(*half, side, self.torsion), _decoupled_rays(*half, side, self.torsion)
-            )
+            super().__init__(_decoupled_rows(*limits, self.torsion), _decoupled_rays(*limits, self.torsion))
 
     def __repr__(self) -> str:
-        extra = "" if self.torsion is None else f", torsion={self.torsion:g}"
-        return (
-            f"WrenchCone(length={self.length:g}, width={self.width:g}, mu={self.mu:g}, "
-            f"fit={self.fit!r}{extra})"
-        )
+        sizes = f"length={self.length:g}, width={self.width:g}, mu={self.mu:g}, fit={self.fit!r}"
+        return f"WrenchCone({sizes}{'' if self.torsion is None else f', torsion={self.torsion:g}'})"
 
 
 def _size(name: str, value: float) -> float:

@@ -37,7 +37,7 @@ class Blocks:
 
 @inline_kernel
 def block_determinant(G: FloatArray, i: int, add: float) -> float:
-    """Return the determinant of the symmetric 3x3 diagonal block at row i, with `add` on its diagonal."""
+    """Return the determinant of the symmetric 3x3 block of G (m, m) at row i, with `add` on its diagonal."""
     a, b, c = G[i, i] + add, G[i + 1, i + 1] + add, G[i + 2, i + 2] + add
     x, y, z = G[i + 1, i], G[i + 2, i], G[i + 2, i + 1]
     return float(a * (b * c - z * z) - x * (x * c - z * y) + y * (x * z - b * y))
@@ -45,7 +45,7 @@ def block_determinant(G: FloatArray, i: int, add: float) -> float:
 
 @kernel
 def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]:
-    """Replace G by its symmetric part; return max |G| (infinite if not finite), max |G - Gᵀ| and where.
+    """Replace G (m, m) by its symmetric part; return max |G| (infinite if not finite), max |G - Gᵀ|, where.
 
     Where a diagonal entry, a pair's minor or a 3x3 diagonal block shows an eigenvalue of G below
     -slack · max |G|, a negative number and the entry take the place of the last three (row = column for a
@@ -97,7 +97,7 @@ def vectors_fit(vectors: FloatArray) -> bool:
 
 @kernel
 def dense_blocks(G: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return the fields of `Blocks` for a dense symmetric matrix."""
+    """Return the fields of `Blocks` for a dense symmetric matrix (3n, 3n)."""
     n = G.shape[0] // 3
     present = np.zeros((n, n), dtype=np.bool_)
     for i in range(3 * n):

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
@@ -101,8 +100,10 @@ def condensed(
         rest = np.zeros((G.shape[1], right.shape[1]))
         rest[:, -1] = -b
         right = np.vstack([right, rest])
+    from scipy.sparse.linalg import splu
+
     try:
-        solved = scipy.sparse.linalg.splu(M).solve(right)[:size]
+        solved = splu(M).solve(right)[:size]
     except RuntimeError as error:
         raise ProblemError("the mass matrix of a global problem is singular") from error
     return np.asarray(H.T @ solved[:, :-1]), np.asarray(H.T @ solved[:, -1] + w)

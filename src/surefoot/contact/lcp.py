@@ -63,17 +63,11 @@ class LCP:
     @cached_property
     def parts(self) -> tuple[IntArray, ...]:
         """The indices of each part that no entry of M couples to another, in ascending order."""
-        coupled = (self.M != 0.0) | (self.M.T != 0.0)
-        left, found = np.ones(self.size, dtype=bool), []
-        while left.any():
-            part = np.zeros(self.size, dtype=bool)
-            front = np.argmax(left, keepdims=True)
-            while front.size:
-                part[front] = True
-                front = np.flatnonzero(coupled[front].any(axis=0) & ~part)
-            left &= ~part
-            found.append(np.flatnonzero(part))
-        return tuple(found)
+        from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import connected_components
+
+        count, label = connected_components(csr_matrix(self.M), directed=False)
+        return tuple(np.flatnonzero(label == k) for k in range(count))
 
     def part(self, index: IntArray) -> LCP:
         """Return the problem of one of `parts` alone."""
@@ -147,7 +141,7 @@ class LCP:
 
 
 def equilibrated(M: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return D M D whose rows and columns together have largest entries near one, and the exponents of D.
+    """Return D M D (n, n), rows and columns with largest entries near one, and the exponents (n,) of D.
 
     D is diagonal with powers of two, so that nothing is rounded. For z = D z', q' = D q the problem is the
     same, and a congruence keeps M positive semidefinite, copositive-plus or P. Source: D. Ruiz, "A scaling

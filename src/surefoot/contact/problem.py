@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, TypedDict
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,15 +18,23 @@ from surefoot.contact.blocks import (
     vectors_fit,
 )
 from surefoot.contact.laws import COULOMB, LAWS, Law, law_of
-from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense
+from surefoot.contact.matrix import checked_sparse, read_compliance, read_dense, spectral_norm
 from surefoot.contact.scales import scales_blocks, scales_dense
 from surefoot.contact.sets.contact import Contact
 from surefoot.contact.sets.contact_set import ContactSet, set_of
 from surefoot.contact.sets.scales import set_scales
-from surefoot.contact.spectral import spectral_norm, spectral_norm_blocks
 from surefoot.errors import ProblemError
 
 Fit = Literal["inner", "outer"]
+
+
+class ContactOptions(TypedDict, total=False):
+    """What contacts seldom say, by the names of `ContactProblem`'s arguments: for what hands them on."""
+
+    facets: int | None
+    fit: Fit
+    compliance: ArrayLike
+    bilateral: ArrayLike | None
 
 
 class ContactProblem:
@@ -322,13 +330,8 @@ class ContactProblem:
 
     @cached_property
     def norm(self) -> float:
-        """The spectral norm ||G||₂ (Lanczos, to about 1e-9 relative; see `spectral`)."""
-        if self.contacts == 0:
-            return 0.0
-        if self._own_g is None and (self._sparse is not None or self.contacts > 60):
-            b = self.blocks
-            return float(spectral_norm_blocks(b.starts, b.columns, b.values))
-        return float(spectral_norm(self.G))
+        """The spectral norm ||G||₂, to about 1e-9 relative [m/s per unit of force]."""
+        return spectral_norm(self.G if self._sparse is None else self._sparse)
 
     @property
     def scales(self) -> FloatArray:

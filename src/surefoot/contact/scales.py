@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact.blocks import block_product
+from surefoot.contact.blocks import dense_blocks
 from surefoot.kernels import inline_kernel, kernel
 
 NOISE = 1.5e-14
@@ -66,50 +66,15 @@ def _largest_root(cosine: float) -> float:
     return 1.0000000065 + t * x
 
 
-@inline_kernel
-def _join(label: IntArray, k: int, j: int) -> None:
-    """Give the parts of contacts k and j one label, the smaller."""
-    if label[k] != label[j]:
-        new, old = min(label[k], label[j]), max(label[k], label[j])
-        for i in range(label.size):
-            if label[i] == old:
-                label[i] = new
-
-
-@inline_kernel
-def _largest_entry(G: FloatArray, k: int, j: int) -> float:
-    """Return the size of the largest entry of the block G_kj."""
-    most = 0.0
-    for a in range(3):
-        for b in range(3):
-            most = max(most, abs(G[3 * k + a, 3 * j + b]))
-    return most
-
-
 @kernel
-def _labels_dense(G: FloatArray, on: FloatArray, trace: FloatArray, noise: float, label: IntArray) -> bool:
-    """Fill the labels (smallest contact) of the parts of a dense G; tell whether noise joins some."""
-    for k in range(label.size):
-        label[k] = k
-    faint = False
-    for k in range(1, label.size):
-        for j in range(k):
-            if on[k] == 0.0 or on[j] == 0.0 or label[k] == label[j]:
-                continue
-            entry = _largest_entry(G, k, j)
-            if entry > noise * math.sqrt(abs(trace[k])) * math.sqrt(abs(trace[j])):
-                _join(label, k, j)
-            else:
-                faint = faint or entry > 0.0
-    return faint
-
-
-@kernel
-def _labels_blocks(
+def _labels(
     starts: IntArray, columns: IntArray, values: FloatArray, on: FloatArray, trace: FloatArray, noise: float,
     label: IntArray,
 ) -> bool:  # fmt: skip
-    """Do what `_labels_dense` does for a block matrix, by search from each contact not yet reached."""
+    """Fill the labels (smallest contact) of the parts of a block matrix; tell whether noise joins some.
+
+    By breadth-first search from each contact not yet reached.
+    """
     n = label.size
     queue = np.empty(n, dtype=np.int64)
     faint = False
@@ -222,38 +187,8 @@ def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray
         scales[0, k] = symmetric_norm(a, b, c, G[i, i + 1], G[i, i + 2], G[i + 1, i + 2])
         scales[2, k] = a + b + c
     if not (_in_one_part(G, scales[2], low, high) and _scales_of_one_part(g, scales)):
-        _scales_of_parts(G, g, low, high, scales)
-
-
-@kernel
-def _scales_of_parts(
-    G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray
-) -> None:
-    """Fill s and the energies of a dense G in any number of parts; see `scales_dense`."""
-    n = low.size
-    label, work = np.empty(n, dtype=np.int64), np.empty((3, 3 * n))
-    velocities, on, noise = work[0], work[1], work[2]
-    w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
-    for k in range(n):
-        s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
-    for i in range(3 * n):
-        velocities[i], noise[i] = g[i], abs(g[i])
-    preloaded = False
-    for k in range(n):
-        if low[k] > 0.0:
-            preloaded = True
-            for i in range(3 * n):
-                part = G[3 * k + 2, i] * low[k]
-                velocities[i] += part
-                noise[i] += abs(part)
-    if preloaded:
-        _drop_noise(velocities, noise)
-    faint = _labels_dense(G, on, trace, NOISE, label)
-    _largest_speeds(velocities, on, label, 1.0, s)
-    _energies(w, s, label, energy)
-    if faint:
-        _labels_dense(G, on, trace, 0.0, label)
-        _largest_speeds(velocities, on, label, LENT, s)
+        starts, columns, values = dense_blocks(G)
+        scales_blocks(starts, columns, values, g, low, high, scales)
 
 
 @kernel
@@ -261,26 +196,31 @@ def scales_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray,
     scales: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the rows of `scales` (4, n) for a block matrix; see `scales_dense`."""
+    """Fill the rows of `scales` (4, n) for a block matrix in any number of parts; see `scales_dense`."""
     n = low.size
-    label, on, nearest = np.empty(n, dtype=np.int64), np.empty(n), np.zeros(3 * n)
+    label, work = np.empty(n, dtype=np.int64), np.empty((3, 3 * n))
+    velocities, sizes, on = work[0], work[1], work[2]
     w, s, trace, energy = scales[0], scales[1], scales[2], scales[3]
+    preloaded = False
+    for i in range(3 * n):
+        velocities[i], sizes[i] = g[i], abs(g[i])
     for k in range(n):
         s[k], on[k] = 0.0, 1.0 if high[k] > 0.0 else 0.0
         for at in range(starts[k], starts[k + 1]):
+            B, preload = values[at], low[columns[at]]
             if columns[at] == k:
-                B = values[at]
                 w[k] = symmetric_norm(B[0, 0], B[1, 1], B[2, 2], B[0, 1], B[0, 2], B[1, 2])
                 trace[k] = B[0, 0] + B[1, 1] + B[2, 2]
-    velocities = g
-    if low.max() > 0.0:
-        for k in range(n):
-            nearest[3 * k + 2] = max(low[k], 0.0)
-        velocities = block_product(starts, columns, values, nearest) + g
-        _drop_noise(velocities, block_product(starts, columns, np.abs(values), nearest) + np.abs(g))
-    faint = _labels_blocks(starts, columns, values, on, trace, NOISE, label)
+            if preload > 0.0:  # u = G λ + g at λ = (0, 0, low), the admissible forces nearest to zero
+                preloaded = True
+                for a in range(3):
+                    velocities[3 * k + a] += B[a, 2] * preload
+                    sizes[3 * k + a] += abs(B[a, 2] * preload)
+    if preloaded:
+        _drop_noise(velocities, sizes)
+    faint = _labels(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
     _energies(w, s, label, energy)
     if faint:
-        _labels_blocks(starts, columns, values, on, trace, 0.0, label)
+        _labels(starts, columns, values, on, trace, 0.0, label)
         _largest_speeds(velocities, on, label, LENT, s)

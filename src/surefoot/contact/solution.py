@@ -37,7 +37,7 @@ class Status(Enum):
 
 
 def record_of(forces: FloatArray, velocities: FloatArray, numbers: Numbers) -> FloatArray:
-    """Return the record of a `ContactSolution`: forces, velocities, and the fields of `Residuals`."""
+    """Return a `ContactSolution`'s record, (2n + 3, 3): forces, velocities, the fields of `Residuals`."""
     width = forces[0].size if len(forces) else 1
     rest = np.zeros((-(-len(numbers) // width), *forces.shape[1:]))
     rest.reshape(-1)[: len(numbers)] = numbers

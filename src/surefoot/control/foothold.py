@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.spatial import GRAVITY
@@ -120,18 +121,19 @@ def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> t
     return float(height), float(slope_x), float(slope_y)
 
 
-def slope_rotation(yaw: float, slope_x: float, slope_y: float) -> FloatArray:
-    """Return the (3, 3) rotation with z along a plane's normal and x along a heading [rad] in the plane."""
-    normal = np.array([-slope_x, -slope_y, 1.0])
-    normal /= math.sqrt(slope_x * slope_x + slope_y * slope_y + 1.0)
-    forward = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    forward -= (forward @ normal) * normal
-    forward /= math.sqrt(forward @ forward)
-    left = np.array(
-        [
-            normal[1] * forward[2] - normal[2] * forward[1],
-            normal[2] * forward[0] - normal[0] * forward[2],
-            normal[0] * forward[1] - normal[1] * forward[0],
-        ]
-    )
-    return np.column_stack([forward, left, normal])
+def slope_rotation(yaw: ArrayLike, slope: FloatArray) -> FloatArray:
+    """Return (..., 3, 3) rotations with z along a plane's normal and x along (...,) headings in the plane.
+
+    Parameters
+    ----------
+    yaw
+        (...,) headings [rad].
+    slope
+        (2,) rise of the plane along world x and y.
+    """
+    normal = np.array([-slope[0], -slope[1], 1.0]) / math.sqrt(1.0 + float(slope @ slope))
+    heading = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
+    forward = heading - (heading @ normal)[..., None] * normal
+    forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
+    left = np.cross(normal, forward)
+    return np.stack([forward, left, np.broadcast_to(normal, left.shape)], axis=-1)

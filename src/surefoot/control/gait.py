@@ -85,7 +85,29 @@ class ContactSchedule(ABC):
         return self.contacts(start + step * (np.arange(count) + 0.5))
 
 
-class Gait(ContactSchedule):
+class _ModeTable(ContactSchedule):
+    """A schedule that is a table of modes, one row per interval of time; see the module."""
+
+    table: BoolArray
+
+    @property
+    def modes(self) -> IntArray:
+        """(m,) mode numbers of the intervals."""
+        return np.array([mode_number(row) for row in self.table], dtype=np.int64)
+
+    def _refuse_flight(self, name: str, lengths: FloatArray, table: BoolArray, most: float) -> None:
+        """Refuse a run of intervals without any carrying foot that is longer than `most` [s]."""
+        longest = run = 0.0
+        for length, row in zip(lengths.tolist(), table, strict=True):
+            run = 0.0 if row.any() else run + length
+            longest = max(longest, run)
+        if longest > most + SAME_TIME:
+            raise ProblemError(
+                f"{name} has no foot on the ground for {longest:.3g} s; at most {most:g} s is accepted"
+            )
+
+
+class Gait(_ModeTable):
     """A contact schedule that repeats.
 
     Parameters
@@ -138,12 +160,8 @@ class Gait(ContactSchedule):
         for foot in range(self.feet):
             if not self.table[:, foot].any():
                 raise ProblemError(f"gait {name}: foot {foot} is never on the ground")
-        flight = self._longest_flight()
-        if flight > max_flight + SAME_TIME:
-            raise ProblemError(
-                f"gait {name} has no foot on the ground for {flight:.3g} s; "
-                f"at most {max_flight:g} s is accepted"
-            )
+        twice = np.tile(np.diff(self.switching), 2), np.tile(self.table, (2, 1))  # a flight may span the end
+        self._refuse_flight(f"gait {name}", *twice, max_flight)
         self._intervals = [self._foot_intervals(foot) for foot in range(self.feet)]
 
     @classmethod
@@ -185,11 +203,6 @@ class Gait(ContactSchedule):
 
     def __repr__(self) -> str:
         return f"Gait({self.name!r}, period={self.period:g}, modes={self.modes.tolist()})"
-
-    @property
-    def modes(self) -> IntArray:
-        """(m,) mode numbers of the intervals."""
-        return np.array([mode_number(row) for row in self.table], dtype=np.int64)
 
     @property
     def switching(self) -> FloatArray:
@@ -263,13 +276,8 @@ class Gait(ContactSchedule):
             spans.append((float(self._starts[a]), end, bool(column[a])))
         return spans
 
-    def _longest_flight(self) -> float:
-        """Return the longest time without any carrying foot [s]."""
-        lengths = np.diff(self.switching)
-        return _longest_gap(np.tile(lengths, 2), np.tile(self.table, (2, 1)))
 
-
-class ModeSchedule(ContactSchedule):
+class ModeSchedule(_ModeTable):
     """A finite list of modes: before the first event, between events, and after the last (OCS2's form).
 
     Parameters
@@ -306,23 +314,12 @@ class ModeSchedule(ContactSchedule):
         _check_rising("mode schedule", self.event_times)
         self.table = _mode_table("mode schedule", modes, feet, len(self.event_times) + 1)
         self.feet = self.table.shape[1]
-        if math.isfinite(max_flight):
-            lengths = np.concatenate([[math.inf], np.diff(self.event_times), [math.inf]])
-            flight = _longest_gap(lengths[: len(self.table)], self.table)
-            if flight > max_flight + SAME_TIME:
-                raise ProblemError(
-                    f"the mode schedule has no foot on the ground for {flight:.3g} s; "
-                    f"at most {max_flight:g} s is accepted"
-                )
+        lengths = np.concatenate([[math.inf], np.diff(self.event_times), [math.inf]])
+        self._refuse_flight("the mode schedule", lengths[: len(self.table)], self.table, max_flight)
         self._times: list[float] = self.event_times.tolist()
 
     def __repr__(self) -> str:
         return f"ModeSchedule(event_times={self.event_times.tolist()}, modes={self.modes.tolist()})"
-
-    @property
-    def modes(self) -> IntArray:
-        """(m,) mode numbers of the intervals."""
-        return np.array([mode_number(row) for row in self.table], dtype=np.int64)
 
     def contacts(self, times: ArrayLike) -> BoolArray:
         """Return which feet carry at (...) times [s]: (..., feet)."""
@@ -379,12 +376,3 @@ def _mode_table(name: str, modes: ArrayLike, feet: int | None, count: int) -> Bo
     if feet is not None and table.shape[1] != feet:
         raise ProblemError(f"{name} must have {feet} feet, got {table.shape[1]}")
     return table.astype(bool)
-
-
-def _longest_gap(lengths: FloatArray, table: BoolArray) -> float:
-    """Return the longest run of intervals in which no foot carries [s]."""
-    longest = run = 0.0
-    for length, row in zip(lengths.tolist(), table, strict=True):
-        run = 0.0 if row.any() else run + length
-        longest = max(longest, run)
-    return longest

@@ -26,6 +26,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.rotations import log_between
 from surefoot.numerics.vectors import Three, cross
 from surefoot.spatial import GRAVITY
 
@@ -33,32 +34,6 @@ GOOD, NOT_FINITE, NOT_ROTATION = 0, 1, 2
 """What `build` found in its input."""
 CALM = 0.1
 """Time within which an error of velocity is expected to die out [s]."""
-
-
-@inline_kernel
-def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
-    """Fill out with the rotation vector of A Bᵀ."""
-    x = y = z = trace = 0.0
-    for k in range(3):
-        trace += A[0, k] * B[0, k] + A[1, k] * B[1, k] + A[2, k] * B[2, k]
-        x += 0.5 * (A[2, k] * B[1, k] - A[1, k] * B[2, k])
-        y += 0.5 * (A[0, k] * B[2, k] - A[2, k] * B[0, k])
-        z += 0.5 * (A[1, k] * B[0, k] - A[0, k] * B[1, k])
-    sine, cosine = math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0)
-    if sine > 1e-9:
-        scale = math.atan2(sine, cosine) / sine
-        out[0], out[1], out[2] = scale * x, scale * y, scale * z
-    elif cosine > 0.0:
-        out[0], out[1], out[2] = x, y, z
-    else:  # half a turn: any of the two axes will do; A Bᵀ + 1 = 2 axis axisᵀ
-        best, column = -1.0, 0
-        for c in range(3):
-            d = 1.0 + A[c, 0] * B[c, 0] + A[c, 1] * B[c, 1] + A[c, 2] * B[c, 2]
-            if d > best:
-                best, column = d, c
-        for r in range(3):
-            d = A[r, 0] * B[column, 0] + A[r, 1] * B[column, 1] + A[r, 2] * B[column, 2]
-            out[r] = math.pi * (d + (1.0 if r == column else 0.0)) / math.sqrt(2.0 * best)
 
 
 @kernel
@@ -79,6 +54,7 @@ def hessians(weights: FloatArray, terminal: float, steps: int, dt: float) -> Flo
         for k in range(1, steps + 1):
             share = terminal if k == steps else 1.0
             for a in range(k):
+                # an acceleration in step a moves the place at k by dt² (k - a - 1/2), the rate by dt
                 place = weights[0, j] * share * dt * dt * (k - a - 0.5)
                 rate = weights[1, j] * share * dt
                 for b in range(k):
@@ -270,6 +246,7 @@ def _free_motion(
         log_between(ref_rotation[k + 1], ref_rotation[k], turn)
         for a in range(3):
             fall = -GRAVITY if a == 2 else 0.0
+            # what the reference does not do by itself in a step: e' = e + dt ė + (r + dt ṙ + dt² g / 2 - r')
             world[k + 1, 0, a] = (
                 reference[k, 0, a] - reference[k + 1, 0, a] + dt * reference[k, 1, a] + 0.5 * dt * dt * fall
             )
@@ -305,7 +282,7 @@ def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float
     free = predict(drift, np.zeros((N, 6)), dt)
     q = np.empty(6 * N)
     for j in range(6):
-        place = rate = 0.0
+        place = rate = 0.0  # costates of x' = x + dt v + dt² a / 2, v' = v + dt a
         for k in range(N, 0, -1):
             share = terminal if k == N else 1.0
             rate += share * weights[1, j] * free[k, 1, j] + dt * place
@@ -347,7 +324,12 @@ def finish(
     step: IntArray, foot: IntArray, M: FloatArray, force: FloatArray, drift: FloatArray, frames: FloatArray,
     heading: FloatArray, reference: FloatArray, dt: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:  # fmt: skip
-    """Return forces in contact frames and in world axes, the predicted motion and orientation errors."""
+    """Return forces in contact frames and in world axes, the predicted motion and orientation errors.
+
+    Both forces are (N, n, 3) [N], zero in swing; the motion (N + 1, 3, 3) rows position, linear and angular
+    velocity, the errors (N + 1, 3) rotation vectors [rad], world axes. Arguments as `build` returns them,
+    with (c, 3) forces of all contacts.
+    """
     N, n = frames.shape[:2]
     forces, world = np.zeros((N, n, 3)), np.zeros((N, n, 3))
     accelerations = np.zeros((N, 6))

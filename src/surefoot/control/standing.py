@@ -19,7 +19,6 @@ from surefoot.control.allocation import Allocation, ExactAllocation
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.standing_kernels import (
-    contact_torques,
     foot_impedance,
     grasp_map_of_points,
     pd_wrench,
@@ -27,6 +26,7 @@ from surefoot.control.standing_kernels import (
 )
 from surefoot.control.standing_plan import StandingPlan, Target
 from surefoot.log.channels import CHANNELS
+from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -137,6 +137,7 @@ class StandingController(Controller):
         self._integral = np.zeros(6)
         self._bounds_of: tuple[bytes, tuple[FloatArray, FloatArray]] = (b"", (np.zeros(0), np.zeros(0)))
         self._grasp = np.zeros((6, 3 * len(self.point_foot)))
+        self._contact_rows = np.zeros((3 * len(self.point_foot), robot.model.nv))
         self._limits = np.ascontiguousarray(robot.effort_limits, dtype=np.float64)
 
     def _set_points(self, q: FloatArray) -> None:
@@ -144,7 +145,7 @@ class StandingController(Controller):
         points = self.robot.contact_points
         self.point_foot: IntArray = points.foot
         self._centres, self._radii = points.centres, points.radii
-        self._support, self._point_support = points.foot_support, points.support
+        self._support = points.foot_support
         self._all_held = bool(self._support.any(axis=0).all())
         self._frame_ids = points.frames
         self._anchors = self.robot.foot_positions(q)
@@ -231,7 +232,7 @@ class StandingController(Controller):
             pose = pin.updateFramePlacement(model, data, frame)
             rotations[k], places[k] = pose.rotation, pose.translation
         self._base_rotation = np.array(data.oMi[1].rotation)
-        self._jacobian = np.asarray(data.J)
+        self._jacobian = np.ascontiguousarray(data.J)
         self._points = grasp_map_of_points(
             rotations,
             places,
@@ -280,8 +281,7 @@ class StandingController(Controller):
 
     def _torques(self, target: Target, forces: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the joint torques that make the feet push, before the limits: (joints,) [N m]."""
-        pushing = contact_torques(self._jacobian, self._point_support, self._points, self._frames, forces)
-        torques = np.asarray(self._data.nle[6:] - pushing)
+        torques = np.asarray(self._data.nle[6:] - self._carried(forces))
         if self._all_held and target.stance.all():
             return torques
         held = np.asarray(self._support[target.stance].any(axis=0))[6:]
@@ -294,6 +294,12 @@ class StandingController(Controller):
         diagonal = np.diag(M)[6:]
         hold = self._omega_joint**2 * (self._q[7:] - q[7:]) - 2.0 * self._omega_joint * v[6:]
         return np.asarray(np.where(free, torques + diagonal * hold, torques))
+
+    def _carried(self, forces: FloatArray) -> FloatArray:
+        """Return the joints' part of Jᵀ f for (p, 3) forces in contact frames: (joints,) [N m]."""
+        rows = self._contact_rows
+        contact_jacobian(self._jacobian, self._support, self.point_foot, self._points, self._frames, rows)
+        return np.asarray(forces.ravel() @ rows[:, 6:])
 
     def _swing(self, foot: int, target: Target, M: FloatArray, v: FloatArray) -> FloatArray:
         """Return the torques that hold a lifted foot over its place: (joints,) [N m]."""
@@ -318,10 +324,10 @@ def default_normal_bounds(
 
 
 def standing_height(robot: Robot, q: FloatArray) -> float:
-    """Return the height of the base over the feet at a configuration [m], at least 5 cm."""
+    """Return the height of the base over the feet at a configuration (nq,) [m], at least 5 cm."""
     return max(float(q[2] - robot.foot_positions(q)[:, 2].mean()), 0.05)
 
 
 def wrench_weights(robot: Robot, q: FloatArray) -> FloatArray:
-    """Return the weights of the wrench error: one for forces, one over the height squared for moments."""
+    """Return the (6,) weights of the wrench error: 1 for forces, one over the height squared for moments."""
     return np.array([1.0, 1.0, 1.0, *([standing_height(robot, q) ** -2] * 3)])

@@ -1,4 +1,4 @@
-"""Compiled pieces of the standing controller: grasp map, contact torques, swing-foot impedance."""
+"""Compiled pieces of the standing controller: grasp map, PD wrench, swing-foot impedance."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import kernel
 from surefoot.numerics.points import point_jacobian
+from surefoot.numerics.rotations import log_between
 from surefoot.numerics.vectors import cross
 
 
@@ -42,36 +43,6 @@ def grasp_map_of_points(
 
 
 @kernel
-def contact_torques(
-    jacobian: FloatArray, support: BoolArray, points: FloatArray, frames: FloatArray, forces: FloatArray
-) -> FloatArray:
-    """Return the joint part of Jᵀ f: (joints,) [N m], for a floating base.
-
-    Parameters
-    ----------
-    jacobian
-        (6, nv) Pinocchio's data.J: each column the joint's twist at the world's origin.
-    support
-        (p, nv) which velocity components move each point.
-    points, frames, forces
-        (p, 3) contact points, (p, 3, 3) contact frames, (p, 3) forces in them.
-    """
-    nv = jacobian.shape[1]
-    out = np.zeros(nv - 6)
-    for k in range(points.shape[0]):
-        f = np.zeros(3)
-        for i in range(3):
-            for j in range(3):
-                f[i] += frames[k, i, j] * forces[k, j]
-        moment = cross((points[k, 0], points[k, 1], points[k, 2]), (f[0], f[1], f[2]))
-        for c in range(6, nv):
-            if support[k, c]:
-                for i in range(3):
-                    out[c - 6] += jacobian[i, c] * f[i] + jacobian[3 + i, c] * moment[i]
-    return out
-
-
-@kernel
 def foot_impedance(
     jacobian: FloatArray,
     support: BoolArray,
@@ -86,8 +57,10 @@ def foot_impedance(
 
     Parameters
     ----------
-    jacobian, support
-        As for `contact_torques`; support is (nv,).
+    jacobian
+        (6, nv) Pinocchio's data.J: each column the joint's twist at the world's origin.
+    support
+        (nv,) which velocity components move the foot.
     mass_matrix
         (nv, nv).
     v
@@ -110,6 +83,7 @@ def foot_impedance(
         for j in range(count):
             a, b = min(legs[i], legs[j]), max(legs[i], legs[j])
             leg_mass[i, j] = mass_matrix[a, b]  # Pinocchio fills the upper triangle
+    # J M⁻¹ Jᵀ of the leg alone: its inverse is the mass that the foot feels
     mobility = leg_jacobian @ np.linalg.solve(leg_mass, np.ascontiguousarray(leg_jacobian.T))
     mobility += 1e-3 * np.trace(mobility) * np.eye(3)  # a stretched leg has no mobility along itself
     force = np.linalg.solve(mobility, omega * omega * miss + 2.0 * omega * (velocity - now))
@@ -153,18 +127,10 @@ def pd_wrench(
     inertia_base
         (3, 3) of the whole robot about its centre of mass, base axes [kg m²].
     """
-    turn_matrix = wanted_rotation @ rotation.T
-    axial = 0.5 * np.array(
-        [
-            turn_matrix[2, 1] - turn_matrix[1, 2],
-            turn_matrix[0, 2] - turn_matrix[2, 0],
-            turn_matrix[1, 0] - turn_matrix[0, 1],
-        ]
-    )
-    sine = np.sqrt(np.sum(axial * axial))
-    cosine = 0.5 * (turn_matrix[0, 0] + turn_matrix[1, 1] + turn_matrix[2, 2] - 1.0)
-    miss = axial * (np.arctan2(sine, cosine) / sine) if sine > 1e-12 else axial
+    miss = np.empty(3)
+    log_between(wanted_rotation, rotation, miss)
     linear, angular = rotation @ v[:3], rotation @ v[3:6]
+    # force m (ω² e + 2 ω ė + p̈ + g), moment I (ω² e - 2 ω w): critically damped in the body's own inertia
     pull = np.empty(6)
     pull[:3] = mass * omega * omega * (position - q[:3])
     inertia = rotation @ inertia_base @ rotation.T

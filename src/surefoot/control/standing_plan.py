@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.control.swing import minimum_jerk
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -35,19 +36,6 @@ class Lift:
     foot: str
     start: float
     end: float
-
-
-def minimum_jerk(share: float) -> tuple[float, float, float]:
-    """Return a smooth step from 0 to 1 and its first two derivatives at a share of its time.
-
-    >>> minimum_jerk(0.5)[:2]
-    (0.5, 1.875)
-    """
-    s = min(max(share, 0.0), 1.0)
-    value = s * s * s * (10.0 + s * (6.0 * s - 15.0))
-    slope = 30.0 * s * s * (1.0 - s) ** 2
-    curve = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
-    return value, slope, curve
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,16 @@ LIFT_LATER = (LIFT_FIRST, 0.16, 0.24, 0.32)
 
 
 @kernel
-def smooth_step(share: float) -> tuple[float, float, float]:
-    """Return the minimum-jerk step from 0 to 1 and its two derivatives at a share of its time."""
+def minimum_jerk(share: float) -> tuple[float, float, float]:
+    """Return the minimum-jerk step from 0 to 1 and its two derivatives at a share of its time.
+
+    s³ (10 - 15 s + 6 s²): the polynomial whose velocity and acceleration vanish at both ends.
+
+    Examples
+    --------
+    >>> minimum_jerk(0.5)[:2]
+    (0.5, 1.875)
+    """
     s = min(max(share, 0.0), 1.0)
     r = 1.0 - s
     return (
@@ -67,19 +75,19 @@ def swing_motion(
     """
     out = np.zeros((3, 3))
     length = duration * (DOWN_LAST - lift_first)
-    b, db, ddb = smooth_step((share - lift_first) / (DOWN_LAST - lift_first))
+    b, db, ddb = minimum_jerk((share - lift_first) / (DOWN_LAST - lift_first))
     for i in range(2):
         d = target[i] - start[i]
         out[0, i], out[1, i], out[2, i] = start[i] + b * d, db * d / length, ddb * d / (length * length)
     if share < RISE:
         length = duration * RISE
-        b, db, ddb = smooth_step(share / RISE)
+        b, db, ddb = minimum_jerk(share / RISE)
         d = apex - start[2]
         out[0, 2], out[1, 2], out[2, 2] = start[2] + b * d, db * d / length, ddb * d / (length * length)
         return out
     length = duration * (1.0 - RISE)
     part = (share - RISE) / (1.0 - RISE)
-    b, db, ddb = smooth_step(part)
+    b, db, ddb = minimum_jerk(part)
     d = target[2] - apex
     out[0, 2], out[1, 2], out[2, 2] = apex + b * d, db * d / length, ddb * d / (length * length)
     # the descent is blended in over the second half of the way down, and carries on after it

@@ -158,10 +158,6 @@ class BodyPlan:
         vx, vy = float(self.velocity[0]), float(self.velocity[1])
         return c * vx - s * vy, s * vx + c * vy
 
-    def rotation(self) -> FloatArray:
-        """Return the wanted (3, 3) orientation of the base."""
-        return slope_rotation(self.yaw, float(self.slope[0]), float(self.slope[1]))
-
     def places(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return yaw (k,), centre of mass (k, 3) and its velocity (k, 3) at times from now [s]."""
         turn = self.velocity[2]
@@ -178,13 +174,9 @@ class BodyPlan:
     def reference(self, steps: int, dt: float) -> BodyReference:
         """Return the reference of the next `steps` steps of `dt` seconds."""
         yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
-        if self.velocity[2] == 0.0:
-            rotation = np.broadcast_to(self.rotation(), (steps + 1, 3, 3))
-        else:
-            rotation = np.array([slope_rotation(y, float(self.slope[0]), float(self.slope[1])) for y in yaw])
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
-        return BodyReference(rotation, places, flow, spin)
+        return BodyReference(slope_rotation(yaw, self.slope), places, flow, spin)
 
 
 def limit_command(

@@ -133,7 +133,7 @@ class WholeBodyController:
             distributor.reset()
 
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
-        """Compute everything that depends on the state alone and return the part that tasks need."""
+        """Compute what depends on the state (nq,), (nv,) alone and return the part that tasks need."""
         self._known = computable(q, v)
         if self._known:
             return self._update(q, v)
@@ -190,7 +190,7 @@ class WholeBodyController:
         return WholeBodyCommand(clipped, accelerations, forces, feasible, max(violation, 0.0), self._status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
-        """Return the command for a state: `update`, then `solve`."""
+        """Return the command for a state (nq,), (nv,): `update`, then `solve`."""
         self.update(q, v)
         return self.solve(tasks)
 

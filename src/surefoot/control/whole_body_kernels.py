@@ -167,6 +167,7 @@ def base_tasks(
         drift = 0.0
         for k in range(3):
             drift += rotation[i, k] * nle[k] / mass
+        # c̈ = R (M a + nle)_lin / m + g with g = (0, 0, -gravity): rows a = c̈ - g - R nle_lin / m
         wanted[i] = com_acceleration[i] - drift + (gravity if i == 2 else 0.0)
         for j in range(nv):
             rows[i, j] = (
@@ -275,8 +276,8 @@ def eliminate(
         for i in range(r):
             Y[j, i] = E[i, j]
         free[j, 0] = c[j]
-    solve_columns(L, Y)
-    solve_columns(L, free)
+    solve_columns(L, Y)  # H⁻¹ Eᵀ
+    solve_columns(L, free)  # H⁻¹ c
     S, B = np.empty((r, r)), np.zeros((r, 7))
     product(E, Y, S)
     trace = 0.0
@@ -291,7 +292,7 @@ def eliminate(
             B[i, i] = 1.0
     if not cholesky(S):
         return False
-    solve_columns(S, B)
+    solve_columns(S, B)  # S⁻¹ [e_1 ... e_6, e - E H⁻¹ c]: gain and offset side by side
     X = np.empty((nv, 7))
     product(Y, B, X)
     for j in range(nv):

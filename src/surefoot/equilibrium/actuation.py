@@ -8,12 +8,13 @@ Feasibility Analysis to the Online Trajectory Optimization of Legged Robots", IE
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium import regions, statics
 from surefoot.equilibrium.limits import ForceLimits
 from surefoot.equilibrium.region import Region
@@ -49,16 +50,11 @@ def torque_limits(robot: Robot, q: ArrayLike | None, stance: Stance, share: floa
     ProblemError
         For a robot with a fixed base or a share that is not positive.
     """
-    from surefoot.robot.dynamics import bias_forces
-    from surefoot.robot.jacobians import contact_jacobian
-
     if not robot.floating:
         raise ProblemError(f"{robot.name} has a fixed base: its contacts do not carry it")
     if not 0.0 < share < np.inf:
         raise ProblemError(f"share must be positive and finite, got {share:g}")
-    configuration = robot.configuration(q)
-    gravity = bias_forces(robot, configuration, np.zeros(robot.model.nv))[robot.base_dof :]
-    jacobian = contact_jacobian(robot, configuration, stance)[:, robot.base_dof :].T
+    gravity, jacobian = _at_rest(robot, q, stance)
     limit = share * robot.effort_limits
     known = np.flatnonzero(np.isfinite(limit))
     rows = np.vstack([-jacobian[known], jacobian[known]])
@@ -77,13 +73,18 @@ def joint_torques(robot: Robot, q: ArrayLike | None, stance: Stance, forces: Arr
     forces
         (stance.dim,) in contact frames [N, N m].
     """
+    gravity, jacobian = _at_rest(robot, q, stance)
+    return np.asarray(gravity - jacobian @ np.asarray(forces, dtype=np.float64))
+
+
+def _at_rest(robot: Robot, q: ArrayLike | None, stance: Stance) -> tuple[FloatArray, FloatArray]:
+    """Return (joints,) torques that hold the weight alone and Jᵀ (joints, dim): τ = g(q) - Jᵀ f."""
     from surefoot.robot.dynamics import bias_forces
     from surefoot.robot.jacobians import contact_jacobian
 
-    configuration = robot.configuration(q)
-    whole = bias_forces(robot, configuration, np.zeros(robot.model.nv))
-    whole = whole - contact_jacobian(robot, configuration, stance).T @ np.asarray(forces, dtype=np.float64)
-    return np.asarray(whole[robot.base_dof :])
+    configuration, base = robot.configuration(q), robot.base_dof
+    gravity = bias_forces(robot, configuration, np.zeros(robot.model.nv))
+    return gravity[base:], contact_jacobian(robot, configuration, stance)[:, base:].T
 
 
 def can_stand(
@@ -92,7 +93,7 @@ def can_stand(
     q: ArrayLike | None = None,
     external_wrench: ArrayLike | float = 0.0,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     share: float = 1.0,
 ) -> Verdict:
     """Tell whether the ground and the motors together can hold a robot at rest.
@@ -127,7 +128,7 @@ def com_region(
     q: ArrayLike | None = None,
     tol: float = 1e-3,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     share: float = 1.0,
 ) -> Region:
     """Return where the centre of mass may be for the ground and the motors, joint angles as they are.

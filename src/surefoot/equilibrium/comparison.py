@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.region import Region, cut, polygon_area
+from surefoot.equilibrium.polygons import intersection
+from surefoot.equilibrium.region import Region, polygon_area
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.stance import Stance
 
@@ -66,49 +67,43 @@ def _com_sentence(stance: Stance, region: Region, rich: Region, support: FloatAr
         if not rich.empty:
             return "Nowhere can the centre of mass be held: the friction is not enough at any place."
         return "Nowhere can the centre of mass be held, with any friction."
-    lacks, adds = overlap_loss(support, region.inner), overlap_loss(region.inner, support)
-    size = max(polygon_area(support), polygon_area(region.inner), tol * tol)
-    parts = []
-    if lacks > _SAME * size:
-        recovered = overlap_loss(support, rich.inner) <= 0.5 * lacks
-        why = "friction is short there" if recovered else _shape_reason(stance)
-        parts.append(f"leaves out {_percent(lacks, polygon_area(support))} of the support polygon: {why}")
-    if adds > _SAME * size:
-        parts.append(
-            f"reaches beyond the support polygon by {_percent(adds, polygon_area(support))} of its area: "
-            + (
-                "contacts squeeze each other"
-                if region.force_limit < np.inf
-                else "tilted contacts and walls push back"
-            )
-        )
+    squeezed = region.force_limit < np.inf
+    beyond = "contacts squeeze each other" if squeezed else "tilted contacts and walls push back"
+    parts = _differences(stance, region, rich, support, tol, ("friction is short there", beyond))
     if not parts:
         return "The CoM region is the support polygon: friction suffices everywhere above it."
-    return f"The CoM region {'; it '.join(parts)}."
+    return f"The CoM region {parts}."
 
 
 def _zmp_sentence(stance: Stance, region: Region, rich: Region, support: FloatArray, tol: float) -> str:
     if region.empty:
         return "No zero-moment point is possible at constant height for this centre of mass."
+    short = "the contact force cannot lean that far within the friction"
+    beyond = "contacts are not in one level plane"
+    parts = _differences(stance, region, rich, support, tol, (short, beyond))
+    if not parts:
+        return "The ZMP region is the support polygon: contacts are in one level plane and friction suffices."
+    return f"The ZMP region {parts}."
+
+
+def _differences(
+    stance: Stance, region: Region, rich: Region, support: FloatArray, tol: float, why: tuple[str, str]
+) -> str:
+    """Return what a region lacks of the support polygon and adds to it, for which reasons; empty if neither.
+
+    `why` is the reason for a lack that more friction (the `rich` region) mends, and for an addition.
+    """
     lacks, adds = overlap_loss(support, region.inner), overlap_loss(region.inner, support)
-    size = max(polygon_area(support), polygon_area(region.inner), tol * tol)
+    whole = polygon_area(support)
+    size = max(whole, polygon_area(region.inner), tol * tol)
     parts = []
     if lacks > _SAME * size:
         recovered = overlap_loss(support, rich.inner) <= 0.5 * lacks
-        why = (
-            "the contact force cannot lean that far within the friction"
-            if recovered
-            else _shape_reason(stance)
-        )
-        parts.append(f"leaves out {_percent(lacks, polygon_area(support))} of the support polygon: {why}")
+        reason = why[0] if recovered else _shape_reason(stance)
+        parts.append(f"leaves out {_percent(lacks, whole)} of the support polygon: {reason}")
     if adds > _SAME * size:
-        parts.append(
-            f"reaches beyond the support polygon by {_percent(adds, polygon_area(support))} of its area: "
-            "contacts are not in one level plane"
-        )
-    if not parts:
-        return "The ZMP region is the support polygon: contacts are in one level plane and friction suffices."
-    return f"The ZMP region {'; it '.join(parts)}."
+        parts.append(f"reaches beyond the support polygon by {_percent(adds, whole)} of its area: {why[1]}")
+    return "; it ".join(parts)
 
 
 def _shape_reason(stance: Stance) -> str:
@@ -131,13 +126,11 @@ def overlap_loss(a: FloatArray, b: FloatArray) -> float:
 
 
 def clip(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return the intersection of two convex, counter-clockwise polygons (Sutherland and Hodgman)."""
-    if len(b) < 3:
+    """Return the intersection of two convex, counter-clockwise polygons, (k, 2) and (m, 2) corners [m]."""
+    if len(a) < 3 or len(b) < 3:
         return np.zeros((0, 2))
-    out = a
-    for p, q in zip(b, np.roll(b, -1, axis=0), strict=True):
-        outward = np.array([q[1] - p[1], p[0] - q[0]])
-        out = cut(out, outward, float(outward @ p))
-        if not len(out):
-            break
-    return out
+    corners = np.vstack([a, b])
+    edges = np.vstack([np.roll(p, -1, axis=0) - p for p in (a, b)])
+    outward = np.column_stack([edges[:, 1], -edges[:, 0]])
+    middle = a.mean(axis=0)
+    return intersection(outward, (outward * corners).sum(axis=1), middle, 2.0 * float(np.ptp(a)))

@@ -66,6 +66,18 @@ def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
 
 
 @inline_kernel
+def _factor(
+    B: FloatArray, v: FloatArray, eta: FloatArray, lorentz: int, BW: FloatArray, M: FloatArray
+) -> float:
+    """Set BW = B W and M to the Cholesky factor of B W W B'; return the least share that a pivot kept."""
+    _normal_matrix(B, v, eta, lorentz, BW, M)
+    kept = guarded_cholesky(M)
+    if kept < _WEAK:
+        _factor_rows(BW, M, np.empty_like(BW))
+    return float(kept)
+
+
+@inline_kernel
 def _solve_factored(M: FloatArray, v: FloatArray) -> None:
     """Replace v by the solution of (L L') u = v."""
     solve_lower(M, v)
@@ -191,12 +203,9 @@ def minimise(
             break
         apply(v, eta, lorentz, False, z, lam)
         apply(v, eta, lorentz, False, rd, Wrd)
-        _normal_matrix(B, v, eta, lorentz, BW, M)
-        kept = guarded_cholesky(M)
+        kept = _factor(B, v, eta, lorentz, BW, M)
         if math.isnan(kept):
             break
-        if kept < _WEAK:
-            _factor_rows(BW, M, np.empty((r, m)))
         sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
         for corrector in range(2):
             if corrector:
@@ -285,16 +294,22 @@ def _missing(B: FloatArray, b: FloatArray, x: FloatArray, rp: FloatArray) -> tup
 
 
 @inline_kernel
+def _slack(B: FloatArray, c: FloatArray, y: FloatArray, out: FloatArray) -> None:
+    """Set out (m,) to c - B' y."""
+    for i in range(c.size):
+        s = c[i]
+        for j in range(y.size):
+            s -= B[j, i] * y[j]
+        out[i] = s
+
+
+@inline_kernel
 def _set_slack(
     B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: FloatArray, trial: FloatArray
 ) -> None:
     """Set z = c - B' y, so that the dual equations hold to rounding, if that is inside the cone."""
-    r, m = B.shape
-    for i in range(m):
-        s = c[i]
-        for j in range(r):
-            s -= B[j, i] * y[j]
-        trial[i] = s
+    m = c.size
+    _slack(B, c, y, trial)
     for k in range(lorentz):
         i = 3 * k
         if trial[i] <= math.sqrt(trial[i + 1] * trial[i + 1] + trial[i + 2] * trial[i + 2]):
@@ -311,17 +326,9 @@ def _dual_start(B: FloatArray, c: FloatArray, lorentz: int, y: FloatArray, z: Fl
     """Set y = B c and z = c - B' y, moved into the cone along its axis."""
     r, m = B.shape
     for j in range(r):
-        s = 0.0
-        for i in range(m):
-            s += B[j, i] * c[i]
-        y[j] = s
-    size, depth = 0.0, math.inf
-    for i in range(m):
-        s = c[i]
-        for j in range(r):
-            s -= B[j, i] * y[j]
-        z[i] = s
-        size += s * s
+        y[j] = dot(B[j], c)
+    _slack(B, c, y, z)
+    size, depth = dot(z, z), math.inf
     for k in range(lorentz):
         depth = min(depth, z[3 * k] - math.hypot(z[3 * k + 1], z[3 * k + 2]))
     for i in range(3 * lorentz, m):

@@ -5,13 +5,15 @@ Normal bounds of contacts and torque limits of joints are the same thing: rows @
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Literal
+from functools import reduce
 
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.cones import FrictionPyramid
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium.margin import axis_scale, load_scale, spread
 from surefoot.stance import Stance
 
@@ -43,38 +45,65 @@ class ForceLimits:
         """Return both sets of bounds as one."""
         if other is None:
             return self
-        return ForceLimits(
-            np.vstack([self.rows, other.rows]),
-            np.concatenate([self.bound, other.bound]),
-            self.names + other.names,
-        )
+        rows, bound = np.vstack([self.rows, other.rows]), np.concatenate([self.bound, other.bound])
+        return ForceLimits(rows, bound, self.names + other.names)
+
+
+@dataclass(eq=False, slots=True)
+class Question:
+    """What a stance is asked: whether it can give a load, and with which forces.
+
+    Attributes
+    ----------
+    stance
+        Contacts.
+    com
+        (3,) point that moments refer to, the centre of mass in most questions, world axes [m].
+    load
+        (6,) [force; moment about the point] that the contacts have to give, world axes [N, N m].
+    limits
+        All bounds on the forces beside their cones, those on normal forces included; None without any.
+    facets, fit
+        None for exact cones; else the sides of pyramids, "inner" or "outer".
+    """
+
+    stance: Stance
+    com: FloatArray
+    load: FloatArray
+    limits: ForceLimits | None = None
+    facets: int | None = None
+    fit: Fit = "inner"
+
+
+def all_limits(*parts: ForceLimits | None) -> ForceLimits | None:
+    """Return all the bounds given as one set, None where there are none."""
+    given = [part for part in parts if part is not None]
+    return reduce(ForceLimits.and_also, given) if given else None
+
+
+def _normals(stance: Stance) -> FloatArray:
+    """Return (n, dim) rows that pick each contact's normal force out of the stacked forces."""
+    return np.eye(stance.dim)[[part.start + 2 for part in stance.slices]]
 
 
 def normal_limits(stance: Stance) -> ForceLimits | None:
     """Return the bounds on the normal forces of a stance as rows, or None where there are none."""
-    rows, bound, names = [], [], []
-    for contact, part in zip(stance.contacts, stance.slices, strict=True):
-        row = np.zeros(stance.dim)
-        row[part.start + 2] = 1.0
-        if contact.normal_min > 0.0:
-            rows.append(-row)
-            bound.append(-contact.normal_min)
-            names.append(f"{contact.name} normal_min")
-        if contact.normal_max < np.inf:
-            rows.append(row)
-            bound.append(contact.normal_max)
-            names.append(f"{contact.name} normal_max")
-    if not rows:
+    if not stance.bounded:
         return None
-    return ForceLimits(np.array(rows), np.array(bound), tuple(names))
+    found = []
+    for contact, normal in zip(stance.contacts, _normals(stance), strict=True):
+        if contact.normal_min > 0.0:
+            found.append((-normal, -contact.normal_min, f"{contact.name} normal_min"))
+        if contact.normal_max < math.inf:
+            found.append((normal, contact.normal_max, f"{contact.name} normal_max"))
+    rows, bound, names = zip(*found, strict=True)
+    return ForceLimits(np.array(rows), np.array(bound), names)
 
 
 def squeeze_limit(stance: Stance, most: float) -> ForceLimits:
     """Return one bound on the sum of all normal forces [N]."""
-    row = np.zeros((1, stance.dim))
-    for part in stance.slices:
-        row[0, part.start + 2] = 1.0
-    return ForceLimits(row, np.array([most]), ("total normal force",))
+    total = _normals(stance).sum(axis=0, keepdims=True)
+    return ForceLimits(total, np.array([most]), ("total normal force",))
 
 
 @dataclass(frozen=True)
@@ -118,9 +147,7 @@ class Equations:
         return out
 
 
-def corner_basis(
-    mu: FloatArray, facets: int | None, fit: Literal["inner", "outer"]
-) -> tuple[FloatArray, FloatArray]:
+def corner_basis(mu: FloatArray, facets: int | None, fit: Fit) -> tuple[FloatArray, FloatArray]:
     """Return the map from cone coordinates to corner forces, and the axis of the cones in them.
 
     Exact cones have three coordinates each, (f_z, f_x / mu, f_y / mu); pyramids one per ray.
@@ -140,24 +167,18 @@ def corner_basis(
     return force, e
 
 
-def equations(
-    stance: Stance,
-    com: FloatArray,
-    load: FloatArray,
-    limits: ForceLimits | None,
-    facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
-) -> Equations:
+def equations(question: Question) -> Equations:
     """Set up A x = w for a stance with bounds and, if asked, pyramids for cones."""
+    stance, limits = question.stance, question.limits
     points = stance.points()
-    force, axis = corner_basis(points.mu, facets, fit)
-    length = spread(points.positions, com)
-    scale = load_scale(load, length)
-    wrench = points.grasp_map(com) @ force
-    wrench[3:] /= length
-    w = load / scale
+    force, axis = corner_basis(points.mu, question.facets, question.fit)
+    length = spread(points.positions, question.com)
+    scale = load_scale(question.load, length)
+    A = points.grasp_map(question.com) @ force
+    A[3:] /= length
+    w = question.load / scale
     w[3:] /= length
-    lorentz = len(points) if facets is None else 0
+    lorentz = len(points) if question.facets is None else 0
     kept: BoolArray = np.zeros(0, dtype=np.bool_)
     row_scale = np.zeros(0)
     if limits is not None and len(limits):
@@ -169,10 +190,8 @@ def equations(
         row_scale = size * reach
         rows = (limits.rows[kept] @ stance.corner_map @ force) / row_scale[:, None]
         count = len(row_scale)
-        A = np.block([[wrench, np.zeros((6, count))], [rows, np.eye(count)]])
+        A = np.block([[A, np.zeros((6, count))], [rows, np.eye(count)]])
         w = np.concatenate([w, distance / reach])
         axis = np.concatenate([axis, 1.0 / reach])
         force = np.hstack([force, np.zeros((len(force), count))])
-    else:
-        A = wrench
     return Equations(np.ascontiguousarray(A), axis, w, lorentz, force * scale, scale, length, row_scale, kept)

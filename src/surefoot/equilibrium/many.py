@@ -11,17 +11,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
-from surefoot.equilibrium.margin import (
-    ENDLESS,
-    FEASIBLE,
-    LEAST_MU,
-    UNDECIDED,
-    most_margin,
-    stand,
-)
+from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array
+from surefoot.equilibrium.limits import Question
+from surefoot.equilibrium.margin import ENDLESS, FEASIBLE, LEAST_MU, UNDECIDED, most_margin, stand
 from surefoot.equilibrium.region import Region
-from surefoot.equilibrium.regions import com_region
+from surefoot.equilibrium.regions import checked_gap, com_region
 from surefoot.equilibrium.statics import can_stand, needed_wrench
 from surefoot.equilibrium.tracing import ROOM, Program, certified
 from surefoot.equilibrium.verdict import Verdict
@@ -87,8 +81,8 @@ class Verdicts:
         y = self.certificate[k] if status == "impossible" else None
         forces = x if x is None or stance.points() is stance else stance.corner_map @ x
         return Verdict(
-            stance, self.com[k], self.load[k], status, float(self.margin[k]), forces, y, x,  # type: ignore[arg-type]
-            reach=float(self.reach[k]),
+            Question(stance, self.com[k], self.load[k]), status, float(self.margin[k]), forces, y,  # type: ignore[arg-type]
+            None if x is None else x.reshape(-1, 3), reach=float(self.reach[k]),
         )  # fmt: skip
 
     def put(self, k: int, verdict: Verdict) -> None:
@@ -232,9 +226,7 @@ def com_region_many(
     size = len(stances)
     masses = _masses(mass, size)
     heights = None if height is None else _per_stance("height", height, size, ())
-    real_number("tol", tol, low=0.0)
-    if not 0.0 < tol < np.inf:
-        raise ProblemError(f"tol must be positive and finite [m], got {tol:g}")
+    checked_gap(tol)
     points = stances if isinstance(stances, StanceBatch) else StanceBatch.of(stances)
     found: dict[int, Region] = {}
     ordinary = _ordinary(stances)
@@ -280,10 +272,7 @@ def _regions(
         traced = certified(Program(rows, w, axes[i], count, G, anchors[i, :2].copy(), start), None, tol)
         if traced.unbounded or traced.empty:
             continue
-        out[int(k)] = Region(
-            traced.inner, traced.directions, traced.heights, traced.gap, anchors[i, 2],
-            np.array([0.0, 0.0, 1.0]), converged=traced.gap <= tol,
-        )  # fmt: skip
+        out[int(k)] = traced.region(anchors[i, 2], np.array([0.0, 0.0, 1.0]), tol)
     return out
 
 

@@ -31,7 +31,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, pull_back, reflect, turn_first_row
-from surefoot.numerics.vectors import cross
+from surefoot.numerics.vectors import advance, cross, dot
 
 FEASIBLE, INFEASIBLE, UNREACHABLE, ENDLESS, UNDECIDED = 0, 1, 2, 3, 4
 """Outcomes: margin >= 0; margin < 0; load outside the range of the contact forces; margin without bound;
@@ -53,7 +53,7 @@ _SQUEEZE = 0.1
 
 @inline_kernel
 def depth(x: FloatArray, e: FloatArray, lorentz: int) -> float:
-    """Return the largest t with x - t e in the cone, e > 0 on the axes."""
+    """Return the largest t with x - t e in the cone, x and e (m,), e > 0 on the axes."""
     least = math.inf
     for k in range(lorentz):
         i = 3 * k
@@ -151,27 +151,24 @@ def most_margin(
     for i in range(m):
         for j in range(rank):
             x[i] += Q[j, i] * b[j]
-    least_norm = x.copy()
-    size, steepest = 0.0, 0.0
+    least_norm = x.copy()  # A⁺ w: what all solutions have in common; t0 is its margin
+    steepest = 0.0
     for j in range(rank):
-        for i in range(m):
-            a[j] += Q[j, i] * e[i]
+        a[j] = dot(Q[j], e)
     for i in range(m):
-        size += e[i] * e[i]
         steepest = max(steepest, e[i])
     alpha = turn_first_row(Q, rank, a, h, b)
     t0 = depth(x, e, lorentz)
     squeeze = min(_SQUEEZE, 1.0 / steepest)
-    if alpha <= 1e-9 * math.sqrt(size):
-        for i in range(m):
-            x[i] += max(0.0, squeeze - t0) * e[i]
+    if alpha <= 1e-9 * math.sqrt(dot(e, e)):
+        advance(x, max(0.0, squeeze - t0), e)
         _restore(Q, b, rank, x)
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
+    # a start strictly inside the cones, as the interior-point method needs it: depth t0 + start > 0
     start = 1.0 / (steepest * max(1, lorentz)) - 1.5 * min(t0, 0.0)
     if t0 > 0.0:
         start = max(0.0, start - t0)
-    for i in range(m):
-        x[i] += start * e[i]
+    advance(x, start, e)
     dual, z = np.empty(rank - 1), np.empty(m)
     unit = alpha / steepest  # of the objective, for an axis that moves by one
     tol, floor = GAP * min(alpha, 4.0 * unit), b[0] - _ENDLESS_MARGIN * unit
@@ -186,6 +183,7 @@ def most_margin(
         return _settled(A, e, w, lorentz, x, ENDLESS), math.inf, x, y, 0.0
     if _settled(A, e, w, lorentz, x, FEASIBLE) == FEASIBLE:
         return FEASIBLE, t, x, y, 0.0
+    # back from Q's rows to A's: y with A' y = z / alpha, so that (A e).y = 1
     full[0] = 1.0 / alpha
     for j in range(1, rank):
         full[j] = -dual[j - 1] / alpha
@@ -199,11 +197,9 @@ def most_margin(
 def _raise_apices(Q: FloatArray, b: FloatArray, alpha: float, e: FloatArray, x: FloatArray) -> None:
     """Turn x - t e, which meets all equations but the first, into x."""
     t = b[0]
-    for i in range(x.size):
+    for i in range(x.size):  # term by term, as in `_restore`
         t -= Q[0, i] * x[i]
-    t /= alpha
-    for i in range(x.size):
-        x[i] += t * e[i]
+    advance(x, t / alpha, e)
 
 
 @inline_kernel
@@ -218,10 +214,9 @@ def _restore(Q: FloatArray, b: FloatArray, rank: int, x: FloatArray) -> None:
     """Move x onto Q x = b by the shortest way: the equations then hold to rounding."""
     for j in range(rank):
         s = b[j]
-        for i in range(x.size):
+        for i in range(x.size):  # term by term: a sum taken off at the end would lose the last digits
             s -= Q[j, i] * x[i]
-        for i in range(x.size):
-            x[i] += s * Q[j, i]
+        advance(x, s, Q[j])
 
 
 @kernel
@@ -297,7 +292,7 @@ def axis_scale(mu: float) -> float:
 
 @inline_kernel
 def spread(positions: FloatArray, about: FloatArray) -> float:
-    """Return the root mean square distance of the contacts from a point; 1 where all are there."""
+    """Return the root mean square distance of places (n, 3) from a point (3,) [m]; 1 where all are there."""
     s = 0.0
     for i in range(positions.shape[0]):
         for k in range(3):
@@ -308,7 +303,7 @@ def spread(positions: FloatArray, about: FloatArray) -> float:
 
 @inline_kernel
 def load_scale(load: FloatArray, length: float) -> float:
-    """Return the size of a load as a force; 1 for no load at all."""
+    """Return the size of a load (6,) as a force [N], its moments over `length` [m]; 1 for no load at all."""
     s = 0.0
     for k in range(3):
         s += load[k] ** 2 + (load[k + 3] / length) ** 2

@@ -17,7 +17,9 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.equilibrium.cone_program import UNBOUNDED, minimise
 from surefoot.equilibrium.margin import GAP
+from surefoot.equilibrium.polygons import to_segment
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.vectors import dot
 
 TRACED, WITHOUT_BOUND, OUT_OF_DIRECTIONS = 0, 1, 2
 """Outcomes of `trace`: done; forces without bound; the gap stayed above the tolerance, because there were too
@@ -40,17 +42,6 @@ def _corner(
     if abs(det) < 1e-9:
         return vx, vy
     return (ah * by - bh * ay) / det, (ax * bh - bx * ah) / det
-
-
-@inline_kernel
-def _distance(qx: float, qy: float, ax: float, ay: float, bx: float, by: float) -> float:
-    """Return the distance of q from the segment a-b."""
-    dx, dy = bx - ax, by - ay
-    length = dx * dx + dy * dy
-    s = 0.0
-    if length > 0.0:
-        s = min(1.0, max(0.0, ((qx - ax) * dx + (qy - ay) * dy) / length))
-    return math.hypot(qx - ax - s * dx, qy - ay - s * dy)
 
 
 @inline_kernel
@@ -138,24 +129,18 @@ def trace(
         while pending < total:
             k = at if total > 4 else pending
             dx, dy = directions[k, 0], directions[k, 1]
-            size = 0.0
             for i in range(m):
                 c[i] = -(dx * G[0, i] + dy * G[1, i])
-                size += c[i] * c[i]
                 x[i] = start[i]
-            size = math.sqrt(size)
-            if size == 0.0:
-                size = 1.0
+            size = math.sqrt(dot(c, c))
+            size = size if size > 0.0 else 1.0
             for i in range(m):
                 c[i] /= size
             status, _ = minimise(B, b, c, lorentz, x, y, z, GAP + 1e-5 * tol / size, -1e7, 0.0)
             if status == UNBOUNDED:
                 return WITHOUT_BOUND, count, math.inf
             for q in range(2):
-                s = offset[q]
-                for i in range(m):
-                    s += G[q, i] * x[i]
-                points[k, q] = s
+                points[k, q] = offset[q] + dot(G[q], x)
             value, lack = _lower_bound(B, b, c, lorentz, y)
             heights[k] = dx * offset[0] + dy * offset[1] - size * (value - lack * most_force)
             heights[k] = max(heights[k], dx * points[k, 0] + dy * points[k, 1])
@@ -186,7 +171,7 @@ def _widest_gap(
             directions[k, 0], directions[k, 1], heights[k],
             directions[n, 0], directions[n, 1], heights[n], points[k, 0], points[k, 1],
         )  # fmt: skip
-        d = _distance(qx, qy, points[k, 0], points[k, 1], points[n, 0], points[n, 1])
+        d = to_segment(qx, qy, points[k, 0], points[k, 1], points[n, 0], points[n, 1])
         widest = max(widest, d)
         if d > mendable and d > _MENDABLE * max(
             _play(directions, heights, points, k), _play(directions, heights, points, n)

@@ -25,7 +25,7 @@ def _turn(p: FloatArray, a: int, b: int, c: int) -> float:
 
 
 @inline_kernel
-def _to_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+def to_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Return the distance of (x, y) from the segment a-b."""
     dx, dy = bx - ax, by - ay
     length = dx * dx + dy * dy
@@ -80,7 +80,7 @@ def hull(points: FloatArray) -> FloatArray:
 
 @kernel
 def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
-    """Drop corners of a convex polygon that are within `slack` of the segment between their neighbours."""
+    """Drop corners of a convex polygon (k, 2) within `slack` [m] of the segment between their neighbours."""
     count = len(polygon)
     after, before = np.arange(1, count + 1) % count, np.arange(-1, count - 1) % count
     left = count
@@ -89,7 +89,7 @@ def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
             break
         a, c = before[k], after[k]
         ax, ay, cx, cy = polygon[a, 0], polygon[a, 1], polygon[c, 0], polygon[c, 1]
-        if _to_segment(polygon[k, 0], polygon[k, 1], ax, ay, cx, cy) <= slack:
+        if to_segment(polygon[k, 0], polygon[k, 1], ax, ay, cx, cy) <= slack:
             after[a], before[c] = c, a
             before[k] = -1
             left -= 1
@@ -98,9 +98,10 @@ def without_flat_corners(polygon: FloatArray, slack: float) -> FloatArray:
 
 @kernel
 def intersection(directions: FloatArray, heights: FloatArray, middle: FloatArray, reach: float) -> FloatArray:
-    """Return the corners of {p : directions @ p <= heights} inside a square about the middle.
+    """Return the corners (k, 2) of {p : directions @ p <= heights} inside a square about the middle (2,).
 
-    Clipped one half-plane after the other. Empty where nothing is left, up to rounding.
+    Clipped one half-plane after the other, (h, 2) directions and (h,) heights (Sutherland and Hodgman 1974).
+    Empty where nothing is left, up to rounding.
     """
     most = len(heights) + 5
     corners, other, level = np.empty((most, 2)), np.empty((most, 2)), np.empty(most)
@@ -141,7 +142,7 @@ def _farthest_from(corners: FloatArray, polygon: FloatArray) -> float:
         for j in range(k):
             n = (j + 1) % k
             ax, ay, bx, by = polygon[j, 0], polygon[j, 1], polygon[n, 0], polygon[n, 1]
-            nearest = min(nearest, _to_segment(x, y, ax, ay, bx, by))
+            nearest = min(nearest, to_segment(x, y, ax, ay, bx, by))
             inside &= (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
         if not inside:
             worst = max(worst, nearest)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.equilibrium.cone_program import OPTIMAL, UNBOUNDED, minimise
-from surefoot.equilibrium.limits import ForceLimits, equations
+from surefoot.equilibrium.limits import Question, equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, GAP, most_margin
 from surefoot.errors import ProblemError
 from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, turn_first_row
-from surefoot.stance import Stance
 
 
 def farthest(
@@ -38,21 +36,13 @@ def farthest(
     return status, float(Q[0] @ x - b[0]) / alpha
 
 
-def largest_disturbance(
-    stance: Stance,
-    com: FloatArray,
-    load: FloatArray,
-    direction: ArrayLike,
-    limits: ForceLimits | None = None,
-    facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
-) -> float:
+def largest_disturbance(question: Question, direction: ArrayLike) -> float:
     """Return how far a wrench in `direction` on the robot may grow: see `Verdict.largest_disturbance`.
 
     Parameters
     ----------
-    stance, com, load, limits, facets, fit
-        A question that has forces for an answer, as in `Verdict`.
+    question
+        One that has forces for an answer.
     direction
         (6,) [force; moment about the centre of mass], world axes.
 
@@ -62,7 +52,7 @@ def largest_disturbance(
         If the direction is not (6,), finite and nonzero.
     """
     push = nonzero(direction)
-    eq = equations(stance, com, load, limits, facets, fit)
+    eq = equations(question)
     outcome, margin, x, _, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
     if outcome not in (FEASIBLE, ENDLESS) or margin <= BAND:
         return 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from surefoot.equilibrium.polygons import hull, intersection
 _TINY = 1e-300
 
 
+@dataclass(eq=False, repr=False)
 class Region:
     """A convex region between an inner and an outer polygon.
 
@@ -38,25 +40,14 @@ class Region:
         Whether the gap is within the tolerance asked for.
     """
 
-    def __init__(
-        self,
-        inner: FloatArray,
-        directions: FloatArray,
-        heights: FloatArray,
-        gap: float,
-        height: float,
-        axis: FloatArray,
-        force_limit: float = math.inf,
-        converged: bool = True,
-    ) -> None:
-        self.inner = inner
-        self.directions = directions
-        self.heights = heights
-        self.gap = gap
-        self.height = height
-        self.axis = axis
-        self.force_limit = force_limit
-        self.converged = converged
+    inner: FloatArray
+    directions: FloatArray
+    heights: FloatArray
+    gap: float
+    height: float
+    axis: FloatArray
+    force_limit: float = math.inf
+    converged: bool = True
 
     @classmethod
     def nothing(cls, height: float, axis: FloatArray, force_limit: float = math.inf) -> Region:
@@ -124,20 +115,6 @@ def polygon_area(corners: FloatArray) -> float:
         return 0.0
     x, y = corners[:, 0] - corners[0, 0], corners[:, 1] - corners[0, 1]
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
-
-
-def cut(polygon: FloatArray, direction: FloatArray, height: float) -> FloatArray:
-    """Return the part of a convex polygon with direction @ point <= height."""
-    level = polygon @ direction - height
-    out = []
-    for k in range(len(polygon)):
-        v, before = polygon[k], polygon[k - 1]
-        s, t = float(level[k]), float(level[k - 1])
-        if s * t < 0.0:
-            out.append(before + (v - before) * (t / (t - s)))
-        if s <= 0.0:
-            out.append(v)
-    return np.array(out).reshape(-1, 2)
 
 
 def convex_hull(points: FloatArray) -> FloatArray:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from copy import copy
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
+from surefoot.cones.cone import Fit
+from surefoot.equilibrium.limits import ForceLimits, Question, all_limits, normal_limits, squeeze_limit
 from surefoot.equilibrium.region import Region, convex_hull
 from surefoot.equilibrium.statics import needed_wrench
 from surefoot.equilibrium.tracing import Rows, traced
@@ -29,7 +29,7 @@ def com_region(
     external_wrench: ArrayLike | float = 0.0,
     height: float | None = None,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> Region:
     """Return where the centre of mass may be so that the contacts can hold the robot.
@@ -86,9 +86,8 @@ def com_region(
             f"the load must rest on the contacts, got {load[2]:g} N of vertical force to carry"
         )
     anchor = _anchor(stance, height)
-    return _region(
-        stance, anchor, load, tol, facets, fit, limits, _com_rows(load, anchor), load[:3] / load[2]
-    )
+    question = Question(stance, anchor, load, limits, facets, fit)
+    return _region(question, tol, _com_rows(load, anchor), anchor[2], load[:3] / load[2])
 
 
 def zmp_region(
@@ -98,7 +97,7 @@ def zmp_region(
     tol: float = 1e-3,
     height: float | None = None,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> Region:
     """Return where the zero-moment point may be, in a horizontal plane under the centre of mass.
@@ -150,11 +149,8 @@ def zmp_region(
     goal = np.array([load[2], 0.0, 0.0, 0.0])
     pick = np.zeros((2, 6))
     pick[0, 0] = pick[1, 1] = -drop / load[2]
-    region = _region(
-        stance, about, load, tol, facets, fit, limits, (wrench, goal, pick, about[:2]), np.zeros(3), anchor[2]
-    )
-    region.axis = np.array([0.0, 0.0, 1.0])
-    return region
+    question = Question(stance, about, load, limits, facets, fit)
+    return _region(question, tol, (wrench, goal, pick, about[:2]), anchor[2], np.array([0.0, 0.0, 1.0]))
 
 
 def _com_rows(load: FloatArray, anchor: FloatArray) -> Rows:
@@ -183,48 +179,30 @@ def _anchor(stance: Stance, height: float | None) -> FloatArray:
     return middle
 
 
-def _region(
-    stance: Stance, about: FloatArray, load: FloatArray, tol: float, facets: int | None,
-    fit: Literal["inner", "outer"], limits: ForceLimits | None, rows: Rows, axis: FloatArray,
-    height: float | None = None,
-) -> Region:  # fmt: skip
-    """Trace the region of a point that depends linearly on the contact wrench about `about`."""
-    real_number("tol", tol, low=0.0)
-    if not 0.0 < tol < math.inf:
-        raise ProblemError(f"tol must be positive and finite [m], got {tol:g}")
-    plane = about[2] if height is None else height
+def _region(question: Question, tol: float, rows: Rows, height: float, axis: FloatArray) -> Region:
+    """Trace the region of a point that depends linearly on the contact wrench about `question.com`."""
+    checked_gap(tol)
+    stance = question.stance
     if not stance.contacts:
-        return Region.nothing(plane, axis)
-    bounds = normal_limits(stance)
-    bounds = limits if bounds is None else bounds.and_also(limits)
+        return Region.nothing(height, axis)
+    question = replace(question, limits=all_limits(normal_limits(stance), question.limits))
     force_limit = math.inf
-
-    def with_more_friction(more: float) -> Equations:
-        return equations(_with_more_friction(stance, more), about, load, bounds, facets, fit)
-
-    found = traced(with_more_friction, rows, tol, facets or 1)
+    found = traced(question, rows, tol)
     if found.unbounded:
-        force_limit = SQUEEZE * float(np.linalg.norm(load[:3]))
-        squeeze = squeeze_limit(stance, force_limit)
-        bounds = squeeze if bounds is None else bounds.and_also(squeeze)
-        found = traced(with_more_friction, rows, tol, facets or 1)
+        force_limit = SQUEEZE * float(np.linalg.norm(question.load[:3]))
+        limits = all_limits(question.limits, squeeze_limit(stance, force_limit))
+        found = traced(replace(question, limits=limits), rows, tol)
     if found.empty:
-        return Region.nothing(plane, axis, force_limit)
+        return Region.nothing(height, axis, force_limit)
     if found.unbounded:
         raise ProblemError("the region has no bound: give the contacts a normal_max")
-    return Region(
-        found.inner, found.directions, found.heights, found.gap, plane, axis, force_limit, found.gap <= tol
-    )
+    return found.region(height, axis, tol, force_limit)
 
 
-def _with_more_friction(stance: Stance, more: float) -> Stance:
-    """Return the stance with every coefficient raised by `more`."""
-    if more == 0.0:
-        return stance
-    twins = [copy(contact) for contact in stance.contacts]
-    for twin in twins:
-        twin.mu = twin.mu + more
-    return Stance(twins)
+def checked_gap(tol: float) -> None:
+    """Refuse a tolerance that no search can reach, or that is none [m]."""
+    if not 0.0 < real_number("tol", tol, low=0.0) < math.inf:
+        raise ProblemError(f"tol must be positive and finite [m], got {tol:g}")
 
 
 def support_polygon(stance: Stance) -> FloatArray:

@@ -14,11 +14,13 @@ from surefoot.kernels import inline_kernel
 
 @inline_kernel
 def step_to_boundary(x: FloatArray, d: FloatArray, lorentz: int) -> float:
-    """Return the largest step a with x + a d in the cone; infinity when no step leaves it."""
+    """Return the largest step a with x + a d in the cone, x (m,) inside; infinity when no step leaves it."""
     longest = math.inf
     for k in range(lorentz):
         i = 3 * k
-        c = (x[i] - math.hypot(x[i + 1], x[i + 2])) * (x[i] + math.hypot(x[i + 1], x[i + 2]))
+        side = math.sqrt(x[i + 1] * x[i + 1] + x[i + 2] * x[i + 2])  # hypot costs four times as much
+        c = (x[i] - side) * (x[i] + side)
+        # the first s > 0 with det(x + s d) = c + 2 b s + a s² = 0, where det(v) = v0² - v1² - v2²
         b = x[i] * d[i] - x[i + 1] * d[i + 1] - x[i + 2] * d[i + 2]
         a = d[i] * d[i] - d[i + 1] * d[i + 1] - d[i + 2] * d[i + 2]
         disc = max(0.0, b * b - a * c)  # never negative but for rounding: x is inside
@@ -33,7 +35,10 @@ def step_to_boundary(x: FloatArray, d: FloatArray, lorentz: int) -> float:
 
 @inline_kernel
 def scale(x: FloatArray, z: FloatArray, lorentz: int, v: FloatArray, eta: FloatArray) -> bool:
-    """Fill the Nesterov-Todd scaling W = eta (2 v v' - J), W z = W^-1 x; False if x or z is outside."""
+    """Fill the Nesterov-Todd scaling W = eta (2 v v' - J), W z = W^-1 x; False if x or z is outside.
+
+    x, z, v are (m,), eta is (lorentz,); half-lines have W = v.
+    """
     for k in range(lorentz):
         i = 3 * k
         hx = math.sqrt(x[i + 1] * x[i + 1] + x[i + 2] * x[i + 2])
@@ -42,6 +47,7 @@ def scale(x: FloatArray, z: FloatArray, lorentz: int, v: FloatArray, eta: FloatA
         det_z = (z[i] - hz) * (z[i] + hz)
         if not (det_x > 0.0 and det_z > 0.0):
             return False
+        # x and z are brought to determinant one; w is the point halfway, v its square root (section 4)
         sx, sz = 1.0 / math.sqrt(det_x), 1.0 / math.sqrt(det_z)
         dot = (x[i] * z[i] + x[i + 1] * z[i + 1] + x[i + 2] * z[i + 2]) * sx * sz
         half = 0.5 / math.sqrt(0.5 * (1.0 + dot))
@@ -62,7 +68,7 @@ def scale(x: FloatArray, z: FloatArray, lorentz: int, v: FloatArray, eta: FloatA
 def apply(
     v: FloatArray, eta: FloatArray, lorentz: int, inverse: bool, d: FloatArray, out: FloatArray
 ) -> None:
-    """Set out = W d, or W^-1 d; W^-1 = (2 J v v' J - J) / eta."""
+    """Set out (m,) = W d, or W^-1 d, of the scaling (v, eta) of `scale`; W^-1 = (2 J v v' J - J) / eta."""
     sign = -1.0 if inverse else 1.0
     for k in range(lorentz):
         i = 3 * k
@@ -80,7 +86,10 @@ def apply(
 def corrector_target(
     lam: FloatArray, dx: FloatArray, dz: FloatArray, sigma_mu: float, lorentz: int, out: FloatArray
 ) -> None:
-    r"""Set out = lam \ (sigma_mu e - lam o lam - dx o dz), all in scaled coordinates."""
+    r"""Set out (m,) = lam \ (sigma_mu e - lam o lam - dx o dz), all in scaled coordinates.
+
+    o is the Jordan product (u.v, u0 v1 + v0 u1, u0 v2 + v0 u2) and \ its inverse: sections 2 and 5.
+    """
     for k in range(lorentz):
         i = 3 * k
         a, b, c = lam[i], lam[i + 1], lam[i + 2]

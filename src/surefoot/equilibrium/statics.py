@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from copy import copy
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.equilibrium.limits import Equations, ForceLimits, equations, normal_limits, squeeze_limit
+from surefoot.cones.cone import Fit
+from surefoot.equilibrium.limits import (
+    ForceLimits,
+    Question,
+    all_limits,
+    equations,
+    normal_limits,
+    squeeze_limit,
+)
 from surefoot.equilibrium.margin import (
     ENDLESS,
     FEASIBLE,
@@ -48,7 +55,7 @@ def can_stand(
     mass: float,
     external_wrench: ArrayLike | float = 0.0,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> Verdict:
     """Tell whether contact forces can hold a robot at rest, and prove it.
@@ -102,43 +109,35 @@ def can_stand(
     """
     about = _vector("com", com, 3)
     load = needed_wrench(mass, external_wrench)
-    if limits is None and facets is None and not stance.bounded and stance.contacts:
-        points = stance.points()
-        outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
-        if outcome == UNDECIDED and float(points.mu.max()) > _MOST_MU:
-            less = np.minimum(points.mu, _MOST_MU)
-            again = stand(points.positions, points.rotations, less, about, load)
-            if again[0] in (FEASIBLE, ENDLESS):  # forces in a part of the cones; a proof would not hold
-                outcome, margin, x, _, _ = again
-        if outcome in (FEASIBLE, ENDLESS):
-            forces = x if points is stance else stance.corner_map @ x
-            return Verdict(stance, about, load, "possible", margin, forces, None, x)
-        if outcome == UNDECIDED:
-            return Verdict(stance, about, load, "undecided", margin, None, None, None)
-        return Verdict(stance, about, load, "impossible", margin, None, y, None, reach=reach)
-    return _general(stance, about, load, facets, fit, limits)
+    if limits is not None or facets is not None or stance.bounded or not stance.contacts:
+        return _general(Question(stance, about, load, all_limits(normal_limits(stance), limits), facets, fit))
+    question, points = Question(stance, about, load), stance.points()
+    outcome, margin, x, y, reach = stand(points.positions, points.rotations, points.mu, about, load)
+    if outcome == UNDECIDED and float(points.mu.max()) > _MOST_MU:
+        less = np.minimum(points.mu, _MOST_MU)
+        again = stand(points.positions, points.rotations, less, about, load)
+        if again[0] in (FEASIBLE, ENDLESS):  # forces in a part of the cones; a proof would not hold
+            outcome, margin, x, _, _ = again
+    if outcome in (FEASIBLE, ENDLESS):
+        forces = x if points is stance else stance.corner_map @ x
+        return Verdict(question, "possible", margin, forces, None, x.reshape(-1, 3))
+    if outcome == UNDECIDED:
+        return Verdict(question, "undecided", margin)
+    return Verdict(question, "impossible", margin, certificate=y, reach=reach)
 
 
-def _general(
-    stance: Stance,
-    about: FloatArray,
-    load: FloatArray,
-    facets: int | None,
-    fit: Literal["inner", "outer"],
-    limits: ForceLimits | None,
-) -> Verdict:
+def _general(question: Question) -> Verdict:
     """Answer with bounds or pyramids, or without contacts."""
+    stance, load, bounds = question.stance, question.load, question.limits
     if not stance.contacts:
         size = float(np.linalg.norm(load))
         if size == 0.0:
-            return Verdict(stance, about, load, "possible", math.inf, np.zeros(0), None, np.zeros(0))
-        return Verdict(stance, about, load, "impossible", -math.inf, None, -load / size, None, reach=math.inf)
-    bounds = normal_limits(stance)
-    bounds = limits if bounds is None else bounds.and_also(limits)
-    eq = equations(stance, about, load, bounds, facets, fit)
+            return Verdict(question, "possible", math.inf, np.zeros(0), None, np.zeros((0, 3)))
+        return Verdict(question, "impossible", -math.inf, certificate=-load / size, reach=math.inf)
+    eq = equations(question)
     outcome, margin, x, y, _ = most_margin(eq.A, eq.e, eq.w, eq.lorentz)
     if bounds is not None and outcome in (FEASIBLE, ENDLESS) and np.abs(x).max() > _RUNAWAY:
-        held = _held_back(stance, about, load, bounds, facets, fit)
+        held = equations(_held_back(question, bounds))
         again = most_margin(held.A, held.e, held.w, held.lorentz)
         if again[0] in (FEASIBLE, ENDLESS):
             eq, (outcome, margin, x, y, _) = held, again
@@ -146,47 +145,28 @@ def _general(
     if outcome in (FEASIBLE, ENDLESS):
         corners = eq.force @ x
         forces = stance.corner_map @ corners
-        return Verdict(
-            stance, about, load, "possible", margin, forces, None, corners, bounds, None, facets, fit
-        )
+        return Verdict(question, "possible", margin, forces, None, corners.reshape(-1, 3))
     y[6:] = np.maximum(y[6:], 0.0)
     reach = proof_reach(eq.A, eq.w, y, eq.lorentz)
     if reach < REACH:
-        if stance.contacts and float(stance.points().mu.max()) > _MOST_MU:
-            held_by_less = _general(_with_less_friction(stance), about, load, facets, fit, limits)
+        if float(stance.points().mu.max()) > _MOST_MU:  # arithmetic can deal with a part of the cones
+            less = stance.with_friction(np.minimum(stance.mu, _MOST_MU))
+            held_by_less = _general(replace(question, stance=less))
             if held_by_less:
-                return Verdict(
-                    stance, about, load, "possible", held_by_less.margin, held_by_less.forces, None,
-                    held_by_less.corner_forces, bounds, None, facets, fit,
-                )  # fmt: skip
-        return Verdict(stance, about, load, "undecided", margin, None, None, None, bounds, None, facets, fit)
-    multipliers = None if bounds is None else eq.limit_multipliers(y, len(bounds))
+                return replace(held_by_less, question=question)
+        return Verdict(question, "undecided", margin)
+    multipliers = np.zeros(0) if bounds is None else eq.limit_multipliers(y, len(bounds))
     return Verdict(
-        stance, about, load, "impossible", margin, None, eq.wrench_multiplier(y), None, bounds,
-        multipliers, facets, fit, reach * eq.scale,
+        question, "impossible", margin, certificate=eq.wrench_multiplier(y), multipliers=multipliers,
+        reach=reach * eq.scale,
     )  # fmt: skip
 
 
-def _with_less_friction(stance: Stance) -> Stance:
-    """Return the stance with friction that arithmetic can deal with: its forces are in the cones too."""
-    twins = [copy(contact) for contact in stance.contacts]
-    for twin in twins:
-        twin.mu = min(twin.mu, _MOST_MU)
-    return Stance(twins)
-
-
-def _held_back(
-    stance: Stance,
-    about: FloatArray,
-    load: FloatArray,
-    bounds: ForceLimits,
-    facets: int | None,
-    fit: Literal["inner", "outer"],
-) -> Equations:
+def _held_back(question: Question, bounds: ForceLimits) -> Question:
     """Bound the total normal force too: some contacts are bounded, and others squeeze without limit."""
     reach = np.abs(bounds.bound) / np.maximum(np.linalg.norm(bounds.rows, axis=1), 1e-300)
-    most = _RUNAWAY * float(np.linalg.norm(load)) + 10.0 * float(reach.max())
-    return equations(stance, about, load, bounds.and_also(squeeze_limit(stance, most)), facets, fit)
+    most = _RUNAWAY * float(np.linalg.norm(question.load)) + 10.0 * float(reach.max())
+    return replace(question, limits=bounds.and_also(squeeze_limit(question.stance, most)))
 
 
 def friction_needed(
@@ -256,7 +236,7 @@ def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: 
     The sum [N] is that of the forces found with this friction, infinite where none were.
     """
     limit = None if math.isinf(most) else squeeze_limit(stance, most)
-    points = stance.points()
+    bounds, points = all_limits(normal_limits(stance), limit), stance.points()
     places, rotations, same = points.positions, points.rotations, np.empty(len(points))
     held: FloatArray | None = None
     held_at = math.nan
@@ -265,8 +245,8 @@ def _friction_within(stance: Stance, about: FloatArray, load: FloatArray, most: 
         """Return how far the cones' apices may rise: its sign says whether mu is enough."""
         nonlocal held, held_at
         held_at = mu
-        if limit is not None or stance.bounded:
-            verdict = _general(stance.with_friction(mu), about, load, None, "inner", limit)
+        if bounds is not None:
+            verdict = _general(Question(stance.with_friction(mu), about, load, bounds))
             held = verdict.corner_forces
             return verdict.margin
         same.fill(mu)

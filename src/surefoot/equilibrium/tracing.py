@@ -10,16 +10,16 @@ help.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.equilibrium.limits import Equations
+from surefoot.equilibrium.limits import Question, equations
 from surefoot.equilibrium.margin import BAND, ENDLESS, FEASIBLE, INFEASIBLE, UNREACHABLE, depth, most_margin
 from surefoot.equilibrium.outline import TRACED, WITHOUT_BOUND, trace
 from surefoot.equilibrium.polygons import enclose
+from surefoot.equilibrium.region import Region
 from surefoot.numerics.orthogonal import coordinates, orthonormal_rows
 
 Rows = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
@@ -50,6 +50,17 @@ class Traced:
     gap: float
     unbounded: bool = False
 
+    @classmethod
+    def nothing(cls, gap: float, unbounded: bool = False) -> Traced:
+        """Return an outcome without a polygon: a gap of zero proves that there is none."""
+        return cls(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), gap, unbounded)
+
+    def region(self, height: float, axis: FloatArray, tol: float, force_limit: float = math.inf) -> Region:
+        """Return what was found as a region in the plane of a height [m]; see `Region` for the rest."""
+        return Region(
+            self.inner, self.directions, self.heights, self.gap, height, axis, force_limit, self.gap <= tol
+        )
+
     @property
     def empty(self) -> bool:
         """Whether it is proven that nothing belongs to the region."""
@@ -69,35 +80,32 @@ class Program:
     start: FloatArray
 
 
-_NONE = np.zeros((0, 2))
-
-
-def traced(equations_of: Callable[[float], Equations], rows: Rows, tol: float, rays: int = 1) -> Traced:
-    """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it.
-
-    `equations_of` returns the equations of the stance with so much more friction at every contact; its cones
-    have so many `rays` each (1 for exact cones: one axis).
-    """
-    whole = _program(equations_of(0.0), rows)
+def traced(question: Question, rows: Rows, tol: float) -> Traced:
+    """Return the region of the point of `rows` to a gap of `tol`, or as near to it as rounding lets it."""
+    whole = _program(question, rows)
     outcome, margin, whole.start, _, _ = most_margin(whole.A, whole.e, whole.w, whole.lorentz)
     if outcome in (INFEASIBLE, UNREACHABLE):
-        return Traced(_NONE, _NONE, np.zeros(0), 0.0)
-    if outcome == ENDLESS:
-        return Traced(_NONE, _NONE, np.zeros(0), math.inf, unbounded=True)
+        return Traced.nothing(0.0)
     if outcome != FEASIBLE:
-        return Traced(_NONE, _NONE, np.zeros(0), math.inf)
+        return Traced.nothing(math.inf, unbounded=outcome == ENDLESS)
     if margin > ROOM:
         return certified(whole, None, tol)
-    most = _MOST_BACK / rays
-    inside = _widened(_program(equations_of(BAND), rows), max(BAND, _HAIR - margin), most)
+    most = _MOST_BACK / (question.facets or 1)  # a pyramid's cone moves along each of its rays
+    inside = _widened(_program(question, rows, BAND), max(BAND, _HAIR - margin), most)
     if inside is None:
-        return Traced(_NONE, _NONE, np.zeros(0), math.inf)
-    around = _widened(_program(equations_of(ROOM), rows), ROOM - min(0.0, margin), most)
+        return Traced.nothing(math.inf)
+    around = _widened(_program(question, rows, ROOM), ROOM - min(0.0, margin), most)
     return certified(inside, around, tol)
 
 
-def _program(eq: Equations, rows: Rows) -> Program:
-    """Pick the fixed rows of the wrench, scaled, and the point as a map of the cones' coordinates."""
+def _program(question: Question, rows: Rows, more: float = 0.0) -> Program:
+    """Pick the fixed rows of the wrench, scaled, and the point as a map of the cones' coordinates.
+
+    Every contact has so much `more` friction than it was asked about.
+    """
+    if more > 0.0:
+        question = replace(question, stance=question.stance.with_friction(question.stance.mu + more))
+    eq = equations(question)
     wrench, goal, pick, offset = rows
     unscale = np.array([1.0, 1.0, 1.0, eq.length, eq.length, eq.length]) * eq.scale
     A = np.vstack([(wrench * unscale) @ eq.A[:6] / eq.scale, eq.A[6:]])
@@ -111,11 +119,11 @@ def _program(eq: Equations, rows: Rows) -> Program:
 
 def certified(inside: Program, around: Program | None, tol: float) -> Traced:
     """Search, and measure the gap; with a finer estimate where it is not what the search took it for."""
-    best = Traced(_NONE, _NONE, np.zeros(0), math.inf)
+    best = Traced.nothing(math.inf)
     for share in _AIMS:
         outcome, points, directions, heights = _outline(inside, share * tol)
         if outcome == WITHOUT_BOUND:
-            return Traced(_NONE, _NONE, np.zeros(0), math.inf, unbounded=True)
+            return Traced.nothing(math.inf, unbounded=True)
         inner, gap = enclose(points, directions, heights, (1.0 - _AIM) * tol, tol)
         if gap > tol and around is not None:
             other, _, further, higher = _outline(around, share * tol)

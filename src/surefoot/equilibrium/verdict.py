@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.cones.cone import Fit
+from surefoot.equilibrium.limits import ForceLimits, Question
 from surefoot.equilibrium.margin import REACH
 from surefoot.equilibrium.push import largest_disturbance, nonzero
 from surefoot.stance import Stance
@@ -14,14 +17,17 @@ from surefoot.stance import Stance
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from surefoot.equilibrium.limits import ForceLimits
+_NONE = np.zeros(0)
 
 
+@dataclass(eq=False, repr=False, slots=True)
 class Verdict:
     """Whether a stance can give a wrench, with a proof either way; truthy when it can.
 
     Attributes
     ----------
+    question
+        What was asked; its parts are `stance`, `com`, `load`, `limits`, `facets` and `fit` here too.
     status
         "possible", "impossible", or "undecided" where rounding leaves neither forces nor a proof: stances
         that only forces beyond ten thousand loads could tell apart.
@@ -46,72 +52,61 @@ class Verdict:
         How far that proof goes [N]: forces that give the load would have normal forces that add up to this
         at least. Infinite where it holds without exception; where contacts can squeeze each other, or load
         and contacts fit only up to rounding, it is finite, and ten thousand loads at least. 0 when possible.
+    corner_forces
+        (k, 3) forces of the points of `stance.points()` in contact frames [N]; None when impossible.
     multipliers
         (l,) weights >= 0 of the rows of `limits`; empty without bounds.
-    load
-        (6,) [force; moment about the centre of mass] that the contacts have to give, world axes.
-    stance, com, limits, facets, fit
-        What was asked.
     """
 
-    __slots__ = (
-        "_corner_forces",
-        "certificate",
-        "com",
-        "facets",
-        "feasible",
-        "fit",
-        "forces",
-        "limits",
-        "load",
-        "margin",
-        "multipliers",
-        "reach",
-        "stance",
-        "status",
-    )
+    question: Question
+    status: Literal["possible", "impossible", "undecided"]
+    margin: float
+    forces: FloatArray | None = None
+    certificate: FloatArray | None = None
+    corner_forces: FloatArray | None = None
+    multipliers: FloatArray = field(default_factory=lambda: _NONE)
+    reach: float = 0.0
 
-    def __init__(
-        self,
-        stance: Stance,
-        com: FloatArray,
-        load: FloatArray,
-        status: Literal["possible", "impossible", "undecided"],
-        margin: float,
-        forces: FloatArray | None,
-        certificate: FloatArray | None,
-        corner_forces: FloatArray | None,
-        limits: ForceLimits | None = None,
-        multipliers: FloatArray | None = None,
-        facets: int | None = None,
-        fit: Literal["inner", "outer"] = "inner",
-        reach: float = 0.0,
-    ) -> None:
-        self.stance = stance
-        self.com = com
-        self.load = load
-        self.status: Literal["possible", "impossible", "undecided"] = status
-        self.feasible = status == "possible"
-        self.reach = reach
-        self.margin = margin
-        self.forces = forces
-        self.certificate = certificate
-        self._corner_forces = corner_forces
-        self.limits = limits
-        self.multipliers = _NONE if multipliers is None else multipliers
-        self.facets = facets
-        self.fit: Literal["inner", "outer"] = fit
+    @property
+    def feasible(self) -> bool:
+        """Whether forces were found that give the load."""
+        return self.status == "possible"
+
+    @property
+    def stance(self) -> Stance:
+        """The contacts that were asked."""
+        return self.question.stance
+
+    @property
+    def com(self) -> FloatArray:
+        """(3,) centre of mass, world axes [m]."""
+        return self.question.com
+
+    @property
+    def load(self) -> FloatArray:
+        """(6,) [force; moment about the centre of mass] to be given, world axes [N, N m]."""
+        return self.question.load
+
+    @property
+    def limits(self) -> ForceLimits | None:
+        """All bounds on the forces beside their cones; None without any."""
+        return self.question.limits
+
+    @property
+    def facets(self) -> int | None:
+        """Sides of the pyramids, None for exact cones."""
+        return self.question.facets
+
+    @property
+    def fit(self) -> Fit:
+        """Whether the pyramids are inside or around the cones."""
+        return self.question.fit
 
     def __bool__(self) -> bool:
         return self.feasible
 
     def __repr__(self) -> str:
         return f"Verdict({self.status}, margin={self.margin:.3g} N, {len(self.stance)} contacts)"
-
-    @property
-    def corner_forces(self) -> FloatArray | None:
-        """(k, 3) forces of the points of `stance.points()` in contact frames [N]; None when impossible."""
-        return None if self._corner_forces is None else self._corner_forces.reshape(-1, 3)
 
     @property
     def limiting(self) -> tuple[str, ...]:
@@ -152,7 +147,7 @@ class Verdict:
         return mu / np.cos(np.pi / self.facets) if self.facets is not None and self.fit == "outer" else mu
 
     def _forces_hold(self, tol: float) -> bool:
-        if self.forces is None or self._corner_forces is None:
+        if self.forces is None or self.corner_forces is None:
             return False
         if not len(self.stance):
             return not np.any(self.load)
@@ -160,7 +155,7 @@ class Verdict:
         if not np.all(np.isfinite(self.forces)):
             return False
         rest = self.stance.grasp_map(self.com) @ self.forces - self.load
-        corners, mu = self._corner_forces.reshape(-1, 3), self._friction()
+        corners, mu = self.corner_forces, self._friction()
         side = np.hypot(corners[:, 0], corners[:, 1])
         outside = np.maximum(-corners[:, 2], (side - mu * corners[:, 2]) / np.hypot(1.0, mu))
         inside = bool(np.all(outside <= 2.0 * tol * size))
@@ -216,7 +211,4 @@ class Verdict:
         push = nonzero(direction)
         if not self.feasible or not len(self.stance):
             return 0.0
-        return largest_disturbance(self.stance, self.com, self.load, push, self.limits, self.facets, self.fit)
-
-
-_NONE = np.zeros(0)
+        return largest_disturbance(self.question, push)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array
+from surefoot.cones.cone import Fit
 from surefoot.equilibrium.limits import ForceLimits
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region
@@ -60,7 +60,7 @@ def com_volume(
     heights: tuple[float, float] = (0.0, 1.0),
     tol: float = 1e-3,
     facets: int | None = None,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     limits: ForceLimits | None = None,
 ) -> ComVolume:
     """Return where the centre of mass may be in space, for one acceleration or for all of several.

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid, PolyhedralCone
+from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.stance import Stance
 
@@ -57,7 +58,7 @@ def wrench_cone(
     stance: Stance,
     about: ArrayLike = (0.0, 0.0, 0.0),
     facets: int = 8,
-    fit: Literal["inner", "outer"] = "inner",
+    fit: Fit = "inner",
     method: Method = "dd",
     most_rows: int = MOST_ROWS,
 ) -> PolyhedralCone:
@@ -121,7 +122,7 @@ def wrench_cone(
     return PolyhedralCone.from_rays(rays, method)
 
 
-def _pyramid_rays(mu: float, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+def _pyramid_rays(mu: float, facets: int, fit: Fit) -> FloatArray:
     """Return the rays of one pyramid; one only without friction."""
     rays = FrictionPyramid(mu, facets, fit).rays
     return rays if mu > 0.0 else rays[:1]

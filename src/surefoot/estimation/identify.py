@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy import stats
 
 from surefoot.arrays import FloatArray, whole_number
 from surefoot.errors import ProblemError
@@ -130,7 +131,18 @@ def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
     grounded = int((flight.frames == 0).sum())
     if grounded:
         notes.append(f"{grounded} tosses start too near the ground: their first recorded velocity is used")
-    return Surroundings(plane, gravity, points.planes(draws), gravities, flight, tuple(notes))
+    planes = _widened(points.planes(draws), np.array([height, *slope]), int(points.use.sum()))
+    return Surroundings(plane, gravity, planes, gravities, flight, tuple(notes))
+
+
+def _widened(draws: FloatArray, fitted: FloatArray, tosses: int) -> FloatArray:
+    """Return (S, d) bootstrap draws as wide as Student's interval of a fit of d numbers to so many tosses.
+
+    Residuals are smaller than errors, by sqrt((n - d) / n), and the bootstrap takes the ones for the others.
+    """
+    free = max(1, tosses - fitted.size)
+    wider = np.sqrt(tosses / free) * stats.t.ppf(0.975, free) / stats.norm.ppf(0.975)
+    return np.asarray(fitted + wider * (draws - fitted))
 
 
 def identify(

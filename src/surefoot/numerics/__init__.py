@@ -10,6 +10,7 @@ Every public kernel here has its NumPy twin in `tests/conformance/`. Sizes decid
 `orthogonal`       Gram-Schmidt and reflections: rows to orthonormal form, their rank
 `projection`       the nearest point of a truncated friction cone, and its generalised Jacobian
 `points`           from twists to velocities of points, contact Jacobians
+`rotations`        the rotation vector between two frames
 `vectors`          cross and dot products
 `line_search`      where a derivative along a step has all but vanished
 =================  =====================================================================================

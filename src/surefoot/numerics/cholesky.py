@@ -108,7 +108,7 @@ def solve_columns(L: FloatArray, B: FloatArray) -> None:
 
 @kernel
 def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
-    """Set out to A B, for small matrices."""
+    """Set out (n, m) to A B, for small A (n, k) and B (k, m)."""
     for i in range(A.shape[0]):
         for j in range(B.shape[1]):
             out[i, j] = 0.0

@@ -21,7 +21,7 @@ def _back_substitute(A: FloatArray, b: FloatArray, m: int) -> None:
 
 @kernel
 def symmetric_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
-    """Solve m equations A x = b with a positive definite A in place (x in b); False if it is not.
+    """Solve A x = b with a positive definite A (m, m) in place (x in b (m,)); False if it is not.
 
     Elimination on the upper half, two columns at a time, without pivoting.
     """
@@ -111,7 +111,7 @@ def _lu_pairs(A: FloatArray, b: FloatArray, m: int) -> bool:
 
 @kernel
 def lu_solve(A: FloatArray, b: FloatArray, m: int) -> bool:
-    """Solve m equations A x = b in place (x in b), pivoting rows; return False for a zero pivot."""
+    """Solve A x = b, A (m, m), in place (x in b (m,)), pivoting rows; return False for a zero pivot."""
     return _lu_small(A, b, m) if m < PAIRED else _lu_pairs(A, b, m)
 
 
@@ -151,7 +151,7 @@ def lu_solve_many(A: FloatArray, B: FloatArray, m: int) -> bool:
 
 @inline_kernel
 def invert_shifted(G: FloatArray, shift: float, out: FloatArray) -> None:
-    """Fill out with the inverse of a positive definite G + shift I, by Gauss-Jordan on the diagonal."""
+    """Fill out (m, m) with the inverse of a definite G + shift I, by Gauss-Jordan on its diagonal."""
     m = G.shape[0]
     for i in range(m):
         for j in range(m):

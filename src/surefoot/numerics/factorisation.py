@@ -8,7 +8,7 @@ from surefoot.kernels import kernel
 
 @kernel
 def factor(U: FloatArray) -> None:
-    """Factor a symmetric positive definite matrix (upper triangle), in place, as Uᵀ D⁻¹ U, D its diagonal.
+    """Factor a definite (n, n) matrix (upper triangle), in place, as Uᵀ D⁻¹ U, D its diagonal.
 
     Four pivots at a time, so that each row is read and written a quarter as often.
     """
@@ -47,7 +47,7 @@ def factor(U: FloatArray) -> None:
 
 @kernel
 def solve_factored(U: FloatArray, x: FloatArray) -> None:
-    """Solve with the matrix that `factor` factored; x is the right-hand side and becomes the solution."""
+    """Solve with the (n, n) matrix that `factor` factored; x (n,) is the right side, then the solution."""
     n = x.size
     for k in range(n):
         row = U[k]

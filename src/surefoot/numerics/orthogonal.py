@@ -40,7 +40,7 @@ def remove_rows(Q: FloatArray, k: int, shares: FloatArray, passes: int = 2) -> f
 
 @inline_kernel
 def scale_row(Q: FloatArray, k: int, size: float) -> None:
-    """Divide row k of Q by `size`."""
+    """Divide row k of Q (p, m) by `size`."""
     for i in range(Q.shape[1]):
         Q[k, i] /= size
 
@@ -104,7 +104,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
 
 @kernel
 def coordinates(T: FloatArray, pivots: IntArray, rank: int, w: FloatArray, out: FloatArray) -> float:
-    """Solve T out = w on the pivot rows and return the largest violation on the other rows.
+    """Solve T out = w (p,) on the pivot rows, out (rank,); return the largest violation on the other rows.
 
     The violation is how far w is outside the range of A, in the units of w.
     """
@@ -125,7 +125,7 @@ def coordinates(T: FloatArray, pivots: IntArray, rank: int, w: FloatArray, out: 
 
 @kernel
 def pull_back(T: FloatArray, pivots: IntArray, rank: int, y: FloatArray, out: FloatArray) -> None:
-    """Find u with A' u = Q' y: zero off the pivot rows, back substitution on them."""
+    """Find u (p,) with Aᵀ u = Qᵀ y, y (rank,): zero off the pivot rows, back substitution on them."""
     for k in range(out.size):
         out[k] = 0.0
     for k in range(rank - 1, -1, -1):
@@ -175,7 +175,7 @@ def turn_first_row(Q: FloatArray, rank: int, a: FloatArray, h: FloatArray, b: Fl
 
 @kernel
 def reflect(h: FloatArray, rank: int, v: FloatArray) -> None:
-    """Apply I - 2 h h' to the first `rank` entries of v, in place (its own inverse)."""
+    """Apply I - 2 h hᵀ, h (rank,), to the first `rank` entries of v, in place (its own inverse)."""
     s = 0.0
     for j in range(rank):
         s += h[j] * v[j]

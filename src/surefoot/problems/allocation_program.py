@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
+from surefoot.cones.cone import Fit
 from surefoot.contact import ContactProblem
 from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.solvers.backends import ConeProgram
-
-Fit = Literal["inner", "outer"]
 
 
 @dataclass(frozen=True)
@@ -61,9 +60,7 @@ def program(
     low[2::3], high[2::3] = instance.normal_min[on], instance.normal_max[on]
     C = None
     if facets is not None:
-        rows = [
-            FrictionPyramid(float(m), facets, "inner" if fit == "inner" else "outer") for m in instance.mu[on]
-        ]
+        rows = [FrictionPyramid(float(m), facets, fit) for m in instance.mu[on]]
         C = np.zeros((facets * on.size, columns.size))
         for k, pyramid in enumerate(rows):
             C[facets * k : facets * (k + 1), 3 * k : 3 * k + 3] = pyramid.halfspaces[:facets]

@@ -16,7 +16,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.log import Log
 from surefoot.problems.spoiling import LogCopy, Numbers, SpoiltLog, everywhere, on_flight, on_stance
 from surefoot.robot import load_robot
-from surefoot.spatial import rotation_about
+from surefoot.spatial import GRAVITY, rotation_about
 from surefoot.terrain.frames import surface_frames
 
 
@@ -82,16 +82,18 @@ def _corner(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     f[part, foot, :2] = signs * (amplitude * c.arrays["mu"][part] * f[part, foot, 2])[:, None]
 
 
-def _turn(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
+def _lean(c: LogCopy, degrees: float) -> FloatArray:
+    """Return a turn about a random axis in the ground."""
     axis = np.append(c.rng.normal(size=2), 0.0)
-    R = rotation_about(axis / np.linalg.norm(axis), np.radians(amplitude))
-    c.arrays["forces"][part, foot] = c.arrays["forces"][part, foot] @ R.T
+    return rotation_about(axis / np.linalg.norm(axis), np.radians(degrees))
+
+
+def _turn(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
+    c.arrays["forces"][part, foot] = c.arrays["forces"][part, foot] @ _lean(c, amplitude).T
 
 
 def _turn_all(c: LogCopy, amplitude: float) -> None:
-    axis = np.append(c.rng.normal(size=2), 0.0)
-    R = rotation_about(axis / np.linalg.norm(axis), np.radians(amplitude))
-    c.arrays["forces"] = c.arrays["forces"] @ R.T
+    c.arrays["forces"] = c.arrays["forces"] @ _lean(c, amplitude).T
 
 
 def _mirror(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
@@ -285,13 +287,8 @@ def _permute_torques(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | No
     return copy.whole()
 
 
-def _nothing_finite(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    at = copy.stance()
-    if at is None:
-        return None
-    copy.arrays["forces"][at[1], at[0]] = np.nan
-    return copy.done(copy.feet[at[0]], at[1])
+def _not_finite(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
+    c.arrays["forces"][part, foot] = np.nan
 
 
 def _clock(shift: Callable[[FloatArray, int], None]) -> Any:
@@ -353,7 +350,7 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     LogFault("frozen", "one sample again and again", 0.7, "of it", "frozen", on_stance(_freeze, 0.25)),
     LogFault("clipped", "sensors at the end of their range", 0.3, "m g", "clipped", _clip),
     LogFault("gain", "one foot with a wrong gain", 1.5, "", "wrong scale", on_stance(_scale, 0.2)),
-    LogFault("unit", "all forces in kgf", 1.0 / 9.81, "", "wrong scale", everywhere(_scale_all)),
+    LogFault("unit", "all forces in kgf", 1.0 / GRAVITY, "", "wrong scale", everywhere(_scale_all)),
     LogFault("offset", "a sensor with an offset", 0.1, "m g", "bias", _offset),
     LogFault("delay", "forces come late", 0.02, "s", "delayed", _delay),
     LogFault("swap", "two feet exchanged", 1.0, "", "swapped feet", _swap),
@@ -370,7 +367,7 @@ LOG_FAULTS: tuple[LogFault, ...] = (
     ),
     LogFault("diagonal", "one diagonal of feet favoured", 0.5, "m g", "solver asymmetry", _diagonal),
     LogFault("torques", "joint torques in another order", 1.0, "", "wrong torques", _permute_torques),
-    LogFault("nan", "numbers that are none", 1.0, "", "", _nothing_finite),
+    LogFault("nan", "numbers that are none", 1.0, "", "", on_stance(_not_finite)),
     LogFault("twice", "a time stamp twice", 1.0, "row", "", _clock(_twice)),
     LogFault("backward", "a clock set back", 0.05, "s", "", _clock(_back)),
     LogFault("lost", "rows lost", 0.1, "s", "", _clock(_gap_in_time)),

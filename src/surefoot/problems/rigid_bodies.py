@@ -9,9 +9,7 @@ import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
-from surefoot.spatial import skew
-
-GRAVITY = 9.81
+from surefoot.spatial import GRAVITY, skew
 
 
 def tangents(normal: FloatArray) -> FloatArray:

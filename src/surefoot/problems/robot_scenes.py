@@ -8,9 +8,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
-from surefoot.problems.rigid_bodies import GRAVITY
 from surefoot.robot import Robot, load_robot
-from surefoot.spatial import skew
+from surefoot.spatial import GRAVITY, skew
 
 TIME_STEP = 2e-3
 ROTOR = 0.01

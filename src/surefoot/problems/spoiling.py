@@ -82,26 +82,26 @@ class LogCopy:
         return self.done(contact, slice(0, self.rows))
 
 
-def on_stance(change: Callable[[LogCopy, int, slice, float], None], share: float = 0.1) -> Any:
+Change: TypeAlias = Callable[[LogCopy, int, slice, float], None]
+"""Spoils some rows of one foot by an amplitude."""
+
+
+def on_stance(change: Change, share: float = 0.1) -> Any:
     """Return a fault that changes what a standing foot says."""
-
-    def spoil(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-        copy = LogCopy(log, rng)
-        at = copy.stance(share)
-        if at is None:
-            return None
-        change(copy, *at, amplitude)
-        return copy.done(copy.feet[at[0]], at[1])
-
-    return spoil
+    return _on_rows(change, lambda copy: copy.stance(share))
 
 
-def on_flight(change: Callable[[LogCopy, int, slice, float], None]) -> Any:
+def on_flight(change: Change) -> Any:
     """Return a fault that changes what a flying foot says."""
+    return _on_rows(change, LogCopy.flight)
+
+
+def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]) -> Any:
+    """Return a fault that changes the rows that `find` finds; None where it finds none."""
 
     def spoil(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
         copy = LogCopy(log, rng)
-        at = copy.flight()
+        at = find(copy)
         if at is None:
             return None
         change(copy, *at, amplitude)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from surefoot.errors import MissingExtra, ModelError, unknown_name
 
-STANDARD_FEET = ("FL_foot", "FR_foot", "RL_foot", "RR_foot")
-ANYMAL_FEET = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
-SOLO_FEET = ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT")
 EDGE = 0.005
 """Radius of the spheres at the corners of a sole that a catalogue entry describes [m]."""
 
@@ -77,136 +77,18 @@ class CatalogEntry:
     unlimited: tuple[str, ...] = ()
 
 
-# measured on the meshes that the files draw: the largest rectangle inside the part of a foot's underside that
-# is level to 4 mm; a test holds them against the meshes
-TALOS_SOLES = (sole((-0.104, 0.093), (-0.059, 0.059), 0.0),) * 2
-ROMEO_SOLES = (
-    sole((-0.069, 0.116), (-0.028, 0.041), 0.001),
-    sole((-0.069, 0.116), (-0.041, 0.028), 0.001),
-)
-ICUB_SOLES = (sole((-0.045, 0.1), (-0.025, 0.025), 0.0),) * 2
-ALEXANDER_SOLES = (sole((-0.045, 0.146), (-0.042, 0.042), -0.072),) * 2
+def _entry(told: dict[str, Any]) -> CatalogEntry:
+    """Return the entry of one table of robots.toml; `soles` and `ball` there are shapes here."""
+    soles, radius = told.pop("soles", ()), told.pop("ball", None)
+    for key in ("feet", "upright", "unlimited"):
+        if key in told:
+            told[key] = tuple(told[key])
+    shapes = [sole(*ends) for ends in soles] if radius is None else [ball(radius)] * len(told["feet"])
+    return CatalogEntry(**told, shapes=tuple(shapes))
 
-CATALOG: dict[str, CatalogEntry] = {
-    "go2": CatalogEntry("go2_description/urdf/go2.urdf", "go2_description/srdf/go2.srdf", STANDARD_FEET),
-    "go1": CatalogEntry("go1_description/urdf/go1.urdf", "go1_description/srdf/go1.srdf", STANDARD_FEET),
-    "a1": CatalogEntry("a1_description/urdf/a1.urdf", "a1_description/srdf/a1.srdf", STANDARD_FEET),
-    "b1": CatalogEntry("b1_description/urdf/b1.urdf", "b1_description/srdf/b1.srdf", STANDARD_FEET),
-    "laikago": CatalogEntry("laikago_description/urdf/laikago.urdf", None, STANDARD_FEET),
-    "anymal_b": CatalogEntry(
-        "anymal_b_simple_description/robots/anymal.urdf",
-        "anymal_b_simple_description/srdf/anymal.srdf",
-        ANYMAL_FEET,
-    ),
-    "anymal_c": CatalogEntry(
-        "anymal_c_simple_description/urdf/anymal.urdf",
-        "anymal_c_simple_description/srdf/anymal.srdf",
-        ANYMAL_FEET,
-    ),
-    "hyq": CatalogEntry(
-        "hyq_description/robots/hyq_no_sensors.urdf",
-        "hyq_description/srdf/hyq.srdf",
-        ("lf_foot", "rf_foot", "lh_foot", "rh_foot"),
-    ),
-    "solo12": CatalogEntry(
-        "solo_description/robots/solo12.urdf", "solo_description/srdf/solo.srdf", SOLO_FEET
-    ),
-    "solo8": CatalogEntry("solo_description/robots/solo.urdf", "solo_description/srdf/solo.srdf", SOLO_FEET),
-    "b1_z1": CatalogEntry(
-        "b1_description/urdf/b1-z1.urdf",
-        "b1_description/srdf/b1-z1.srdf",
-        STANDARD_FEET,
-        pose="standing_with_arm_home",
-    ),
-    "anymal_kinova": CatalogEntry(
-        "anymal_b_simple_description/robots/anymal-kinova.urdf",
-        "anymal_b_simple_description/srdf/anymal-kinova.srdf",
-        ANYMAL_FEET,
-        pose="standing_with_arm_up",
-    ),
-    "quadruped": CatalogEntry(
-        "quadruped_description/urdf/quadruped.urdf",
-        None,
-        ("FL_contact", "FR_contact", "BL_contact", "BR_contact"),
-        unlimited=("FL_KFE", "FR_KFE", "BL_KFE", "BR_KFE"),  # its file leaves them at [0, 0]
-    ),
-    "centauro": CatalogEntry(
-        "centauro_description/urdf/centauro.urdf",
-        "centauro_description/srdf/centauro.srdf",
-        ("wheel_1", "wheel_2", "wheel_3", "wheel_4"),
-        shapes=(ball(0.124),) * 4,
-        pose="homing_nominal",
-    ),
-    "bolt": CatalogEntry(
-        "bolt_description/robots/bolt.urdf", "bolt_description/srdf/bolt.srdf", SOLO_FEET[:2]
-    ),
-    "talos": CatalogEntry(
-        "talos_data/robots/talos_reduced.urdf",
-        "talos_data/srdf/talos.srdf",
-        ("left_sole_link", "right_sole_link"),
-        shapes=TALOS_SOLES,
-    ),
-    "talos_full": CatalogEntry(
-        "talos_data/robots/talos_full_v2.urdf",
-        "talos_data/srdf/talos.srdf",
-        ("left_sole_link", "right_sole_link"),
-        shapes=TALOS_SOLES,
-    ),
-    "romeo": CatalogEntry(
-        "romeo_description/urdf/romeo_small.urdf",
-        "romeo_description/srdf/romeo_small.srdf",
-        ("l_sole", "r_sole"),
-        shapes=ROMEO_SOLES,
-    ),
-    "romeo_full": CatalogEntry(
-        "romeo_description/urdf/romeo.urdf",
-        "romeo_description/srdf/romeo.srdf",
-        ("l_sole", "r_sole"),
-        shapes=ROMEO_SOLES,
-    ),
-    "icub_full": CatalogEntry(
-        "icub_description/robots/icub.urdf",
-        "icub_description/srdf/icub.srdf",
-        ("l_sole", "r_sole"),
-        shapes=ICUB_SOLES,
-    ),
-    "icub": CatalogEntry(
-        "icub_description/robots/icub_reduced.urdf",
-        "icub_description/srdf/icub.srdf",
-        ("l_sole", "r_sole"),
-        shapes=ICUB_SOLES,
-    ),
-    "alexander": CatalogEntry(
-        "alexander_description/urdf/alexander_v1.lowerBodyOnly.urdf",
-        "alexander_description/srdf/alexander.srdf",
-        ("LEFT_FOOT", "RIGHT_FOOT"),
-        shapes=ALEXANDER_SOLES,
-        pose="default",
-    ),
-    "simple_humanoid": CatalogEntry(
-        "simple_humanoid_description/urdf/simple_humanoid.urdf",
-        "simple_humanoid_description/srdf/simple_humanoid.srdf",
-        ("l_ankle", "r_ankle"),
-        unlimited=("LLEG_", "RLEG_"),  # its file gives joints the limits of their neighbours
-    ),
-    "human": CatalogEntry(  # a skeleton with its y axis up
-        "human_description/robots/human.urdf",
-        None,
-        ("left_foot", "right_foot"),
-        shapes=(ball(0.076),) * 2,
-        upright=(0.5**0.5, 0.0, 0.0, 0.5**0.5),
-    ),
-    "g1_with_hands": CatalogEntry(
-        "g1_description/urdf/g1_29dof_with_hand_rev_1_0.urdf",
-        None,
-        ("left_ankle_roll_link", "right_ankle_roll_link"),
-    ),
-    "g1": CatalogEntry(
-        "g1_description/urdf/g1_29dof_rev_1_0.urdf", None, ("left_ankle_roll_link", "right_ankle_roll_link")
-    ),
-    "panda": CatalogEntry("panda_description/urdf/panda.urdf", "panda_description/srdf/panda.srdf", (), True),
-    "ur5": CatalogEntry("ur_description/urdf/ur5_robot.urdf", "ur_description/srdf/ur5.srdf", (), True),
-}
+
+_TABLES = tomllib.loads(files("surefoot.robot").joinpath("robots.toml").read_text(encoding="utf-8"))
+CATALOG: dict[str, CatalogEntry] = {name: _entry(told) for name, told in _TABLES.items()}
 ALIASES = {"anymal": "anymal_b", "solo": "solo12"}
 UNREADABLE = {
     "cassie": "example-robot-data has it only as an SDF file with closed linkages, which no URDF can hold; "

@@ -108,21 +108,16 @@ def summed_momentum_matrix(model: Any, q: FloatArray) -> FloatArray:
     robot.
     """
     placements, S = joint_columns(model, q)
-    mass = sum(model.inertias[i].mass for i in range(1, model.njoints))
-    com = sum(
-        model.inertias[i].mass * placements[i].act(model.inertias[i].lever) for i in range(1, model.njoints)
-    )
-    com = com / mass
+    bodies = list(zip(model.inertias, placements, strict=True))[1:]
+    com = sum(body.mass * pose.act(body.lever) for body, pose in bodies) / sum(b.mass for b, _ in bodies)
     momentum = np.zeros((6, model.nv))
     carried = np.zeros(model.nv, dtype=np.bool_)
-    for i in range(1, model.njoints):
+    for j, (body, pose) in enumerate(bodies, 1):
         carried[:] = False
-        j = i
         while j > 0:
             carried[model.joints[j].idx_v : model.joints[j].idx_v + model.joints[j].nv] = True
             j = model.parents[j]
         jacobian = np.where(carried, S, 0.0)
-        body, pose = model.inertias[i], placements[i]
         centre = pose.act(body.lever)
         linear = body.mass * (jacobian[:3] - skew(centre) @ jacobian[3:])
         spin = pose.rotation @ body.inertia @ pose.rotation.T @ jacobian[3:]

@@ -30,9 +30,8 @@ from scipy.sparse.linalg import LinearOperator
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.robot.jacobians import Attachment, Contacts, attach, contact_drift, contact_jacobian
+from surefoot.robot.jacobians import Attachment, Contacts, attached, contact_drift, contact_jacobian
 from surefoot.robot.robot import Robot
-from surefoot.stance import Stance
 
 RANK_TOLERANCE = 1e-10
 """Eigenvalues of G below this share of the largest count as zero."""
@@ -118,7 +117,7 @@ def constrained_dynamics(
         For wrong shapes or a negative damping.
     """
     configuration = robot.configuration(q)
-    points = attach(robot, configuration, contacts) if isinstance(contacts, Stance) else contacts
+    points = attached(robot, configuration, contacts)
     epsilon = real_number("damping", damping, low=0.0)
     J = contact_jacobian(robot, configuration, points)
     wanted = -contact_drift(robot, configuration, v, points)
@@ -158,7 +157,7 @@ def delassus_factorised(robot: Robot, q: ArrayLike, contacts: Contacts) -> Float
     import pinocchio
 
     configuration = robot.configuration(q)
-    points = attach(robot, configuration, contacts) if isinstance(contacts, Stance) else contacts
+    points = attached(robot, configuration, contacts)
     if not points:
         return np.zeros((0, 0))
     models = pinocchio.StdVec_RigidConstraintModel()
@@ -184,17 +183,18 @@ def rigid_constraint(robot: Robot, data: Any, point: Attachment) -> Any:
     """
     import pinocchio
 
-    pose = data.oMf[point.frame]
-    frame = robot.model.frames[point.frame]
-    axes = pose.rotation.T @ point.rotation_world_contact
     kind = pinocchio.ContactType.CONTACT_3D if point.dim == 3 else pinocchio.ContactType.CONTACT_6D
-    return pinocchio.RigidConstraintModel(
-        kind,
-        robot.model,
-        frame.parentJoint,
-        frame.placement * pinocchio.SE3(axes, point.offset),
-        pinocchio.ReferenceFrame.LOCAL,
-    )
+    joint, placement = _placement(robot.model, data, point)
+    return pinocchio.RigidConstraintModel(kind, robot.model, joint, placement, pinocchio.ReferenceFrame.LOCAL)
+
+
+def _placement(model: Any, data: Any, point: Attachment) -> tuple[int, Any]:
+    """Return the joint that carries a contact, and the contact's frame in the joint's: an SE3."""
+    import pinocchio
+
+    frame = model.frames[point.frame]
+    axes = data.oMf[point.frame].rotation.T @ point.rotation_world_contact
+    return int(frame.parentJoint), frame.placement * pinocchio.SE3(axes, point.offset)
 
 
 class DelassusOperator(LinearOperator):
@@ -213,17 +213,12 @@ class DelassusOperator(LinearOperator):
         import pinocchio
 
         self.configuration = robot.configuration(q)
-        chosen = attach(robot, self.configuration, contacts) if isinstance(contacts, Stance) else contacts
+        chosen = attached(robot, self.configuration, contacts)
         self.model = robot.model.copy()
         self.model.gravity = pinocchio.Motion.Zero()
         self.data = self.model.createData()
         pinocchio.framesForwardKinematics(self.model, self.data, self.configuration)
-        self.points = []
-        for point in chosen:
-            frame = self.model.frames[point.frame]
-            axes = self.data.oMf[point.frame].rotation.T @ point.rotation_world_contact
-            placement = frame.placement * pinocchio.SE3(axes, point.offset)
-            self.points.append((int(frame.parentJoint), placement, point.dim))
+        self.points = [(*_placement(self.model, self.data, point), point.dim) for point in chosen]
         size = sum(point.dim for point in chosen)
         super().__init__(np.dtype(np.float64), (size, size))  # type: ignore[call-arg]
 

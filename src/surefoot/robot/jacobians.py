@@ -161,7 +161,7 @@ def contact_jacobian(
 
     _check(reference)
     configuration = robot.configuration(q)
-    points = _points(robot, configuration, contacts)
+    points = attached(robot, configuration, contacts)
     pinocchio.computeJointJacobians(robot.model, robot.data, configuration)
     pinocchio.updateFramePlacements(robot.model, robot.data)
     aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -219,7 +219,7 @@ def contact_drift(
         raise ProblemError(f"rolling needs reference 'contact' or 'local_world_aligned', got {reference!r}")
     configuration = robot.configuration(q)
     velocity = finite_array("v", v, (robot.model.nv,))
-    points = _points(robot, configuration, contacts)
+    points = attached(robot, configuration, contacts)
     pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity, np.zeros(robot.model.nv))
     pinocchio.updateFramePlacements(robot.model, robot.data)
     aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -317,7 +317,7 @@ def contact_powers(
 
     configuration = robot.configuration(q)
     velocity = finite_array("v", v, (robot.model.nv,))
-    points = _points(robot, configuration, contacts)
+    points = attached(robot, configuration, contacts)
     f = finite_array("forces", forces, (sum(p.dim for p in points),))
     joints = float(contact_jacobian(robot, configuration, points).T @ f @ velocity)
     pinocchio.forwardKinematics(robot.model, robot.data, configuration, velocity)
@@ -342,7 +342,8 @@ def _check(reference: str) -> None:
         raise ProblemError(unknown_name("reference", reference, REFERENCES))
 
 
-def _points(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
+def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
+    """Return the contacts of a stance attached at a configuration (nq,); attached ones as they are."""
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
 
 

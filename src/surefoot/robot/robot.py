@@ -198,17 +198,11 @@ class Robot:
             place = pose.act(foot.centre)
             normal = ground.normal(place[:2])
             point = place - foot.radius * normal
-            if foot.flat:
-                toes = pose.rotation[:, 0]
-                contacts.append(
-                    PatchContact(
-                        point, *foot.size, normal, float(friction), foot.name, normal_min, normal_max, toes
-                    )
-                )
+            told = (normal, float(friction), foot.name, normal_min, normal_max)
+            if foot.flat:  # its toes say where the patch's x axis points
+                contacts.append(PatchContact(point, foot.size[0], foot.size[1], *told, pose.rotation[:, 0]))
             else:
-                contacts.append(
-                    PointContact(point, normal, float(friction), foot.name, normal_min, normal_max)
-                )
+                contacts.append(PointContact(point, *told))
         return Stance(contacts)
 
     def _forward(self, q: FloatArray) -> None:

@@ -28,12 +28,15 @@ class Faults:
         Time between a measurement and its torques [s].
     weak_joint, torque_loss
         Name of a joint, and the share of its torque that is lost.
+    strength
+        Torque that every motor gives over the one asked for.
     """
 
     noise: float = 0.0
     delay: float = 0.0
     weak_joint: str = ""
     torque_loss: float = 0.0
+    strength: float = 1.0
 
     def start(self, world: World, seed: int | None) -> ActiveFaults:
         """Return the faults at work in a world, their noise seeded.
@@ -46,11 +49,11 @@ class Faults:
         real_number("noise", self.noise, low=0.0)
         real_number("torque loss", self.torque_loss, low=0.0, high=1.0)
         names = world.robot.joint_names
-        strength = np.ones(len(names))
+        strength = np.full(len(names), real_number("strength", self.strength, low=0.0, high=10.0))
         if self.weak_joint:
             if self.weak_joint not in names:
                 raise ProblemError(unknown_name("joint", self.weak_joint, names))
-            strength[names.index(self.weak_joint)] = 1.0 - self.torque_loss
+            strength[names.index(self.weak_joint)] *= 1.0 - self.torque_loss
         late = round(real_number("delay", self.delay, low=0.0, high=1.0) / world.dt)
         return ActiveFaults(
             self.noise, strength, late, np.random.default_rng([0 if seed is None else seed, 1])

@@ -261,8 +261,6 @@ class RigidWorld:
         NoSolution
             If the step's contact problem is not SOLVED.
         """
-        if self.stepper.geometry is not None:
-            raise ProblemError("a step is differentiated with collision='feet' only")
         if self.last is None:
             raise ProblemError("there is no step to differentiate before the first step")
         return step_derivative(self.stepper, *self._given, smoothing)

@@ -55,6 +55,11 @@ BALANCE = 3.0
 
 Laws = tuple[FloatArray, FloatArray, FloatArray, bool, int, bool]
 """mu, bounds below and above, whether Coulomb's law, facets, whether they are inside the cone."""
+Program = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""G and g scaled by D, D itself (3n,), and the measure of `stopping` (n, 2)."""
+Memory = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""x, z, y, the inverse of G + (rho + eta) I, and the state: rho, the rho that is inverted (zero for none),
+eta, and the iterations after which rho stays."""
 
 
 @inline_kernel
@@ -165,10 +170,14 @@ def error_any(
 
 
 @inline_kernel
-def _next_penalty(
+def next_penalty(
     rho: float, used: float, primal: float, dual: float, z: FloatArray, y: FloatArray, largest: float
 ) -> float:
-    """Return the penalty that balances the residuals, or the one in use if that is near enough."""
+    """Return the penalty that balances the residuals, or the one in use if that is near enough.
+
+    rho sqrt((primal / max |z|) / (dual / max |y|)): Boyd et al. 2011, section 3.4.1, in relative residuals.
+    `largest` is about the largest eigenvalue of G, which bounds it from both sides.
+    """
     most_z = most_y = 1e-300
     for i in range(z.size):
         most_z, most_y = max(most_z, abs(z[i])), max(most_y, abs(y[i]))
@@ -181,15 +190,15 @@ def _next_penalty(
 
 @kernel
 def _run_dense(
-    G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, coulomb: bool,
-    facets: int, inner: bool, D: FloatArray, measure: FloatArray, tol: float, limit: int,
-    x: FloatArray, z: FloatArray, y: FloatArray, inverse: FloatArray, state: FloatArray, best: FloatArray,
-) -> tuple[int, float]:  # fmt: skip
+    scaled: Program, laws: Laws, memory: Memory, tol: float, limit: int, best: FloatArray
+) -> tuple[int, float]:
     """Iterate to the tolerance or the limit; return the iterations and the least velocity error, of `best`.
 
-    G, g, the bounds and x, z, y are scaled by D; `state` holds the penalty, the one that is inverted (zero
-    for none), the proximal term and the iterations after which the penalty stays.
+    `best` (3n,) is filled with forces in their own units; the rest is scaled by D.
     """
+    G, g, D, measure = scaled
+    mu, low, high, coulomb, facets, inner = laws
+    x, z, y, inverse, state = memory
     m, n = g.size, mu.size
     largest = state[2] / PROXIMAL
     forces, velocities = np.empty(m), np.empty(m)
@@ -207,7 +216,7 @@ def _run_dense(
             inverse, g, mu, low, high, coulomb, facets, inner, rho, state[2], x, z, y, now
         )  # fmt: skip
         done += now
-        for i in range(m):
+        for i in range(m):  # u = G z + g at the copy, which is admissible; x is not
             velocities[i] = g[i]
         for i in range(m):
             for j in range(m):
@@ -224,7 +233,7 @@ def _run_dense(
             break
         state[3] -= now
         if state[3] > 0.0:
-            state[0] = _next_penalty(rho, state[1], primal, dual, z, y, largest)
+            state[0] = next_penalty(rho, state[1], primal, dual, z, y, largest)
             if state[0] != state[1]:
                 state[1] = 0.0
     return done, least
@@ -276,14 +285,12 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     chunk = s.limit
     if settings.max_time < math.inf:  # the clock is read four times or more
         chunk = max(CHECK_EVERY, int(0.25 * settings.max_time / (ENTRY * size * (size + 30))))
+    program, memory = (s.G, s.g, s.D, s.measure), (s.x, s.z, s.y, inverse, state)
     best, least, done, found = s.z * s.D, math.inf, 0, np.empty(size)
     while done < s.limit and least > tol:
         if done > 0 and time.perf_counter() > s.end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
-        used, gap = _run_dense(
-            s.G, s.g, *s.laws, s.D, s.measure, tol, min(chunk, s.limit - done), s.x, s.z, s.y, inverse,
-            state, found,
-        )  # fmt: skip
+        used, gap = _run_dense(program, s.laws, memory, tol, min(chunk, s.limit - done), found)
         done += used
         if gap < least:
             best, least = found.copy(), gap
@@ -323,7 +330,7 @@ def run_admm(
         if time.perf_counter() > s.end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
         if done < ADAPTING * s.limit:
-            rho = _next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
+            rho = next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
     return Answer(best.reshape(-1, 3), done)
 
 

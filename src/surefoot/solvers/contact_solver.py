@@ -8,6 +8,8 @@ hands a raw matrix to one compiled call that checks it, solves, and certifies th
 from __future__ import annotations
 
 import math
+from dataclasses import astuple
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +17,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.contact.blocks import checked_mirror
 from surefoot.contact.matrix import ASYMMETRY
-from surefoot.contact.problem import ContactProblem, Fit
+from surefoot.contact.problem import ContactOptions, ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.contact.solution import Status
@@ -154,7 +156,7 @@ class ContactSolver:
     ----------
     contacts
         Their number n.
-    mu, law, normal_min, normal_max, facets, fit, bilateral, compliance
+    mu, law, normal_min, normal_max
         As for `ContactProblem`.
     tol
         Wanted velocity error and rounding, see `Residuals`.
@@ -163,6 +165,8 @@ class ContactSolver:
         contacts. None for the methods' own bounds, which may take seconds on a problem without solution.
     warm_start
         Whether a call starts from the forces of the last, if that was solved; see `reset`.
+    **options
+        facets, fit, bilateral and compliance, as for `ContactProblem`.
 
     Raises
     ------
@@ -185,14 +189,11 @@ class ContactSolver:
         law: str = "coulomb",
         normal_min: ArrayLike = 0.0,
         normal_max: ArrayLike = np.inf,
-        facets: int | None = None,
-        fit: Fit = "inner",
         *,
-        bilateral: ArrayLike | None = None,
-        compliance: ArrayLike = 0.0,
         tol: float = 1e-8,
         max_iterations: int | None = 10_000,
         warm_start: bool = True,
+        **options: Unpack[ContactOptions],
     ) -> None:
         self.contacts = n = whole_number("contacts", contacts)
         self.tol = real_number("tol", tol, low=0.0, high=1e300)
@@ -202,15 +203,12 @@ class ContactSolver:
         self.warm_start = bool(warm_start)
         m = 3 * n
         # the problem's own checks; a zero matrix with the compliance on its diagonal
-        self._laws = ContactProblem(
-            np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, facets, fit,
-            compliance=compliance, bilateral=bilateral,
-        )  # fmt: skip
+        self._laws = ContactProblem(np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, **options)
         self.law = self._laws.law
         self._memory = np.zeros((m + 5, max(m, 2)))
         self._shapes = (m, m), (m,)
         self._most = UNBOUNDED if self.max_iterations is None else self.max_iterations
-        self._compiled = not self._laws.general and facets is None and 0 < n <= COMPILED_CONTACTS
+        self._compiled = not self._laws.general and self._laws.facets is None and 0 < n <= COMPILED_CONTACTS
         if self._compiled:
             self._memory[m + LAWS] = self._laws.vectors[1]
             self._memory[m + FLAGS, 0] = CONVEX if self.law.shift == 0.0 else 0
@@ -293,9 +291,6 @@ class ContactSolver:
         problem = laws.replace(G=G if laws.compliance is None else G + laws.G, g=g)
         start = out[:n].copy() if done > 0 and np.isfinite(out[:n]).all() else None
         found = solve(problem, "auto", self.tol, max_iterations=left, warm_start=start)
-        out[:n], out[n : 2 * n] = found.forces, found.velocities
-        r = found.residuals
-        out[2 * n] = r.velocity_error, r.rounding, r.energy_gap
-        out[2 * n + 1] = r.cone_violation, r.penetration_velocity, r.complementarity
-        out[2 * n + 2] = r.dissipation, 0.0, 0.0
+        out[:n], out[n : 2 * n], out[2 * n :] = found.forces, found.velocities, 0.0
+        out[2 * n :].reshape(-1)[:7] = astuple(found.residuals)
         return ContactForces(out, n, found.status, done + found.iterations, found.proof)

@@ -83,7 +83,7 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
 
 
 def pyramid_rows(problem: ContactProblem, on: IntArray) -> tuple[Any, FloatArray]:
-    """Return sparse C and d so that C @ forces <= d are the pyramids and normal bounds of contacts `on`."""
+    """Return sparse C (r, 3 on) and d (r,): C f <= d are the pyramids and normal bounds of contacts `on`."""
     blocks: list[FloatArray] = []
     limits: list[FloatArray] = []
     down_up = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])

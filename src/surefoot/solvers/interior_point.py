@@ -131,18 +131,11 @@ class _Scaling:
         self.d = np.sqrt(s[3 * m :] / z[3 * m :])
 
     def apply(self, v: FloatArray, inverse: bool = False) -> FloatArray:
-        """Return W v or W⁻¹ v."""
-        m = self.m
-        head = np.einsum("kij,kj->ki", self.Wi if inverse else self.W, v[: 3 * m].reshape(-1, 3)).ravel()
-        return np.concatenate([head, v[3 * m :] / self.d if inverse else v[3 * m :] * self.d])
-
-    def normal_matrix(self, A: FloatArray) -> FloatArray:
-        """Return W⁻¹ A."""
-        m = self.m
-        head = np.einsum("kij,kjc->kic", self.Wi, A[: 3 * m].reshape(m, 3, A.shape[1])).reshape(
-            3 * m, A.shape[1]
-        )
-        return np.vstack([head, A[3 * m :] / self.d[:, None]])
+        """Return W v or W⁻¹ v, for a vector or the columns of a matrix."""
+        m, d = self.m, self.d.reshape(-1, *[1] * (v.ndim - 1))
+        blocks, tail = v[: 3 * m].reshape(m, 3, *v.shape[1:]), v[3 * m :]
+        head = np.einsum("kij,kj...->ki...", self.Wi if inverse else self.W, blocks)
+        return np.concatenate([head.reshape(3 * m, *v.shape[1:]), tail / d if inverse else tail * d])
 
 
 def _minkowski(v: FloatArray) -> FloatArray:
@@ -288,7 +281,7 @@ def _factorised(p: _Program, W: _Scaling, tilt: FloatArray) -> Callable[[FloatAr
         return _factorised_sparse(p, W, tilt)
     K = p.H.copy()
     K[p.normals] += tilt[:, :1] * p.H[p.tangents[:, 0]] + tilt[:, 1:] * p.H[p.tangents[:, 1]]
-    WA = W.normal_matrix(p.A)
+    WA = W.apply(p.A, inverse=True)
     K += WA.T @ WA
     K[np.diag_indices_from(K)] += REGULAR * float(np.abs(np.diagonal(K)).max(initial=0.0))
     lu, pivots, _ = scipy.linalg.lapack.dgetrf(K)  # singular gives infinities, which end the solve

@@ -18,7 +18,6 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
-import scipy.optimize
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.lcp import LCP, equilibrated
@@ -88,11 +87,13 @@ def _strictest(M: FloatArray, q: FloatArray, max_time: float) -> FloatArray | No
 
     Sums and multiples of proofs are proofs: the largest sum makes every inequality strict that can be.
     """
+    from scipy.optimize import linprog
+
     n = q.size
     A = np.vstack([np.hstack([M.T, np.eye(n)]), np.append(q, np.zeros(n))])
     b = np.append(np.zeros(n), -1.0)
     bounds = np.column_stack([np.zeros(2 * n), np.repeat([np.inf, 1.0], n)])
     cost = np.repeat([0.0, -1.0], n)
     limit = {"time_limit": max_time} if max_time < math.inf else {}
-    found = scipy.optimize.linprog(cost, A, b, bounds=bounds, method="highs", options=limit)  # type: ignore[call-overload]
+    found = linprog(cost, A, b, bounds=bounds, method="highs", options=limit)  # type: ignore[call-overload]
     return None if found.x is None else np.maximum(np.asarray(found.x[:n], dtype=np.float64), 0.0)

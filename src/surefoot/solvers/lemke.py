@@ -65,7 +65,7 @@ def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int, least: flo
                     difference = T[i, j] / pivot - T[best, j] / other
                     if abs(difference) > 1e-12 * (abs(T[i, j] / pivot) + abs(T[best, j] / other)):
                         break
-        if difference < 0.0:
+        if difference < 0.0:  # lexicographically smaller: (q, B⁻¹) row over the pivot, entry by entry
             best = i
     return best
 

@@ -52,7 +52,7 @@ def _reduced_entries(
                 j = neighbours[at]
                 if count[j] == 0:
                     continue
-                B = values[at]
+                B = values[at]  # the entry rows_kc · G_kj columns_jd, and the weight on the diagonal
                 p = rows[k, c, 0] * B[0, 0] + rows[k, c, 1] * B[1, 0] + rows[k, c, 2] * B[2, 0]
                 q = rows[k, c, 0] * B[0, 1] + rows[k, c, 1] * B[1, 1] + rows[k, c, 2] * B[2, 1]
                 r = rows[k, c, 0] * B[0, 2] + rows[k, c, 1] * B[1, 2] + rows[k, c, 2] * B[2, 2]

@@ -5,7 +5,8 @@ Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dyn
 
 Limits: converges linearly, slowly for stacks, large mass ratios and redundant contacts; no proof for
 Coulomb's law, and none is needed in practice for mu below about one. Velocities are kept up to date after
-each contact, which costs one block column; a sparse G is used through its 3x3 blocks.
+each contact, which costs one block column; a sparse G is used through its 3x3 blocks. The two sweeps differ
+in their last loop only, and are written out all the same: parts shared between them cost 5 to 20 %.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def sweep_dense(
             continue
         W = block_of(local, k)
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)
+        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
         q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
         q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
         a, b, c, local[k, 12], local[k, 13] = solve_one(
@@ -71,7 +72,7 @@ def sweep_dense(
 
 @inline_kernel
 def refresh_dense(G: FloatArray, g: FloatArray, forces: FloatArray, velocities: FloatArray) -> None:
-    """Recompute u = G λ + g, row by row (G is symmetric)."""
+    """Recompute the flat (3n,) velocities u = G λ + g of flat forces, row by row (G is symmetric)."""
     for j in range(g.size):
         velocities[j] = g[j]
     for i in range(g.size):
@@ -141,7 +142,7 @@ def sweep_blocks(
             continue
         W = block_of(local, k)
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)
+        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
         q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
         q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
         a, b, c, local[k, 12], local[k, 13] = solve_one(

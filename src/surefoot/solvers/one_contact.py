@@ -65,6 +65,8 @@ def _slope(
 
     v is the tangential velocity times a positive factor; h its part across e.
     """
+    # r = s (mu e, 1) slides with u_n = 0 (Coulomb) or u_n = -mu u_t·e (convex): s = -b / a, and a > 0 times
+    # the tangential velocity is v = a q_t - b (mu W_tt e + W_tn); it must point against e
     tx, ty = W[0] * ex + W[1] * ey, W[1] * ex + W[3] * ey
     px, py = -W[0] * ey + W[1] * ex, -W[1] * ey + W[3] * ex  # Wtt times e turned by 90 degrees
     wx, wy = mu * tx + W[2], mu * ty + W[4]
@@ -147,7 +149,7 @@ def _disc(W: Block, q0: float, q1: float, normal: float, radius: float) -> tuple
         along = (c * x * x - 2.0 * W[1] * x * y + a * y * y) / det
         if not along > 0.0:  # a radius too small to square
             break
-        s += (length / radius - 1.0) * square / along
+        s += (length / radius - 1.0) * square / along  # Newton on 1 / |r(s)| = 1 / radius
     length = math.sqrt(x * x + y * y)
     if length > radius:
         x, y = radius * x / length, radius * y / length
@@ -156,7 +158,7 @@ def _disc(W: Block, q0: float, q1: float, normal: float, radius: float) -> tuple
 
 @inline_kernel
 def block_of(local: FloatArray, k: int) -> Block:
-    """Return what `prepare` filled in for contact k."""
+    """Return the twelve numbers that `prepare` filled in for contact k: its block of G, and the inverse."""
     return (
         local[k, 0], local[k, 1], local[k, 2], local[k, 3], local[k, 4], local[k, 5],
         local[k, 6], local[k, 7], local[k, 8], local[k, 9], local[k, 10], local[k, 11],

@@ -32,7 +32,7 @@ def project_any(
     side = abs(side)
     a, b, h = out, side, z
     if out > slope * z:
-        over = (out - slope * z) / (1.0 + slope * slope)
+        over = (out - slope * z) / (1.0 + slope * slope)  # onto the plane out = slope z
         a, h = out - over, z + slope * over
         if b > corner * h:  # beyond the edge (slope, corner, 1)
             h = (slope * out + corner * side + z) / (slope * slope + corner * corner + 1.0)

@@ -13,7 +13,6 @@ Limits: linear convergence, a dense inverse; for shifted laws a heuristic, as al
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 
@@ -23,7 +22,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import kernel
-from surefoot.solvers.admm import BALANCE
+from surefoot.solvers.admm import next_penalty
 from surefoot.solvers.set_kernels import natural_sets, pack, project_sets, shift_sets
 from surefoot.solvers.solver import Answer, Settings, register
 
@@ -151,15 +150,5 @@ def run_set_admm(
         if error < least:
             best, least = found, error
         if done < ADAPTING * limit:
-            rho = _balanced(
-                rho, primal / max(np.abs(z).max(), 1e-300), dual / max(np.abs(y).max(), 1e-300), largest
-            )
+            rho = next_penalty(rho, rho, primal, dual, z, y, largest)
     return Answer(best * s.D, done)
-
-
-def _balanced(rho: float, primal: float, dual: float, largest: float) -> float:
-    """Return the penalty that balances the relative residuals, or the one in use if that is near enough."""
-    ratio = primal / max(dual, 1e-300)
-    if not (ratio > BALANCE or ratio < 1.0 / BALANCE):
-        return rho
-    return min(max(rho * min(max(math.sqrt(ratio), 0.1), 10.0), 1e-8 * largest), 1e6 * largest)

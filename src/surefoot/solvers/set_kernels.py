@@ -155,7 +155,7 @@ def _disc_jacobian(
             if b >= 0 and held and b == c:
                 bend = row[RADIUS + b] * s / sizes[b]
                 value += bend * ((1.0 if i == j else 0.0) - x[i] * x[j] / (sizes[b] * sizes[b]))
-            if not held and i == j and s > 0.0:
+            if not held and i == j and row[RADIUS + b] * s > 0.0:  # inside its disc; one of radius 0 has none
                 value = 1.0
             J[i - start, j - start] = value
 
@@ -235,7 +235,7 @@ def natural_sets(
     offset: IntArray, group: IntArray, table: FloatArray, step: FloatArray, weight: FloatArray,
     forces: FloatArray, velocities: FloatArray, point: FloatArray, gap: FloatArray,
 ) -> float:  # fmt: skip
-    """Fill point = λ - step (u + θ Γ(u)) and gap = λ - P(point); return max_k weight_k ||gap_k||.
+    """Fill flat (m,) point = λ - step (u + θ Γ(u)) and gap = λ - P(point); return max_k weight_k ||gap_k||.
 
     With step 1 / w_k and weight w_k / s_k that is the velocity error. A sum that is no number is infinite.
     """
@@ -271,7 +271,7 @@ def newton_matrix(
     G: FloatArray, offset: IntArray, group: IntArray, table: FloatArray, step: FloatArray, u: FloatArray,
     J: FloatArray, A: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill A = I - J (I - step (I + N) G), the derivative of the natural map; N is that of the shift."""
+    """Fill A (m, m) = I - J (I - step (I + N) G), the natural map's derivative; N is that of the shift."""
     m = G.shape[0]
     sizes, row_of_shift, moved = np.empty(MOST_DISCS), np.empty(WIDEST), np.empty((WIDEST, m))
     for k in range(table.shape[0]):

@@ -32,7 +32,7 @@ PROXIMAL, PROXIMAL_FAR, SHARE = 1e-11, 1e-2, 1e-2
 def run_newton(
     s: Scaled, forces: FloatArray, tol: float, limit: int, end: float
 ) -> tuple[FloatArray, float, int]:
-    """Take steps from scaled forces; return the best, its velocity error, and the number of steps."""
+    """Take steps from scaled forces (m,); return the best, its velocity error, and the number of steps."""
     m, n = forces.size, s.step.size
     J, A = np.empty((n, WIDEST, WIDEST)), np.empty((m, m))
     u, error = s.error(forces)

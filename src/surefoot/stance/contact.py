@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.cones import Cone, FrictionCone
+from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError
 from surefoot.spatial import rotation_from_normal
 
@@ -110,7 +110,7 @@ class Contact(ABC):
         """The cone of the contact's force (3) or wrench (6), in the contact frame."""
 
     @abstractmethod
-    def sides(self, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+    def sides(self, facets: int, fit: Fit) -> FloatArray:
         """Return the rows C (`side_count` of them, dim) of C @ force <= 0: friction made of half-spaces."""
 
     @abstractmethod
@@ -145,7 +145,7 @@ class PointContact(Contact):
         """The friction cone of the contact force, in the contact frame."""
         return FrictionCone(self.mu)
 
-    def sides(self, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+    def sides(self, facets: int, fit: Fit) -> FloatArray:
         """(facets, 3) sides of the friction pyramid, in newtons of tangential force."""
         return self.cone.polyhedral(facets, fit).halfspaces[:facets]
 
@@ -194,7 +194,7 @@ class PatchContact(Contact):
 
         return WrenchCone(self.length, self.width, self.mu)
 
-    def sides(self, facets: int, fit: Literal["inner", "outer"]) -> FloatArray:
+    def sides(self, facets: int, fit: Fit) -> FloatArray:
         """(16, 6) rows of the `WrenchCone`, whose friction pyramid has four sides whatever `facets` says."""
         from surefoot.cones.wrench import WrenchCone
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
+from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.stance.contact import Contact
 
-Fit = Literal["inner", "outer"]
 Axes = Literal["contact", "world"]
 BOUNDS = 2
 """Rows of the bounds on a contact's normal force."""

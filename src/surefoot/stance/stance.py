@@ -11,12 +11,13 @@ from itertools import accumulate, pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, per_contact
 from surefoot.cones import ProductCone
+from surefoot.cones.cone import Fit
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import skew
 from surefoot.stance.contact import Contact, PatchContact, PointContact
-from surefoot.stance.halfspaces import Axes, Fit, HalfSpaces, halfspaces, row_counts
+from surefoot.stance.halfspaces import Axes, HalfSpaces, halfspaces, row_counts
 
 
 class Stance:
@@ -202,14 +203,12 @@ class Stance:
                 at += 3
         return out
 
-    def with_friction(self, mu: float) -> Stance:
-        """Return the same stance with one friction coefficient at every contact."""
-        out = []
-        for contact in self.contacts:
-            twin = copy(contact)
-            twin.mu = real_number("mu", mu, low=0.0)
-            out.append(twin)
-        return Stance(out)
+    def with_friction(self, mu: ArrayLike) -> Stance:
+        """Return the same stance with other friction, one coefficient for all contacts or (n,) for each."""
+        twins = [copy(contact) for contact in self.contacts]
+        for twin, friction in zip(twins, per_contact("mu", mu, len(twins)).tolist(), strict=True):
+            twin.mu = friction
+        return Stance(twins)
 
     def without(self, *names: str) -> Stance:
         """Return the stance less the named contacts (feet in swing).

@@ -73,6 +73,8 @@ class StepDerivative:
         if stepper.options.soft is not None:
             law = type(stepper.options.soft).__name__
             raise ProblemError(f"derivatives of steps take the laws {', '.join(LAWS)}, got a {law}")
+        if stepper.geometry is not None:
+            raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
         self._stages = Stages(stepper, request)
         self.step: Step = self._stages.step
         self.smoothing = request.smoothing

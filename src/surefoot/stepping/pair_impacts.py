@@ -21,7 +21,7 @@ from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.detection import Surfaces
-from surefoot.stepping.impacts import FASTEST, PULL, LostMotion, Meeting, finite_problem
+from surefoot.stepping.impacts import FASTEST, GAIN, PULL, LostMotion, Meeting, finite_problem
 from surefoot.stepping.state import Impact
 
 STAGES = 1000
@@ -35,14 +35,25 @@ class PairMeeting(Meeting):
         """Return the exchange of impulses, see `Meeting.collide`."""
         surfaces = self._surfaces
         last = np.where(surfaces.on[:, None], last, 0.0)
-        if not surfaces.propagation:
-            return super().collide(near, last, leaving)
-        wave, change = self._wave(near)
+        wave, change = self._wave(near) if surfaces.propagation else (None, self.before)
         if wave is None:
-            return super().collide(near, last, leaving)
+            return self._guarded(near, last, leaving)
         settled = self._replace(before=self.before + change, free=self.free + change)
-        impact = super(PairMeeting, settled).collide(near, last, leaving)
+        impact = settled._with_missed(near, last, None)  # a shock says nothing of how contacts turn
         return impact._replace(before=self.before, free=self.free, impulses=impact.impulses + wave)
+
+    def _guarded(self, near: IntArray, last: FloatArray, leaving: FloatArray) -> Impact:
+        """Return the exchange with the guess of how contacts will turn, without it where it makes energy.
+
+        A contact that slides along an edge, or changes its slot, is not where it was: what its velocity
+        changed by says little of what it will.
+        """
+        impact = super().collide(near, last, leaving)
+        arriving = self.contacts.velocities(self.before)
+        work, push = arithmetic.mean_work(impact.impulses, arriving, impact.leaving)
+        if work <= GAIN * push * GRAVITY * self.options.dt:
+            return impact
+        return self._with_missed(near, last, None)
 
     @property
     def _surfaces(self) -> Surfaces:

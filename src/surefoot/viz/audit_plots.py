@@ -14,7 +14,8 @@ from surefoot.audit.setting import BODY, setting_of
 from surefoot.errors import SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
-from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_figure, save
+from surefoot.viz.shapes import cone_rim
+from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_axis, new_figure, save
 
 COLUMNS = 1500
 """The timeline has so many columns at most; a foot is drawn as loaded where it is in any row of one."""
@@ -29,8 +30,9 @@ LEAST_WIDTH = 0.004
 def draw_timeline(log: Log, report: AuditReport, path: Path) -> Path:
     """Draw when each contact was loaded (bars), and where which law was broken (red)."""
     rows = [*report.contacts, BODY]
-    figure, axes = new_figure(size=(9.0, 0.45 * len(rows) + 1.4))
-    axis, span = axes[0, 0], max(report.end - report.start, 1e-9)
+    title = "Feet on the ground (bars) and broken laws (red)"
+    figure, axis = new_axis((9.0, 0.45 * len(rows) + 1.4), title, xlabel="time [s]")
+    span = max(report.end - report.start, 1e-9)
     for k, spans in enumerate(_loaded(log, report)):
         axis.broken_barh(spans, (len(rows) - 1 - k - 0.3, 0.6), color=FOOT_COLOURS[k % 8], alpha=0.35, lw=0)
     for one in report.violations:
@@ -38,10 +40,9 @@ def draw_timeline(log: Log, report: AuditReport, path: Path) -> Path:
         width = max(one.end - one.start, LEAST_WIDTH * span)
         axis.broken_barh([(one.start, width)], (at - 0.38, 0.76), facecolor="none", edgecolor=BAD, lw=1.2)
         axis.text(one.start, at + 0.4, one.law, color=BAD, fontsize=6, clip_on=True)
-    axis.set(yticks=range(len(rows)), xlabel="time [s]", xlim=(report.start, report.start + span))
-    axis.set_yticklabels(rows[::-1])
+    axis.set_yticks(range(len(rows)), rows[::-1])
+    axis.set_xlim(report.start, report.start + span)
     axis.grid(axis="y", visible=False)
-    axis.set_title("Feet on the ground (bars) and broken laws (red)")
     return save(figure, path)
 
 
@@ -132,8 +133,7 @@ def _robot(log: Log) -> Robot | None:
 
 
 def _cone(axis: Any, apex: FloatArray, frame: FloatArray, mu: float) -> None:
-    angle = np.linspace(0.0, 2.0 * np.pi, 25)
-    rim = CONE * np.column_stack([mu * np.cos(angle), mu * np.sin(angle), np.ones(25)]) @ frame.T + apex
+    rim = apex + cone_rim(mu, CONE, frame, 24)
     axis.plot(*rim.T, color=MUTED, lw=0.8)
     for edge in rim[::4]:
         axis.plot(*np.stack([apex, edge], axis=1), color=MUTED, lw=0.5)

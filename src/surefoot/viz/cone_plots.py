@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.cones import FrictionCone
 from surefoot.cones.polyhedral import FrictionPyramid
+from surefoot.viz.shapes import ring
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, blank_figure, house_style, save
 
 
@@ -36,8 +37,7 @@ def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyrami
     axis.fill(mu * np.cos(angle), mu * np.sin(angle), color=FOOT_COLOURS[0], alpha=0.12, lw=0)
     axis.plot(mu * np.cos(angle), mu * np.sin(angle), color=FOOT_COLOURS[0], label="exact")
     for pyramid, colour, name in ((inner, FOOT_COLOURS[2], "inner"), (outer, BAD, "outer")):
-        ring = np.vstack([pyramid.rays, pyramid.rays[:1]])
-        axis.plot(ring[:, 0], ring[:, 1], color=colour, label=name)
+        axis.plot(*ring(pyramid.rays)[:, :2].T, color=colour, label=name)
     axis.set_aspect("equal")
     span = 1.05 * float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
     ticks = [-mu, 0.0, mu]
@@ -58,16 +58,14 @@ def _solid(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid)
         mu * height * np.cos(angle), mu * height * np.sin(angle), height, color=FOOT_COLOURS[0], alpha=0.18
     )
     for pyramid, colour in ((inner, FOOT_COLOURS[2]), (outer, BAD)):
-        ring = np.vstack([pyramid.rays, pyramid.rays[:1]])
-        axis.plot(*ring.T, color=colour, lw=1.0)
+        axis.plot(*ring(pyramid.rays).T, color=colour, lw=1.0)
         for ray in pyramid.rays:
-            axis.plot([0, ray[0]], [0, ray[1]], [0, ray[2]], color=colour, lw=0.6)
+            axis.plot(*np.stack([np.zeros(3), ray], axis=1), color=colour, lw=0.6)
     span = float(np.abs(outer.rays[:, :2]).max(initial=1e-3))
     axis.set(xlim=(-span, span), ylim=(-span, span), zlim=(0, 1))
     axis.set(xticks=[-mu, 0.0, mu], yticks=[-mu, 0.0, mu], zticks=[0.0, 0.5, 1.0])
     axis.set_box_aspect((1, 1, 0.9))
     axis.tick_params(labelbottom=False, labelleft=False, labelright=False, colors=MUTED)
-    axis.set_xlabel("$f_x$", labelpad=-14)
-    axis.set_ylabel("$f_y$", labelpad=-14)
-    axis.set_zlabel("$f_z$", labelpad=-14)
+    for name in "xyz":
+        getattr(axis, f"set_{name}label")(f"$f_{name}$", labelpad=-14)
     axis.view_init(elev=22, azim=-55)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.viz.style import FOOT_COLOURS, INK, MUTED, new_figure, save
+from surefoot.viz.style import FOOT_COLOURS, INK, MUTED, draw_columns, new_axis, new_figure, save
 
 AXES = ("x", "y", "z")
 LABELS = {
@@ -34,8 +34,8 @@ def plot_timing(
     growth
         Way -> exponent of its growth.
     """
-    figure, axes = new_figure(size=(7.0, 4.2))
-    ax = axes[0, 0]
+    names = {"xlabel": "links in the chain", "ylabel": "one momentum matrix [µs]"}
+    figure, ax = new_axis((7.0, 4.2), "Centroidal momentum matrix of a chain", **names)
     links = np.asarray(chains, dtype=np.float64)
     for colour, (way, seconds) in zip(FOOT_COLOURS, timings.items(), strict=False):
         label = f"{LABELS.get(way, way)}: n^{growth[way]:.2f}"
@@ -43,9 +43,6 @@ def plot_timing(
     slowest = 1e6 * np.array(timings["composite"])
     ax.loglog(links, slowest[0] * links / links[0], "--", color=MUTED, linewidth=0.9, label="slope 1")
     ax.loglog(links, slowest[0] * (links / links[0]) ** 2, ":", color=MUTED, linewidth=0.9, label="slope 2")
-    ax.set_xlabel("links in the chain")
-    ax.set_ylabel("one momentum matrix [µs]")
-    ax.set_title("Centroidal momentum matrix of a chain")
     ax.legend(fontsize=8)
     return save(figure, path)
 
@@ -75,8 +72,7 @@ def plot_components(
     figure, axes = new_figure(len(panels), 1, size=(7.5, 0.9 + 1.5 * len(panels)), sharex=True)
     for ax, (label, (curves, names)) in zip(axes[:, 0], panels.items(), strict=True):
         values = np.asarray(curves, dtype=np.float64).reshape(len(np.asarray(time)), -1)
-        for k, name in enumerate(names):
-            ax.plot(time, values[:, k], color=FOOT_COLOURS[k % len(FOOT_COLOURS)], label=name)
+        draw_columns(ax, time, values, names)
         ax.set_ylabel(label)
         size = float(np.abs(values).max())
         if np.ptp(values) < 1e-6 * size:  # a constant: no magnified rounding
@@ -104,18 +100,13 @@ def plot_curves(
     scales: tuple[str, str] = ("log", "linear"),
 ) -> Path:
     """Write a picture of named curves over x; every second one is drawn as dots (the measured ones)."""
-    figure, axes = new_figure(size=(6.0, 3.6))
-    ax = axes[0, 0]
+    xscale, yscale = scales
+    figure, ax = new_axis((6.0, 3.6), title, xlabel=x_label, ylabel=y_label, xscale=xscale, yscale=yscale)
     for k, (name, y) in enumerate(curves.items()):
         style = "o" if k % 2 else "-"
         ax.plot(x, y, style, color=FOOT_COLOURS[k // 2 if len(curves) > 2 else k], label=name, markersize=4)
-    ax.set_xscale(scales[0])
-    ax.set_yscale(scales[1])
     for axis, scale in zip((ax.xaxis, ax.yaxis), scales, strict=True):
         if scale == "log":
             axis.set_minor_formatter("")
-    ax.set_xlabel(x_label)
-    ax.set_ylabel(y_label)
-    ax.set_title(title)
     ax.legend(fontsize=8)
     return save(figure, path)

@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.laws import CompliantSolid, PressureField, PressurePatch
+from surefoot.viz.shapes import draw_sole
 from surefoot.viz.style import FORCE, GROUND, INK, MUTED, new_figure, save
 
 FINENESS = 24
@@ -48,9 +49,7 @@ def draw_sole_pressures(
     rim = sole.corners[sole.corners[:, 2] <= low + 1e-12][:, :2]
     figure, axes = new_figure(len(found), 1, size=(6.4, 1.7 * len(found) + 0.6), sharex=True)
     for axis, (R, position, patch), title in zip(axes[:, 0], found, titles, strict=True):
-        outline = 1e3 * np.vstack([rim, rim[:1]])
-        axis.fill(*outline.T, color=GROUND, lw=0)
-        axis.plot(*outline.T, color=INK, lw=1.1)
+        outline = draw_sole(axis, rim, GROUND, INK)
         for polygon, pressure in zip(patch.polygons, patch.pressures, strict=True):
             _shade(axis, (polygon - position) @ R, pressure, figure)
         centre = 1e3 * ((patch.centre - position) @ R)
@@ -59,12 +58,10 @@ def draw_sole_pressures(
             f"{title}: {1e4 * patch.area:.0f} cm² carry {load:.0f} N, at most {1e-3 * patch.largest:.0f} kPa",
             fontsize=9,
         )
-        low_corner, high_corner = outline.min(axis=0), outline.max(axis=0)
-        margin = 0.03 * float((high_corner - low_corner).max())
-        axis.set_xlim(low_corner[0] - margin, high_corner[0] + margin)
-        axis.set_ylim(low_corner[1] - margin, high_corner[1] + margin)
+        margin = 0.03 * float(np.ptp(outline, axis=0).max())
+        limits = np.array([outline.min(axis=0) - margin, outline.max(axis=0) + margin])
+        axis.set(xlim=limits[:, 0], ylim=limits[:, 1], aspect="equal")
         axis.set_ylabel("across [mm]", fontsize=9)
-        axis.set_aspect("equal")
         axis.grid(False)
         axis.tick_params(colors=MUTED)
     figure.supxlabel("along the foot [mm]", fontsize=9)

@@ -64,23 +64,26 @@ def write_report(
 
 def table(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     """Return an HTML table."""
-    head = "".join(f"<th>{html.escape(str(c))}</th>" for c in header)
-    lines = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(str(c))}</td>" for c in row) + "</tr>\n" for row in rows
-    )
-    return f"<table><tr>{head}</tr>\n{lines}</table>"
+    return f"<table>{_row('th', header)}{''.join(_row('td', row) for row in rows)}</table>"
+
+
+def _row(tag: str, cells: Sequence[Any]) -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in cells) + "</tr>\n"
 
 
 def picture(path: Path) -> str:
     """Return a picture, its bytes inside."""
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<img alt="{html.escape(path.stem.replace("_", " "))}" src="data:image/png;base64,{data}">'
+    name = html.escape(path.stem.replace("_", " "))
+    return f'<img alt="{name}" src="data:image/png;base64,{_base64(path)}">'
 
 
 def film(path: Path) -> str:
     """Return a film, its bytes inside."""
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<video controls loop muted src="data:video/mp4;base64,{data}"></video>'
+    return f'<video controls loop muted src="data:video/mp4;base64,{_base64(path)}"></video>'
+
+
+def _base64(path: Path) -> str:
+    return base64.b64encode(path.read_bytes()).decode("ascii")
 
 
 def paragraph(text: str) -> str:

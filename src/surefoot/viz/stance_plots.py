@@ -12,6 +12,7 @@ from surefoot.equilibrium import Region, Verdict, com_region, support_polygon
 from surefoot.equilibrium.comparison import RegionComparison
 from surefoot.equilibrium.region import polygon_area
 from surefoot.stance import Contact, Stance, StanceQuestion
+from surefoot.viz.shapes import cone_rim, ring
 from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, INK, MUTED, blank_figure, house_style, save
 
 COM, SUPPORT, ZMP = FOOT_COLOURS[0], FOOT_COLOURS[3], FOOT_COLOURS[4]
@@ -65,8 +66,7 @@ def _ground(axis: Any, stance: Stance, region: Region, com: FloatArray) -> None:
         return
     floor = float(stance.points().positions[:, 2].min())
     if len(region.inner) >= 2:
-        ring = np.vstack([region.inner, region.inner[:1]])
-        axis.plot(ring[:, 0], ring[:, 1], floor, color=COM, lw=1.2)
+        axis.plot(*ring(region.inner).T, floor, color=COM, lw=1.2)
     if len(region.inner) >= 3:
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -77,21 +77,21 @@ def _ground(axis: Any, stance: Stance, region: Region, com: FloatArray) -> None:
 
 def _cone(axis: Any, contact: Contact, height: float) -> None:
     """Draw a friction cone as a surface; a patch as its outline and one cone in the middle."""
-    R, p = contact.rotation_world_contact, contact.position
+    p = contact.position
     height = min(height, height / max(contact.mu, 1e-9) * 0.8)
-    turn = np.linspace(0.0, 2.0 * np.pi, 41)
-    ring = height * np.column_stack(
-        [contact.mu * np.cos(turn), contact.mu * np.sin(turn), np.ones_like(turn)]
-    )
-    rim = p + ring @ R.T
+    rim = p + cone_rim(contact.mu, height, contact.rotation_world_contact, 40)
     sheet = np.stack([np.broadcast_to(p, rim.shape), rim])
     axis.plot_surface(*np.moveaxis(sheet, -1, 0), color=MUTED, alpha=0.22, linewidth=0)
     axis.plot(*rim.T, color=MUTED, lw=0.7)
     if contact.dim == 6:
-        corners = np.array([c.position for c in contact.corners()])  # type: ignore[attr-defined]
-        axis.plot(*np.vstack([corners, corners[:1]]).T, color=INK, lw=1.4)
+        axis.plot(*_patch(contact).T, color=INK, lw=1.4)
     else:
         axis.scatter(*p, s=14, color=INK, depthshade=False)
+
+
+def _patch(contact: Contact) -> FloatArray:
+    """Return the (5, 3) outline of a patch, closed."""
+    return ring(np.array([c.position for c in contact.corners()]))  # type: ignore[attr-defined]
 
 
 def _forces(axis: Any, stance: Stance, verdict: Verdict, size: float) -> None:
@@ -117,9 +117,7 @@ def _falling(axis: Any, stance: Stance, com: FloatArray, verdict: Verdict, size:
     if len(verdict.multipliers):  # the legs give way, not the contacts: these do not move with the body
         arms = arms[:0]
     moves = linear + np.cross(angular, arms) if len(arms) else np.zeros((0, 3))
-    longest = max(
-        float(np.linalg.norm(linear)), float(np.linalg.norm(moves, axis=1).max(initial=0.0)), 1e-300
-    )
+    longest = float(np.linalg.norm(np.vstack([linear, moves]), axis=1).max(initial=1e-300))
     scale = 0.45 * size / longest
     axis.quiver(*com, *(scale * linear), color=BAD, lw=2.2, arrow_length_ratio=0.15)
     axis.text(*(com + 1.1 * scale * linear), "gives way", fontsize=8.5, color=BAD)
@@ -136,16 +134,10 @@ def _frame(axis: Any, stance: Stance, com: FloatArray, size: float) -> None:
     for k, name in enumerate("xyz"):
         getattr(axis, f"set_{name}lim")(middle[k] - reach, middle[k] + reach)
         getattr(axis, f"set_{name}label")(f"{name} [m]", labelpad=-2)
-        getattr(axis, f"{name}axis").set_major_locator(_ticks())
+        axis.locator_params(axis=name, nbins=4)
         axis.tick_params(axis=name, pad=-1, labelsize=7)
     axis.set_box_aspect((1, 1, 1), zoom=1.0)
     axis.view_init(elev=20, azim=-62)
-
-
-def _ticks() -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(4)
 
 
 def _above(axis: Any, question: StanceQuestion, region: Region, verdict: Verdict) -> None:
@@ -160,13 +152,8 @@ def _above(axis: Any, question: StanceQuestion, region: Region, verdict: Verdict
             world = contact.rotation_world_contact @ force[:3]
             share = 0.25 * _size(stance, com) / max(float(np.linalg.norm(verdict.load)), 1e-300)
             if np.linalg.norm(world[:2]) * share > 1e-4:
-                start = contact.position[:2]
-                axis.annotate(
-                    "",
-                    start + 2.0 * share * world[:2],
-                    start,
-                    arrowprops={"arrowstyle": "->", "color": FORCE},
-                )
+                start, arrow = contact.position[:2], {"arrowstyle": "->", "color": FORCE}
+                axis.annotate("", start + 2.0 * share * world[:2], start, arrowprops=arrow)
     axis.plot(*com[:2], "o", color=INK, ms=8, label="centre of mass", zorder=5)
     _finish(axis, "from above" + (": the CoM region is empty" if region.empty else ""))
     axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, fontsize=8)
@@ -176,33 +163,24 @@ def _fill(axis: Any, polygon: FloatArray, colour: str, label: str, filled: bool)
     """Draw a polygon, a segment or a point."""
     if not len(polygon):
         return
-    ring = np.vstack([polygon, polygon[:1]])
     if len(polygon) == 1:
         axis.plot(*polygon[0], "s", color=colour, label=label, ms=5)
         return
     style = {"lw": 1.6} if filled else {"lw": 1.3, "ls": (0, (4, 3))}
-    axis.plot(ring[:, 0], ring[:, 1], color=colour, label=label, **style)
+    axis.plot(*ring(polygon).T, color=colour, label=label, **style)
     if filled and len(polygon) >= 3:
-        axis.fill(ring[:, 0], ring[:, 1], color=colour, alpha=0.18, lw=0)
+        axis.fill(*polygon.T, color=colour, alpha=0.18, lw=0)
 
 
 def _feet(axis: Any, stance: Stance) -> None:
     """Draw contacts from above, with their names."""
     for contact in stance:
         if contact.dim == 6:
-            corners = np.array([c.position[:2] for c in contact.corners()])  # type: ignore[attr-defined]
-            ring = np.vstack([corners, corners[:1]])
-            axis.plot(ring[:, 0], ring[:, 1], color=MUTED, lw=0.9)
+            axis.plot(*_patch(contact)[:, :2].T, color=MUTED, lw=0.9)
         else:
             axis.plot(*contact.position[:2], "o", color=MUTED, ms=4)
-        axis.annotate(
-            contact.name.removesuffix("_foot"),
-            contact.position[:2],
-            xytext=(4, 4),
-            textcoords="offset points",
-            fontsize=7,
-            color=INK,
-        )
+        label = {"xytext": (4, 4), "textcoords": "offset points", "fontsize": 7, "color": INK}
+        axis.annotate(contact.name.removesuffix("_foot"), contact.position[:2], **label)
 
 
 def _finish(axis: Any, title: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,19 @@ def new_figure(
         figure = blank_figure(size)
         axes = figure.subplots(rows, columns, squeeze=False, **subplots)
     return figure, axes
+
+
+def new_axis(size: tuple[float, float], title: str = "", **labels: Any) -> tuple[Any, Any]:
+    """Return a figure of one axis in the house style, and the axis; `labels` are those of `Axes.set`."""
+    figure, axes = new_figure(size=size)
+    axes[0, 0].set(title=title, **labels)
+    return figure, axes[0, 0]
+
+
+def draw_columns(axis: Any, x: Any, columns: Any, names: Iterable[str], **line: Any) -> None:
+    """Draw the columns of a (T, n) array over x, each in its own colour and with its name."""
+    for k, name in enumerate(names):
+        axis.plot(x, columns[:, k], **({"color": FOOT_COLOURS[k % 8], "label": name} | line))
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.estimation import TossErrors, Tosses, TossFit
+from surefoot.viz.shapes import along_path
 from surefoot.viz.style import FOOT_COLOURS, GROUND, INK, MUTED, new_figure, save
 
 EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7))
@@ -80,14 +81,12 @@ def _corners(poses: FloatArray, half: float) -> FloatArray:
 def _draw_toss(axis: Any, tosses: Tosses, recorded: FloatArray, simulated: FloatArray, ground: float) -> None:
     """Draw the cube at a few moments, seen across its path."""
     moments = np.unique(np.linspace(0, len(recorded) - 1, SHOWN).round().astype(int))
-    path = recorded[-1, :2] - recorded[0, :2]
-    length = float(np.linalg.norm(path))
-    along = path / length if length > 1e-9 else np.array([1.0, 0.0])
+    along = along_path(recorded[:, :2])
     for poses, colour, width in ((recorded, MUTED, 1.6), (simulated, FOOT_COLOURS[0], 0.9)):
         for corners in _corners(poses[moments], tosses.cube.half_side):
             flat = np.column_stack([(corners[:, :2] - recorded[0, :2]) @ along, corners[:, 2]])
-            for a, b in EDGES:
-                axis.plot(flat[[a, b], 0], flat[[a, b], 1], color=colour, lw=width)
+            for edge in EDGES:
+                axis.plot(*flat[list(edge)].T, color=colour, lw=width)
     axis.axhspan(ground - 0.02, ground, color=GROUND, lw=0)
     axis.axhline(ground, color=INK, lw=0.8)
     axis.set(xlabel="along the path [m]", ylabel="height [m]")
@@ -97,9 +96,7 @@ def _draw_toss(axis: Any, tosses: Tosses, recorded: FloatArray, simulated: Float
 def _draw_heights(axis: Any, dt: float, recorded: FloatArray, simulated: FloatArray) -> None:
     """Draw place and height of the centre over time."""
     time = dt * np.arange(len(recorded))
-    path = recorded[-1, :2] - recorded[0, :2]
-    length = float(np.linalg.norm(path))
-    along = path / length if length > 1e-9 else np.array([1.0, 0.0])
+    along = along_path(recorded[:, :2])
     for poses, style, name in ((recorded, "-", "recorded"), (simulated, "--", "simulated")):
         axis.plot(time, poses[:, 2], style, color=FOOT_COLOURS[1], label=f"height, {name}")
         distance = (poses[:, :2] - recorded[0, :2]) @ along

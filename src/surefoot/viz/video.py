@@ -22,6 +22,7 @@ from surefoot.simulation.observers import Observer
 from surefoot.spatial import GRAVITY, quaternion_wxyz
 from surefoot.terrain import Terrain
 from surefoot.viz.meshes import add_meshes
+from surefoot.viz.shapes import cone_rim
 
 WIDTH, HEIGHT, RATE = 640, 480, 25
 ARROW_LENGTH = 1.2
@@ -93,10 +94,9 @@ class Renderer:
         self._mujoco.mj_forward(self.model, self.data)
         self._camera.lookat[:] = q[:3] - [0.0, 0.0, 0.45 * self._size]
         self._renderer.update_scene(self.data, self._camera)
-        for start, vector, colour in arrows:
-            self._arrow(start, vector, colour)
-        for start, vector, colour in lines:
-            self._arrow(start, vector, colour, line=True)
+        for line, drawn in ((False, arrows), (True, lines)):
+            for start, vector, colour in drawn:
+                self._arrow(start, vector, colour, line)
         return self._renderer.render()
 
     def _arrow(
@@ -168,9 +168,7 @@ def cone_lines(log: Log, step: int, terrain: Terrain, height: float, rays: int =
     for k, place in enumerate(log["contact_positions"][step]):
         if log["forces"][step, k, 2] <= 0.0:
             continue
-        frame = terrain.frame(place[:2])
-        angle = np.linspace(0.0, 2.0 * np.pi, rays + 1)
-        rim = height * np.column_stack([mu * np.cos(angle), mu * np.sin(angle), np.ones(rays + 1)]) @ frame.T
+        rim = cone_rim(mu, height, terrain.frame(place[:2]), rays)
         lines += [(place, edge, CONE_COLOUR) for edge in rim[:-1]]
         lines += [(place + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
     return lines

@@ -19,8 +19,10 @@ from surefoot.viz.plots import (
     draw_step_times,
     draw_torques,
     mark_events,
+    thinned,
 )
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, new_figure, save
+from surefoot.viz.shapes import runs_of
+from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, save
 
 FOOTFALL_SPAN = 3.0
 """Length of the footfall diagram [s]: the end of the run."""
@@ -29,18 +31,16 @@ FOOTFALL_SPAN = 3.0
 def draw_velocity(log: Log, path: Path) -> Path:
     """Draw the base's velocity in its heading frame against the commanded one."""
     figure, axes = new_figure(3, 1, size=(8.0, 5.6), sharex=True)
-    every = max(1, len(log) // MOST_POINTS)
-    thin, measured = slice(None, None, every), heading_velocity(log)
+    thin, measured = thinned(len(log)), heading_velocity(log)
     for k, label in enumerate(("forward [m/s]", "left [m/s]", "yaw rate [rad/s]")):
         axis = axes[k, 0]
         axis.plot(log["time"][thin], measured[thin, k], color=FOOT_COLOURS[k], lw=0.9, label="measured")
         axis.plot(log["time"][thin], log["command"][thin, k], color=INK, lw=1.1, ls="--", label="commanded")
         span = max(float(np.abs(log["command"][:, k]).max()), 0.1)
         low, high = np.percentile(measured[:, k], [0.2, 99.8])
-        middle = log["command"][:, k]
-        axis.set(
-            ylabel=label, ylim=(min(low, middle.min()) - 0.3 * span, max(high, middle.max()) + 0.3 * span)
-        )
+        wanted = log["command"][:, k]
+        limits = min(low, wanted.min()) - 0.3 * span, max(high, wanted.max()) + 0.3 * span
+        axis.set(ylabel=label, ylim=limits)
         mark_events(axis, log)
     axes[0, 0].legend(ncols=2, fontsize=8)
     axes[2, 0].set_xlabel("time [s]")
@@ -51,8 +51,8 @@ def draw_velocity(log: Log, path: Path) -> Path:
 def draw_footfalls(log: Log, path: Path) -> Path:
     """Draw when each foot carried (bars) and when the gait wanted it to (outline), at the run's end."""
     names = log.facts["feet"]
-    figure, axes = new_figure(size=(8.0, 0.45 * len(names) + 1.2))
-    axis = axes[0, 0]
+    title = "Footfalls: bars measured, dark lines planned"
+    figure, axis = new_axis((8.0, 0.45 * len(names) + 1.2), title, xlabel="time [s]")
     recent = _end(log)
     time, down, planned = recent["time"], touching(recent), recent["planned"]
     for k, name in enumerate(names):
@@ -60,42 +60,38 @@ def draw_footfalls(log: Log, path: Path) -> Path:
         axis.broken_barh(_spans(time, down[:, k]), (row - 0.33, 0.66), color=FOOT_COLOURS[k % 8], label=name)
         for begin, length in _spans(time, planned[:, k]):
             axis.plot([begin, begin + length], [row - 0.42] * 2, color=INK, lw=1.4, solid_capstyle="butt")
-    axis.set(yticks=range(len(names)), xlabel="time [s]", ylim=(-0.7, len(names) - 0.4))
-    axis.set_yticklabels(names[::-1])
-    axis.set_xlim(time[0], time[-1])
+    axis.set_yticks(range(len(names)), names[::-1])
+    axis.set(ylim=(-0.7, len(names) - 0.4), xlim=(time[0], time[-1]))
     axis.grid(axis="y", visible=False)
-    axis.set_title("Footfalls: bars measured, dark lines planned")
     return save(figure, path)
 
 
 def draw_cone_time(log: Log, path: Path) -> Path:
     """Draw the used share of every foot's friction cone over time, measured; and the commanded worst."""
-    figure, axes = new_figure(size=(8.0, 3.4))
-    axis, every = axes[0, 0], max(1, len(log) // MOST_POINTS)
+    title = "Use of the friction cone by feet that carry more than 5 % of the weight"
+    figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel=r"$\|f_t\|\,/\,\mu f_n$")
+    every = max(1, len(log) // MOST_POINTS)
     threshold = 0.05 * log.facts["mass"] * GRAVITY
     use = contact_use(foot_forces(log), log["mu"], threshold)
     # the highest of each short interval, so that thinning hides nothing
     count = len(log) // every
     blocks = use[: count * every].reshape(count, every, -1).max(axis=1)
     time = log["time"][: count * every : every]
-    for k, name in enumerate(log.facts["feet"]):
-        axis.plot(time, blocks[:, k], color=FOOT_COLOURS[k % 8], lw=0.7, alpha=0.8, label=name)
+    draw_columns(axis, time, blocks, log.facts["feet"], lw=0.7, alpha=0.8)
     axis.axhline(1.0, color=BAD, lw=0.9, ls="--")
-    axis.set(xlabel="time [s]", ylabel=r"$\|f_t\|\,/\,\mu f_n$", ylim=(0.0, 1.1))
+    axis.set_ylim(0.0, 1.1)
     mark_events(axis, log)
     axis.legend(ncols=4, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))
-    axis.set_title("Use of the friction cone by feet that carry more than 5 % of the weight")
     return save(figure, path)
 
 
 def draw_path(log: Log, path: Path) -> Path:
     """Draw the base's path from above and from the side, with every footfall."""
     figure, axes = new_figure(2, 1, size=(8.0, 4.6))
-    every = max(1, len(log) // MOST_POINTS)
-    down = touching(log)
+    thin, down = thinned(len(log)), touching(log)
     owner = np.asarray(log.facts["contact_foot"])
     for row, axis, label in ((1, axes[0, 0], "y [m]"), (2, axes[1, 0], "z [m]")):
-        axis.plot(log["q"][::every, 0], log["q"][::every, row], color=INK, lw=1.0)
+        axis.plot(log["q"][thin, 0], log["q"][thin, row], color=INK, lw=1.0)
         for k in range(len(log.facts["feet"])):
             begins = np.flatnonzero(down[1:, k] & ~down[:-1, k]) + 1
             place = log["contact_positions"][begins][:, np.flatnonzero(owner == k)[0]]
@@ -128,9 +124,5 @@ def _end(log: Log) -> Log:
 
 def _spans(time: Any, on: BoolArray) -> list[tuple[float, float]]:
     """Return (begin, length) of the runs where a flag is set."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]])))
     last = len(time) - 1
-    return [
-        (float(time[a]), float(time[min(b, last)] - time[a]))
-        for a, b in zip(edges[::2], edges[1::2], strict=True)
-    ]
+    return [(float(time[a]), float(time[min(b, last)] - time[a])) for a, b in runs_of(on)]

@@ -165,7 +165,7 @@ class Contact:
                 e = y[rows] / size
                 J[rows] = b.radius * e[:, None] * rise[None, :]
                 J[np.ix_(rows, rows)] += b.radius * s / size * (np.eye(len(rows)) - np.outer(e, e))
-            elif s == 0.0:
+            elif b.radius * s == 0.0:
                 J[list(b.rows)] = 0.0
         return self.lengths[:, None] * J / self.lengths[None, :]
 

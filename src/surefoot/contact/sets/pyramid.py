@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import nnls
 
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
@@ -93,6 +92,8 @@ class Pyramid(Contact):
         active = A[limits - A @ point <= 1e-11 * (1.0 + float(np.abs(y).max()))]
         if not len(active):
             return np.eye(3)
+        from scipy.optimize import nnls  # a tenth of a second that few need
+
         held = active[nnls(active.T, y - point)[0] > 0.0]
         return np.eye(3) - np.linalg.pinv(held) @ held if len(held) else np.eye(3)
 

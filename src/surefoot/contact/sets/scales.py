@@ -23,7 +23,7 @@ def block_sizes(s: ContactSet, matrix: FloatArray) -> FloatArray:
 
 
 def parts_of(sizes: FloatArray, on: BoolArray, noise: float) -> IntArray:
-    """Return the number of each contact's part: joined by blocks above `noise`, of contacts that are on."""
+    """Return the number (n,) of each contact's part: joined by blocks above `noise`, of those that are on."""
     own = np.sqrt(np.diagonal(sizes))
     joined = (sizes > noise * own[:, None] * own[None, :]) & on[:, None] & on[None, :]
     return np.asarray(

@@ -51,6 +51,15 @@ class Backend(ABC):
     A program is made `ready`, a `call` hands it over and solves it, its answer is `read`: three steps, so
     that a benchmark can time the second alone.
 
+    Attributes
+    ----------
+    name, package
+        In `BACKENDS`; what is imported.
+    takes_cones, keeps_workspace, warm_starts, has_tol
+        What it can do.
+    tol_words, iterations_word, time_word
+        Its own names of the options `tol`, `max_iterations` and `max_time`, as far as it has them.
+
     Raises
     ------
     MissingExtra
@@ -63,6 +72,9 @@ class Backend(ABC):
     keeps_workspace: ClassVar[bool] = False
     warm_starts: ClassVar[bool] = False
     has_tol: ClassVar[bool] = True
+    tol_words: ClassVar[tuple[str, ...]] = ()
+    iterations_word: ClassVar[str | None] = None
+    time_word: ClassVar[str | None] = None
 
     def __init__(self, options: Options | None = None) -> None:
         self.options = options or Options()
@@ -71,6 +83,21 @@ class Backend(ABC):
         except ImportError as error:
             raise MissingExtra(self.package, "qp") from error
         self._kept: dict[Any, Any] = {}
+
+    def _words(self) -> dict[str, Any]:
+        """Return the options by the solver's own names; what is not asked for is left out."""
+        given = self.options
+        words = {} if given.tol is None else dict.fromkeys(self.tol_words, given.tol)
+        most = None if given.max_time == float("inf") else given.max_time
+        for word, value in ((self.iterations_word, given.max_iterations), (self.time_word, most)):
+            if word is not None and value is not None:
+                words[word] = value
+        return {**words, **given.own}
+
+    def _set(self, settings: Any) -> None:
+        """Write the options into the attributes of a settings object."""
+        for name, value in self._words().items():
+            setattr(settings, name, value)
 
     def solve(self, program: ConeProgram, start: FloatArray | None = None) -> Outcome:
         """Solve a program, from a first guess of x where the solver can use one."""

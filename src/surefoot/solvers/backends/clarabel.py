@@ -34,21 +34,15 @@ class Clarabel(Backend):
 
     name = package = "clarabel"
     takes_cones = keeps_workspace = True
+    tol_words = ("tol_gap_abs", "tol_gap_rel", "tol_feas")
+    iterations_word, time_word = "max_iter", "time_limit"
 
     def __init__(self, options: Options | None = None) -> None:
         super().__init__(options)
-        given, settings = self.options, self.module.DefaultSettings()
+        settings = self._settings = self.module.DefaultSettings()
         settings.verbose = False
         settings.presolve_enable = False  # it would forbid updates
-        if given.tol is not None:
-            settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = given.tol
-        if given.max_iterations is not None:
-            settings.max_iter = given.max_iterations
-        if np.isfinite(given.max_time):
-            settings.time_limit = given.max_time
-        for name, value in given.own.items():
-            setattr(settings, name, value)
-        self._settings = settings
+        self._set(settings)
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern and what `clarabel.DefaultSolver` wants."""

@@ -28,6 +28,7 @@ class Daqp(Backend):
 
     name = package = "daqp"
     keeps_workspace = warm_starts = True
+    tol_words, iterations_word, time_word = ("primal_tol", "dual_tol"), "iter_limit", "time_limit"
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and H, f, A, limits and kinds of rows as `daqp.solve` wants them."""
@@ -52,16 +53,6 @@ class Daqp(Backend):
         solve, data, words = self.module.solve, item[1:], self._words()
 
         return lambda: solve(*data, **words)
-
-    def _words(self) -> dict[str, Any]:
-        """Return the settings in its own words."""
-        given = self.options
-        words: dict[str, Any] = {} if given.tol is None else {"primal_tol": given.tol, "dual_tol": given.tol}
-        if given.max_iterations is not None:
-            words["iter_limit"] = given.max_iterations
-        if np.isfinite(given.max_time):
-            words["time_limit"] = given.max_time
-        return {**words, **given.own}
 
     def _set_up(self, item: Any) -> Any:
         solver = self.module.Model()

@@ -25,6 +25,7 @@ class Ecos(Backend):
 
     name = package = "ecos"
     takes_cones = True
+    tol_words, iterations_word = ("abstol", "reltol", "feastol"), "max_iters"
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, n, and what `ecos.solve` wants: ½ xᵀP x + qᵀx becomes a bound t on its root."""
@@ -51,14 +52,8 @@ class Ecos(Backend):
         return item
 
     def _run(self, solver: Any, start: FloatArray | None) -> Any:
-        given = self.options
         _, n, *data = solver
-        words: dict[str, Any] = {"verbose": False}
-        if given.tol is not None:
-            words |= {"abstol": given.tol, "reltol": given.tol, "feastol": given.tol}
-        if given.max_iterations is not None:
-            words["max_iters"] = given.max_iterations
-        return n, self.module.solve(*data, **words, **given.own)
+        return n, self.module.solve(*data, **{"verbose": False, **self._words()})
 
     def read(self, answer: Any) -> Outcome:
         """Return its answer in our words."""

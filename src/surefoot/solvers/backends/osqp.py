@@ -29,6 +29,7 @@ class Osqp(Backend):
 
     name = package = "osqp"
     keeps_workspace = warm_starts = True
+    tol_words, iterations_word, time_word = ("eps_abs", "eps_rel"), "max_iter", "time_limit"
 
     def __init__(self, options: Options | None = None) -> None:
         super().__init__(options)
@@ -47,13 +48,9 @@ class Osqp(Backend):
         given, solver = self.options, self.module.OSQP()
         # no polishing: where no constraint is active OSQP says so on stdout, whatever verbose is
         words: dict[str, Any] = {"verbose": False, "polishing": False, "warm_starting": given.warm}
-        words["max_iter"] = given.max_iterations or ITERATIONS
-        if given.tol is not None:
-            words |= {"eps_abs": given.tol, "eps_rel": given.tol}
-        if np.isfinite(given.max_time):
-            words["time_limit"] = given.max_time
+        words["max_iter"] = ITERATIONS
         # on copies: its updates write into the matrices that it was set up with
-        solver.setup(P.copy(), q, rows.copy(), low, high, **{**words, **given.own})
+        solver.setup(P.copy(), q, rows.copy(), low, high, **{**words, **self._words()})
         self._rows[item[0]] = rows.data
         return solver
 

@@ -30,6 +30,8 @@ class Piqp(Backend):
 
     name = package = "piqp"
     keeps_workspace = True
+    tol_words = ("eps_abs", "eps_rel", "eps_duality_gap_abs", "eps_duality_gap_rel")
+    iterations_word = "max_iter"
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and P, c, A, b, G, limits and bounds as its `setup` wants them."""
@@ -39,16 +41,8 @@ class Piqp(Backend):
         return pattern(P, E, C), P, program.q, E, e, C, low, high, lower, upper
 
     def _set_up(self, item: Any) -> Any:
-        given = self.options
-        solver = self.module.SparseSolver() if given.sparse else self.module.DenseSolver()
-        settings = solver.settings
-        if given.tol is not None:
-            settings.eps_abs = settings.eps_rel = given.tol
-            settings.eps_duality_gap_abs = settings.eps_duality_gap_rel = given.tol
-        if given.max_iterations is not None:
-            settings.max_iter = given.max_iterations
-        for name, value in given.own.items():
-            setattr(settings, name, value)
+        solver = self.module.SparseSolver() if self.options.sparse else self.module.DenseSolver()
+        self._set(solver.settings)
         solver.setup(*item[1:])
         return solver
 

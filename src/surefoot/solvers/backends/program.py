@@ -184,7 +184,7 @@ def stacked(blocks: list[Any]) -> Any:
 
 
 def dense(matrix: Any) -> FloatArray:
-    """Return a matrix as a dense array, row by row."""
+    """Return a matrix (m, n), dense or sparse, as a dense array, row by row."""
     array = matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
     return np.ascontiguousarray(array, dtype=np.float64)
 

@@ -33,6 +33,7 @@ class ProxQp(Backend):
 
     name, package = "proxqp", "proxsuite"
     keeps_workspace = warm_starts = True
+    tol_words, iterations_word = ("eps_abs",), "max_iter"
 
     def __init__(self, options: Options | None = None) -> None:
         super().__init__(options)
@@ -53,13 +54,10 @@ class ProxQp(Backend):
 
     def _set_up(self, item: Any) -> Any:
         _, P, q, E, e, C, low, high = item
-        given, qp = self.options, self._qp(q.size, e.size, low.size)
-        if given.tol is not None:
-            qp.settings.eps_abs, qp.settings.eps_rel = given.tol, 0.0
-        if given.max_iterations is not None:
-            qp.settings.max_iter = given.max_iterations
-        for name, value in given.own.items():
-            setattr(qp.settings, name, value)
+        qp = self._qp(q.size, e.size, low.size)
+        if self.options.tol is not None:
+            qp.settings.eps_rel = 0.0
+        self._set(qp.settings)
         qp.init(P, q, E, e, C, low, high)
         qp.settings.initial_guess = self._cold  # nothing to go by
         return qp

@@ -27,6 +27,7 @@ class Scs(Backend):
 
     name = package = "scs"
     takes_cones = keeps_workspace = warm_starts = True
+    tol_words, iterations_word, time_word = ("eps_abs", "eps_rel"), "max_iters", "time_limit_secs"
 
     def ready(self, program: ConeProgram) -> Any:
         """Return the pattern, and data and cones as `scs.SCS` wants them."""
@@ -38,13 +39,8 @@ class Scs(Backend):
         return pattern(P, A), data, cone
 
     def _set_up(self, item: Any) -> Any:
-        given, (_, data, cone) = self.options, item
-        words: dict[str, Any] = {"verbose": False, "max_iters": given.max_iterations or ITERATIONS}
-        if given.tol is not None:
-            words |= {"eps_abs": given.tol, "eps_rel": given.tol}
-        if np.isfinite(given.max_time):
-            words["time_limit_secs"] = given.max_time
-        return {"made": self.module.SCS(data, cone, **words, **given.own), "last": None}
+        words = {"verbose": False, "max_iters": ITERATIONS, **self._words()}
+        return {"made": self.module.SCS(*item[1:], **words), "last": None}
 
     def _update(self, solver: Any, change: Any) -> None:
         solver["made"] = self._set_up(change)["made"]

@@ -127,7 +127,7 @@ def _assemble(memory: Memory, kappa: float) -> None:
         sticks, free, p, q, across, along = face(
             points[POINT, i], points[POINT, i + 1], points[VALUE, i + 2], mu, sets[k, LOW], sets[k, HIGH]
         )
-        if sticks:
+        if sticks:  # Π' = I, or the tangents' part of it at a bound
             for c in range(3 if free else 2):
                 _add_outer(H, columns[i + c])
         if across > 0.0:
@@ -213,6 +213,7 @@ def _predict(memory: Memory, y: FloatArray, kappa: float, smaller: float) -> Flo
     """Return the solution for the smaller weight if no contact changes its face."""
     m, H, spare = y.size, memory[4], memory[3][GRADIENT]
     _assemble(memory, kappa)
+    # on one face B Π(c + Bᵀ y / κ) is affine in Bᵀ y / κ: y' = (κ'/κ) H(κ')⁻¹ H(κ) y keeps F = 0
     for a in range(m):
         total = 0.0
         for c in range(m):

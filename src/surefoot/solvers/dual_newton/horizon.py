@@ -148,6 +148,7 @@ def _begin(memory: Memory, y: FloatArray, rho: float) -> None:
         u, v, w = places[POINT, i, 0], places[POINT, i, 1], places[POINT, i, 2]
         x, r, z = _project(places, i, u, v, w)
         places[FORCE, i, 0], places[FORCE, i, 1], places[FORCE, i, 2] = x, r, z
+        # Π(p) + Π'(p) (c - p): the projection linearised at the guess p, at multipliers of zero
         dx, dr, dz = differential(
             u, v, z, places[BOUNDS, i, 0], places[BOUNDS, i, 1], places[BOUNDS, i, 2],
             places[CENTRE, i, 0] - u, places[CENTRE, i, 1] - v, places[CENTRE, i, 2] - w,
@@ -180,7 +181,7 @@ def _evaluate(memory: Memory, y: FloatArray, rho: float) -> float:
         at = 6 * step[i]
         for j in range(6):
             F[at + j] -= M[i, 0, j] * x + M[i, 1, j] * r + M[i, 2, j] * z
-    size = 0.0
+    size = 0.0  # Fᵀ P F, twice the duality gap
     for k in range(N):
         for j in range(6):
             size += F[6 * k + j] * _over_steps(P, k, j, F)

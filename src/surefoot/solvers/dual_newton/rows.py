@@ -82,7 +82,7 @@ def _update(
         violation = max(violation, low - value, value - high)
         q = points[VALUE, i_q] / rows[j, LIGHT]
         shift = max(shift, abs(q - rows[j, LAST]) * rows[j, LIGHT])
-        multiplier = duals[DUAL, a] * rows[j, HEAVY]
+        multiplier = duals[DUAL, a] * rows[j, HEAVY]  # y of `dense` is the multiplier over the row's root
         rows[j, MOVED] = multiplier - rows[j, MULTIPLIER]
         rows[j, MULTIPLIER], rows[j, LAST] = multiplier, q
     return violation, shift
@@ -102,6 +102,7 @@ def _proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bo
             x += columns[3 * k, a] * s
             y += columns[3 * k + 1, a] * s
             z += columns[3 * k + 2, a] * s
+        # max of v·f over ||f_t|| <= mu f_z, low <= f_z <= high: f_z (v_z + mu ||v_t||) at an end of f_z
         gain = z + sets[k, MU] * math.sqrt(x * x + y * y)
         reach = sets[k, HIGH] if gain > 0.0 else sets[k, LOW]
         if reach > 0.0:
@@ -110,6 +111,7 @@ def _proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bo
     for j in range(count):
         s = rows[j, MOVED]
         if s != 0.0:
+            # max of -s q over low <= q <= high
             end = sets[contacts + j, LOW if s > 0.0 else HIGH] / rows[j, LIGHT]
             total -= s * end
             scale += abs(s * end)
@@ -143,6 +145,7 @@ def _keep_rows(
         error, floor, used = minimise(columns, sets, points, duals, H, warm or turn > 0, tol, limit)
         iterations += used
         violation, shift = _update(columns, sets, points, duals, rows)
+        # a multiplier that stands still leaves q where it was: the proximal term 1/2 ||q - q_last||² is spent
         if violation <= row_tol and shift**2 <= max(tol, floor):
             return error, violation, iterations, True, False
         still = still + 1 if violation > max(row_tol, (LEAST if empty else 0.95) * last) else 0
@@ -161,7 +164,10 @@ def _keep_rows(
 
 @kernel
 def row_violation(jacobian: FloatArray, forces: FloatArray, low: FloatArray, high: FloatArray) -> float:
-    """Return by how much the worst row of low <= Jᵀ f <= high is broken, negative if all hold."""
+    """Return by how much the worst row of low <= Jᵀ f <= high is broken, negative if all hold.
+
+    J is (3n, rows), the forces (n, 3) [N], the limits (rows,): joint torques [N·m], say.
+    """
     worst = -math.inf
     for j in range(jacobian.shape[1]):
         value = 0.0
@@ -203,6 +209,7 @@ def _load_rows(
                 columns[3 * k + i, 6 + j] = unit * jacobian[3 * k + i, j]
                 steep += columns[3 * k + i, 6 + j] ** 2
     steep = steep / count if steep > 0.0 else 1.0
+    # T f - q weighs HEAVINESS times what the wrench does, and q - q_last hardly anything
     heavy, light = math.sqrt(HEAVINESS * max(wide, 1.0) / steep), math.sqrt(LIGHTNESS / steep)
     for j in range(count):
         rows[j, HEAVY], rows[j, LIGHT] = heavy, light
@@ -305,9 +312,10 @@ def distribute_with_rows(
     work: FloatArray, columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray,
     H: FloatArray, rows: FloatArray, forces: FloatArray,
 ) -> int:  # fmt: skip
-    """Write the optimal forces that also keep low <= Jᵀ f <= high; return a code.
+    """Write the optimal (n, 3) forces [N] that also keep low <= Jᵀ f <= high; return a code.
 
-    The rows are first left out: mostly they hold by themselves, and then that is the optimum.
+    As for `distribute_wrench`, with J (3n, rows), limits (rows,) and what `rows_work` returns. The rows are
+    first left out: mostly they hold by themselves, and then that is the optimum.
     """
     contacts, results = forces.shape[0], forces.shape[0] + 1
     if _not_usable(jacobian, low, high):

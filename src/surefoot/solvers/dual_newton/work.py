@@ -45,7 +45,7 @@ TREND_HELPS = 0.25  # share of a squared change that the one before may have lef
 
 
 def new_work(contacts: int) -> FloatArray:
-    """Return the work space for a number of contacts, all of them off; nothing is known of any forces."""
+    """Return the (4n + 2, WIDTH) work space of n contacts, all off; nothing is known of any forces."""
     work = np.zeros((4 * contacts + 2, WIDTH))
     work[contacts + 1, [FORCE_ERROR, GAP, WRENCH_ERROR, ROW_VIOLATION]] = math.inf
     return work
@@ -53,7 +53,7 @@ def new_work(contacts: int) -> FloatArray:
 
 @inline_kernel
 def column(work: FloatArray, k: int, at: int) -> Six:
-    """Return six numbers of a row."""
+    """Return the six numbers from column `at` of row k on."""
     return (
         work[k, at], work[k, at + 1], work[k, at + 2],
         work[k, at + 3], work[k, at + 4], work[k, at + 5],
@@ -62,39 +62,43 @@ def column(work: FloatArray, k: int, at: int) -> Six:
 
 @inline_kernel
 def store(work: FloatArray, k: int, at: int, y: Six) -> None:
-    """Write six numbers into a row."""
+    """Write six numbers into row k, from column `at` on."""
     work[k, at], work[k, at + 1], work[k, at + 2] = y[0], y[1], y[2]
     work[k, at + 3], work[k, at + 4], work[k, at + 5] = y[3], y[4], y[5]
 
 
 @inline_kernel
 def vector(work: FloatArray, k: int, at: int) -> Three:
-    """Return three numbers of a row."""
+    """Return the three numbers from column `at` of row k on."""
     return work[k, at], work[k, at + 1], work[k, at + 2]
 
 
 @inline_kernel
 def store_vector(work: FloatArray, k: int, at: int, v: Three) -> None:
-    """Write three numbers into a row."""
+    """Write three numbers into row k, from column `at` on."""
     work[k, at], work[k, at + 1], work[k, at + 2] = v
 
 
 @inline_kernel
 def combine(work: FloatArray, k: int, f: Three) -> Six:
-    """Return the wrench B_i f of the contact in a row."""
+    """Return the weighted wrench B_k f (6,) of contact k, f (3,) in scaled units."""
     x, y, z = column(work, k, BLOCK_X), column(work, k, BLOCK_Y), column(work, k, BLOCK_Z)
     return mix(mix(scale(f[0], x), f[1], y), f[2], z)
 
 
 @inline_kernel
 def project(work: FloatArray, k: int, point: Three) -> Three:
-    """Return the nearest point of the contact's truncated cone, in its scaled units."""
+    """Return the point (3,) of contact k's truncated cone nearest to a point (3,), in its scaled units."""
     return project_truncated(point[0], point[1], point[2], work[k, MU], work[k, LOW], work[k, HIGH])
 
 
 @inline_kernel
 def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float, float]:
-    """Fill B and c; return the squared Frobenius norm of B, and 0 or, for bad input, NaN."""
+    """Fill B and c from a (6, 3n) grasp map; return ||B||² (Frobenius), and 0 or, for bad input, NaN.
+
+    With forces in units of 1 / sqrt(weight) and the wrench times the roots of its weights, both quadratic
+    terms of the program have the weight one: B = √W A units, c = (pull f_ref + drag f_last).
+    """
     total, check = 0.0, 0.0
     roots = contacts
     for k in range(contacts):
@@ -121,7 +125,7 @@ def load(grasp_map: FloatArray, work: FloatArray, contacts: int) -> tuple[float,
 
 @kernel
 def set_limits(work: FloatArray, low: FloatArray, high: FloatArray, on: BoolArray) -> int:
-    """Set the normal bounds [N], zero for contacts that are off; return a contact with wrong bounds or -1."""
+    """Set (n,) normal bounds [N], zero for contacts that are off; return one with wrong bounds, or -1."""
     for k in range(on.size):
         if not 0.0 <= low[k] <= high[k]:
             return k
@@ -136,7 +140,7 @@ def set_limits(work: FloatArray, low: FloatArray, high: FloatArray, on: BoolArra
 
 @inline_kernel
 def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
-    """Write the forces in newtons and remember them as the last command."""
+    """Write the (n, 3) forces [N], contact frames, and remember them as the last command."""
     for k in range(contacts):
         x = y = z = 0.0
         if work[k, HIGH] > 0.0:
@@ -149,7 +153,7 @@ def unload(work: FloatArray, contacts: int, forces: FloatArray) -> None:
 
 @kernel
 def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
-    """Write the last command, brought into today's cones; without one, the least normal forces.
+    """Write the last command (n, 3) [N], brought into today's cones; without one, the least normal forces.
 
     How far that is from an optimum is unknown, and said to be infinite.
     """
@@ -166,7 +170,7 @@ def hold(work: FloatArray, contacts: int, forces: FloatArray) -> None:
 
 @inline_kernel
 def weigh(wrench: FloatArray, work: FloatArray, contacts: int) -> Six:
-    """Return b, the wanted wrench times the roots of its weights."""
+    """Return b = √W w, the wanted wrench (6,) [N, N·m] times the roots of its weights."""
     return (
         wrench[0] * work[contacts, ROOT], wrench[1] * work[contacts, ROOT + 1],
         wrench[2] * work[contacts, ROOT + 2], wrench[3] * work[contacts, ROOT + 3],
@@ -176,7 +180,11 @@ def weigh(wrench: FloatArray, work: FloatArray, contacts: int) -> Six:
 
 @inline_kernel
 def measure(work: FloatArray, contacts: int, missing: Six, error: float) -> float:
-    """Write what the forces leave of the wrench and how far they may be from the optimum."""
+    """Write what the forces leave of the wrench, and how far from the optimum; return ||B f - b||².
+
+    `missing` is B f - b, `error` ||F||²: the duality gap is ½ ||F||², and by strong convexity (weight one in
+    scaled units) ||f - f*|| <= ||F||, in newtons at most the widest unit times that.
+    """
     widest, results = 0.0, contacts + 1
     for k in range(contacts):
         widest = max(widest, work[k, TANGENT], work[k, NORMAL])
@@ -189,7 +197,7 @@ def measure(work: FloatArray, contacts: int, missing: Six, error: float) -> floa
 
 @kernel
 def remainder(work: FloatArray, contacts: int, b: Six) -> Six:
-    """Return B f - b."""
+    """Return B f - b (6,), weighted."""
     out = scale(-1.0, b)
     for k in range(contacts):
         if work[k, HIGH] > 0.0:
@@ -208,7 +216,7 @@ def _inside(work: FloatArray, contacts: int) -> bool:
 
 @inline_kernel
 def predict(work: FloatArray, contacts: int) -> Six:
-    """Return the last dual wrench, moved on by its last change if such a guess has just proved good."""
+    """Return the last dual wrench (6,), moved on by its last change if such a guess has just proved good."""
     last = column(work, contacts, DUAL)
     if work[contacts + 1, TREND] > 0.0:
         return mix(last, 1.0, column(work, contacts, CHANGE))
@@ -217,7 +225,7 @@ def predict(work: FloatArray, contacts: int) -> Six:
 
 @inline_kernel
 def remember(work: FloatArray, contacts: int, y: Six) -> None:
-    """Keep the dual wrench and its change, and find out whether the one before would have foretold it."""
+    """Keep the dual wrench (6,) and its change; find out whether the one before would have foretold it."""
     results = contacts + 1
     change, surprise = scale(0.0, y), scale(0.0, y)
     if work[results, WARM] > 0.0:

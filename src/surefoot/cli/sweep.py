@@ -1,0 +1,174 @@
+"""`surefoot sweep`: an experiment over thousands of samples of what is not known, and what survives."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import to_json
+from surefoot.cli.progress import progress_bar
+from surefoot.cli.signals import INTERRUPTED, ends_softly
+from surefoot.errors import ProblemError
+
+if TYPE_CHECKING:
+    from surefoot.sweep import SweepConfig, SweepResult
+    from surefoot.sweep.survival import Margin
+
+SHOWN = 6
+"""Parameters whose survival is printed, the strongest first; --json has all."""
+
+
+def sweep(
+    config: Annotated[Path, typer.Argument(help="A YAML file of experiment, ranges, samples, seed.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the sweep; one of the same sweep goes on. Default runs/sweep-CONFIG."),
+    ] = None,
+    samples: Annotated[int | None, typer.Option(help="Number of samples; None for the file's.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed; None for the file's.")] = None,
+    backend: Annotated[str, typer.Option(help="Where samples run: loky, ray, dask or serial.")] = "loky",
+    workers: Annotated[int | None, typer.Option(help="Number of workers; None for one per core.")] = None,
+    address: Annotated[str | None, typer.Option(help="Of a running Ray or Dask cluster.")] = None,
+    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw survival maps.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Run an experiment over samples of ranges, write a Parquet table, and draw what survives.
+
+    Interrupted or killed, the same command goes on where it was. Exit code 0 if every sample has its
+    results, 1 if some ended with an error or crashed their worker, 2 for wrong input.
+    """
+    from surefoot.sweep import read_sweep, run_sweep
+
+    told = read_sweep(config).with_numbers(samples, seed)
+    folder = Path("runs") / f"sweep-{config.stem}" if out is None else out
+    if backend == "loky" and address is not None:
+        raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
+    with ends_softly() as stop, progress_bar(not as_json, told.name, float(told.samples)) as moved:
+        try:
+            result = run_sweep(
+                told, folder, backend=backend, workers=workers, address=address,
+                tell=None if moved is None else lambda done: moved(float(done)),
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            said = f"interrupted; what is done is in {folder}, the same command goes on from there"
+            plain_console(stderr=True).print(said, soft_wrap=True, highlight=False)
+            return stop.code or INTERRUPTED
+    facts, found = _facts(result)
+    if picture:
+        facts["pictures"], note = _draw(result)
+        facts["notes"] += [note] if note else []
+    if as_json:
+        print(to_json(facts))
+    else:
+        _print(told, facts, found)
+    return 1 if facts["errors"] or facts["crashed"] else 0
+
+
+def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
+    """Return what --json prints, and survival over each parameter."""
+    from surefoot.sweep.survival import counts, margins, wilson
+
+    config, number = result.config, counts(result.config, result.table)
+    found = sorted(margins(config, result.table), key=lambda m: -m.effect())
+    numbers = [name for name, kind in config.experiment.columns.items() if kind == "float"]
+    return {
+        "experiment": config.name,
+        "fingerprint": config.fingerprint(),
+        "seed": config.space.seed,
+        "samples": result.table.num_rows,
+        "done": number["done"],
+        "errors": number["error"],
+        "crashed": number["crashed"],
+        "first_error": _first_error(result.table),
+        "goal": config.experiment.goal,
+        "survived": number["survived"],
+        "share": vars(wilson(number["survived"], number["done"])),
+        "parameters": {
+            m.name: [
+                {"bin": name, "samples": int(n), **vars(share)}
+                for name, n, share in zip(m.labels, m.counts, m.shares(), strict=True)
+            ]
+            for m in found
+        },
+        "results": {name: _quantiles(result.table, name) for name in numbers},
+        "resumed": result.resumed,
+        "lost_workers": result.lost_workers,
+        "wall_time": result.wall_time,
+        "folder": str(result.folder),
+        "table": str(result.path),
+        "pictures": [],
+        "notes": list(result.notes),
+    }, found
+
+
+def _quantiles(table: Any, name: str) -> dict[str, float] | None:
+    """Return median, 5 % and 95 % of a result; None without one."""
+    import numpy as np
+
+    values = np.array([v for v in table[name].to_pylist() if v is not None], dtype=np.float64)
+    if not values.size:
+        return None
+    low, middle, high = np.percentile(values, [5.0, 50.0, 95.0]).tolist()
+    return {"median": middle, "p5": low, "p95": high}
+
+
+def _first_error(table: Any) -> str:
+    """Return the first sample that has no results, and why; empty if all have."""
+    rows = zip(*(table[name].to_pylist() for name in ("index", "status", "error")), strict=True)
+    return next((f"sample {index}: {error}" for index, status, error in rows if status != "done"), "")
+
+
+def _draw(result: SweepResult) -> tuple[list[str], str]:
+    """Return the pictures drawn, or why there are none."""
+    from surefoot.cli.extras import missing
+
+    error = missing(["matplotlib"])
+    if error is not None:
+        return [], f"no picture: {error}"
+    from surefoot.viz.sweep_plots import draw_sweep
+
+    return [str(p) for p in draw_sweep(result.config, result.table, result.folder)], ""
+
+
+def _print(config: SweepConfig, facts: dict[str, Any], found: list[Margin]) -> None:
+    from rich.table import Table
+
+    from surefoot.viz.sweep_plots import label
+
+    console = plain_console()
+    for margin in found[:SHOWN]:
+        grid = Table(title=f"{facts['goal']} over {label(margin.name)}", title_justify="left")
+        for k, head in enumerate(("", "samples", "share", "95 % interval")):
+            grid.add_column(head, justify="left" if k == 0 else "right")
+        for name, count, share in zip(margin.labels, margin.counts, margin.shares(), strict=True):
+            grid.add_row(name, f"{count}", f"{share.value:.3f}", f"{share.low:.3f} to {share.high:.3f}")
+        console.print(grid)
+    grid = Table(title="Results", title_justify="left")
+    for k, head in enumerate(("", "median", "5 %", "95 %")):
+        grid.add_column(head, justify="left" if k == 0 else "right")
+    for name, values in facts["results"].items():
+        if values is not None:
+            grid.add_row(name, *(f"{values[part]:.4g}" for part in ("median", "p5", "p95")))
+    console.print(grid)
+    for line in _lines(facts):
+        console.print(line, soft_wrap=True, highlight=False)
+
+
+def _lines(facts: dict[str, Any]) -> list[str]:
+    """Return what is said below the tables."""
+    share, fresh = facts["share"], facts["samples"] - facts["resumed"]
+    out = [
+        f"{facts['survived']} of {facts['done']} {facts['goal']}: {share['value']:.3f} "
+        f"({share['low']:.3f} to {share['high']:.3f})"
+        if facts["done"]
+        else "no sample is done",
+        f"{fresh} samples in {facts['wall_time']:.1f} s"
+        + (f", {facts['resumed']} were there before" if facts["resumed"] else "")
+        + (f"; workers died {facts['lost_workers']} times" if facts["lost_workers"] else ""),
+    ]
+    if facts["errors"] or facts["crashed"]:
+        out.append(f"{facts['errors']} errors, {facts['crashed']} crashed; {facts['first_error']}")
+    return [*out, *facts["notes"], *(f"picture: {p}" for p in facts["pictures"]), f"table: {facts['table']}"]

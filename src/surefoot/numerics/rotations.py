@@ -1,0 +1,34 @@
+"""Rotations in compiled code; `surefoot.spatial` has what is not called a thousand times a second."""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import inline_kernel
+
+
+@inline_kernel
+def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
+    """Fill out (3,) with the rotation vector of A Bᵀ, rotations (3, 3), of length at most pi [rad]."""
+    x = y = z = trace = 0.0
+    for k in range(3):
+        trace += A[0, k] * B[0, k] + A[1, k] * B[1, k] + A[2, k] * B[2, k]
+        x += 0.5 * (A[2, k] * B[1, k] - A[1, k] * B[2, k])
+        y += 0.5 * (A[0, k] * B[2, k] - A[2, k] * B[0, k])
+        z += 0.5 * (A[1, k] * B[0, k] - A[0, k] * B[1, k])
+    sine, cosine = math.sqrt(x * x + y * y + z * z), 0.5 * (trace - 1.0)
+    if sine > 1e-9:
+        scale = math.atan2(sine, cosine) / sine
+        out[0], out[1], out[2] = scale * x, scale * y, scale * z
+    elif cosine > 0.0:
+        out[0], out[1], out[2] = x, y, z
+    else:  # half a turn: any of the two axes will do; A Bᵀ + 1 = 2 axis axisᵀ
+        best, column = -1.0, 0
+        for c in range(3):
+            d = 1.0 + A[c, 0] * B[c, 0] + A[c, 1] * B[c, 1] + A[c, 2] * B[c, 2]
+            if d > best:
+                best, column = d, c
+        for r in range(3):
+            d = A[r, 0] * B[column, 0] + A[r, 1] * B[column, 1] + A[r, 2] * B[column, 2]
+            out[r] = math.pi * (d + (1.0 if r == column else 0.0)) / math.sqrt(2.0 * best)

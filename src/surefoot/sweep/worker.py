@@ -1,0 +1,66 @@
+"""What workers do: run samples, and turn what a sample raises into its row."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time as clock
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from surefoot.errors import SurefootError
+from surefoot.sweep.experiments import Experiment
+from surefoot.sweep.space import Sample, Space
+
+DONE, ERROR, CRASHED = "done", "error", "crashed"
+"""How a sample ended: with results, with an exception, or thrice with the end of its worker."""
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What every worker needs to run any sample."""
+
+    experiment: Experiment
+    space: Space
+
+
+def run_chunk(task: Task, indices: Sequence[int]) -> list[Row]:
+    """Return the rows of some samples."""
+    return [_row(task.experiment, sample) for sample in task.space.sample(indices)]
+
+
+def row_of(sample: Sample, status: str, error: str, results: dict[str, Any], wall_time: float | None) -> Row:
+    """Return a row: the sample, how it ended, its results."""
+    head = {"index": sample.index, **sample.values, "status": status, "error": error}
+    return {**head, **results, "wall_time": wall_time}
+
+
+def _row(experiment: Experiment, sample: Sample) -> Row:
+    """Run one sample. One that fails must not end a sweep of thousands: what it raised is its row."""
+    begin, status, told, results = clock.perf_counter(), DONE, "", dict[str, Any]()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a sweep visits the edges on purpose
+            results = experiment.run(sample)
+    except SurefootError as error:
+        status, told = ERROR, str(error)
+    except Exception as error:
+        status, told = ERROR, f"{type(error).__name__}: {error}"
+    empty = dict.fromkeys(experiment.columns)
+    return row_of(sample, status, " ".join(told.split()), {**empty, **results}, clock.perf_counter() - begin)
+
+
+def start_local_worker(driver: int) -> None:
+    """Let Ctrl-C be the driver's affair, and end with the driver, however that ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(driver,), daemon=True).start()
+
+
+def _end_with(driver: int) -> None:
+    while os.getppid() == driver:
+        clock.sleep(0.5)
+    os._exit(1)

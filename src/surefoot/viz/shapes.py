@@ -1,0 +1,54 @@
+"""Outlines that several pictures draw: closed polygons, cones, runs of a flag."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+
+
+def ring(corners: FloatArray) -> FloatArray:
+    """Return (k + 1, d) corners of a polygon with the first one once more at the end."""
+    return np.vstack([corners, corners[:1]])
+
+
+def cone_rim(mu: float, height: float, rotation_world_contact: FloatArray, edges: int) -> FloatArray:
+    """Return (edges + 1, 3) points of a friction cone's rim about its apex, world axes, closed.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient.
+    height
+        Of the rim above the apex, along the normal [m].
+    rotation_world_contact
+        (3, 3), its third column the normal.
+    edges
+        Sides of the polygon that stands for the circle.
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, edges + 1)
+    circle = np.column_stack([mu * np.cos(angle), mu * np.sin(angle), np.ones(edges + 1)])
+    return np.asarray(height * circle @ rotation_world_contact.T)
+
+
+def along_path(places: FloatArray) -> FloatArray:
+    """Return the (2,) direction from the first to the last of (n, 2) places; x where they are the same."""
+    way = places[-1] - places[0]
+    length = float(np.linalg.norm(way))
+    return np.asarray(way / length) if length > 1e-9 else np.array([1.0, 0.0])
+
+
+def runs_of(on: BoolArray) -> list[tuple[int, int]]:
+    """Return (first, last + 1) of the runs where a (T,) flag is set."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], on.astype(int), [0]]))).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
+def draw_sole(axis: Any, outline: FloatArray, ground: str, ink: str) -> FloatArray:
+    """Draw the (k, 2) outline of a sole [m], filled, and return it closed in millimetres."""
+    closed = 1e3 * ring(outline)
+    axis.fill(*closed.T, color=ground, lw=0)
+    axis.plot(*closed.T, color=ink, lw=1.1)
+    return np.asarray(closed)

@@ -1,0 +1,115 @@
+"""`surefoot sweep`: exit codes, JSON, going on after an interrupt."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from surefoot.cli.main import main
+
+pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
+BALLS = """
+experiment: drop
+samples: 30
+settings: {body: ball, dt: 0.01, duration: 0.1}
+ranges: {mu: [0.1, 1.0], restitution: [0, 0.5], terrain: [flat, "slope:10"]}
+"""
+
+
+@pytest.fixture
+def balls(tmp_path: Path) -> Path:
+    file = tmp_path / "balls.yaml"
+    file.write_text(BALLS)
+    return file
+
+
+def test_table_pictures_and_json(balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial"]
+    assert main([*words, "--json"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert (facts["samples"], facts["done"], facts["errors"], facts["resumed"]) == (30, 30, 0, 0)
+    assert sum(one["samples"] for one in facts["parameters"]["mu"]) == 30
+    assert set(facts["parameters"]) == {"mu", "restitution", "terrain"}
+    assert facts["share"]["low"] <= facts["share"]["value"] <= facts["share"]["high"]
+    assert [Path(p).name for p in facts["pictures"]] == ["survival.png", "survival-map.png"]
+    assert all(Path(p).stat().st_size > 5000 for p in facts["pictures"])
+    assert main([*words, "--no-picture"]) == 0
+    said = capfd.readouterr().out
+    assert "0 samples in" in said
+    assert "30 were there before" in said
+    assert "rested over" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--samples", "0"], "samples must be a whole number >= 1, got 0"),
+        (["--seed", "-1"], "seed must be a whole number >= 0, got -1"),
+        (["--backend", "slurm"], "unknown backend 'slurm'; valid names: dask, loky, ray, serial"),
+        (["--address", "x:1"], "--address is of --backend ray or dask"),
+        (["--workers", "0"], "workers must be a whole number >= 1, got 0"),
+    ],
+)
+def test_wrong_options(
+    options: list[str], told: str, balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sweep", str(balls), "--out", str(tmp_path / "a"), *options]) == 2
+    assert told in capfd.readouterr().err
+
+
+def test_another_sweep_in_the_folder(balls: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial", "--no-picture"]
+    assert main(words) == 0
+    assert main([*words, "--seed", "4"]) == 2
+    assert "holds another sweep (seed is 0 there, 4 here); name another folder" in capfd.readouterr().err
+
+
+def test_samples_with_errors_are_told(
+    tmp_path: Path, balls: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from surefoot.errors import SimulationError
+    from surefoot.sweep.experiments.drop import Drop
+
+    def fail(self: Drop, sample: object) -> None:
+        raise SimulationError("motion", 0.1, 1e-3, "root_joint", 1e9)
+
+    monkeypatch.setattr(Drop, "run", fail)
+    words = ["sweep", str(balls), "--out", str(tmp_path / "a"), "--backend", "serial"]
+    assert main(words) == 1
+    said = capfd.readouterr().out
+    assert "no sample is done" in said
+    assert "30 errors, 0 crashed; sample 0: at 0.1 s the motion became non-finite" in said
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupt_keeps_what_is_written(
+    number: signal.Signals, code: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "many.yaml"
+    file.write_text(BALLS.replace("samples: 30", "samples: 3000"))
+    words = ["sweep", str(file), "--out", str(tmp_path / "a"), "--backend", "serial", "--json"]
+    process = subprocess.Popen([sys.executable, "-m", "surefoot", *words], stderr=subprocess.PIPE)
+    parts, deadline = tmp_path / "a" / "parts", time.monotonic() + 120.0
+    while not list(parts.glob("part-*.parquet")):
+        assert time.monotonic() < deadline
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.kill(process.pid, number)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert b"the same command goes on from there" in said
+    assert b"Traceback" not in said
+    kept = len(list(parts.glob("part-*.parquet")))
+    assert kept >= 1
+    assert not list(parts.glob("*.tmp"))
+    assert main([*words, "--no-picture"]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert facts["samples"] == 3000
+    assert 0 < facts["resumed"] < 3000

@@ -1,0 +1,47 @@
+"""Experiments that end in every way there is; in a file of their own, so that workers can import them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from surefoot.errors import SimulationError
+from surefoot.sweep import Experiment, Interval, Sample, Space, SweepConfig
+
+
+@dataclass(frozen=True)
+class Deadly(Experiment):
+    """Kills its worker, raises, or returns its mu; every run leaves a line in a file."""
+
+    parameters: ClassVar[tuple[str, ...]] = ("mu",)
+    columns: ClassVar[Mapping[str, str]] = {"survived": "bool", "twice": "float"}
+
+    killers: tuple[int, ...] = ()
+    failing: tuple[int, ...] = ()
+    broken: tuple[int, ...] = ()
+    seen: str = ""
+    seconds: float = 0.0
+
+    def run(self, sample: Sample) -> dict[str, Any]:
+        if self.seen:
+            with Path(self.seen).open("a") as stream:
+                stream.write(f"{sample.index}\n")
+        time.sleep(self.seconds)
+        if sample.index in self.killers:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if sample.index in self.failing:
+            raise SimulationError("motion", 0.1, 1e-3, "knee", 1e9)
+        if sample.index in self.broken:
+            raise ZeroDivisionError("a bug")
+        mu = sample.number("mu", 0.0)
+        return {"survived": mu > 0.5, "twice": 2.0 * mu}
+
+
+def deadly(samples: int = 20, seed: int = 0, **settings: Any) -> SweepConfig:
+    """Return a sweep of `Deadly` over mu from 0 to 1."""
+    return SweepConfig("deadly", Deadly(**settings), Space({"mu": Interval(0.0, 1.0)}, seed), samples)

@@ -1,0 +1,174 @@
+"""The house's limits, held by counting: files, functions, signatures, and no ladders over families.
+
+Docstrings do not count as lines of a function, `self` and `cls` not as parameters. What a limit is not meant
+for stands in a table with its reason; what is only not mended yet stands in `NOT_YET`, from which lines are
+taken, never added.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import surefoot
+
+TESTS = Path(__file__).parent
+SOURCE = Path(surefoot.__file__).parent
+FILE_LINES, FUNCTION_LINES, PARAMETERS, KERNEL_PARAMETERS = 400, 60, 10, 14
+
+EXCEPTED = {
+    # a thread's registers cannot be handed about, so a Warp kernel is one function
+    ("lines", "surefoot/batch/warp.py", "_gradient"),
+    ("lines", "surefoot/batch/warp_path.py", "descend"),
+    ("lines", "surefoot/batch/warp_path.py", "linearise"),
+    # a command's parameters are its options
+    ("lines", "surefoot/cli/walk.py", "walk"),
+    # where a user's words, or a file's, become a law
+    ("isinstance", "surefoot/contact/laws/__init__.py", "Law"),
+    # a solver's law is a word or, for the stepper, a soft law: the one place that tells them apart
+    ("isinstance", "surefoot/stepping/options.py", "SoftLaw"),
+}
+"""(limit, file, name of the function, file or class) that a limit is not meant for."""
+
+NOT_YET = {
+    ("parameters", "surefoot/batch/solving.py", "solve_batch"),
+    ("parameters", "surefoot/contact/problem.py", "__init__"),
+    ("parameters", "surefoot/simulation/rigid.py", "__init__"),
+    ("parameters", "surefoot/solvers/admm.py", "_run_dense"),
+    ("parameters", "surefoot/solvers/contact_solver.py", "__init__"),
+    ("parameters", "tests/simulation/test_walking.py", "walk"),
+    ("lines", "tests/control/test_whole_body.py", "oracle"),
+    ("file", "tests/conformance/test_hard_inputs.py", "test_hard_inputs.py"),
+    ("file", "tests/control/test_force_distribution.py", "test_force_distribution.py"),
+    ("file", "tests/simulation/test_rigid.py", "test_rigid.py"),
+}
+"""Offenders that are to go."""
+
+FAMILIES = ("Terrain", "World", "Law", "Controller")
+"""Bases of the families that one asks by their methods, not for their class."""
+
+Offence = tuple[str, str, str]
+
+
+def _files(folder: Path, prefix: str) -> Iterator[tuple[str, Path]]:
+    for path in sorted(folder.rglob("*.py")):
+        yield f"{prefix}/{path.relative_to(folder).as_posix()}", path
+
+
+@cache
+def _trees() -> dict[str, tuple[str, ast.Module]]:
+    files = [*_files(SOURCE, "surefoot"), *_files(TESTS, "tests")]
+    texts = {name: path.read_text(encoding="utf-8") for name, path in files}
+    return {name: (text, ast.parse(text)) for name, text in texts.items()}
+
+
+def _length(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    """Return the lines of a function without its decorators and its docstring."""
+    assert function.end_lineno is not None
+    lines, first = function.end_lineno - function.lineno + 1, function.body[0]
+    if ast.get_docstring(function, clean=False) is not None:
+        assert first.end_lineno is not None
+        lines -= first.end_lineno - first.lineno + 1
+    return lines
+
+
+def _parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    given = function.args
+    named = [*given.posonlyargs, *given.args, *given.kwonlyargs]
+    counted = sum(argument.arg not in ("self", "cls") for argument in named)
+    return counted + (given.vararg is not None) + (given.kwarg is not None)
+
+
+def _allowed(file: str, function: ast.FunctionDef | ast.AsyncFunctionDef) -> float:
+    """Return how many parameters a function may have: kernels have more, commands any number."""
+    marks = [ast.unparse(mark) for mark in function.decorator_list]
+    if any("kernel" in mark or mark.startswith(("wp.", "warp.")) for mark in marks):
+        return KERNEL_PARAMETERS
+    command = file.startswith("surefoot/cli/") and function.name == Path(file).stem
+    return float("inf") if command else PARAMETERS
+
+
+def _sizes(file: str, text: str, tree: ast.Module) -> Iterator[Offence]:
+    """Yield what breaks the limits on sizes in a file."""
+    if text.count("\n") > FILE_LINES:
+        yield "file", file, Path(file).name
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            if _length(node) > FUNCTION_LINES:
+                yield "lines", file, node.name
+            if _parameters(node) > _allowed(file, node):
+                yield "parameters", file, node.name
+
+
+@cache
+def _members() -> frozenset[str]:
+    """Return the names of all classes of the families: their bases, and what inherits from them."""
+    bases = {
+        node.name: {ast.unparse(base).split("[")[0].split(".")[-1] for base in node.bases}
+        for _, tree in _trees().values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+    }
+    found = {name for name in bases if name.endswith(FAMILIES)}
+    while True:
+        heirs = {name for name, parents in bases.items() if parents & found} - found
+        if not heirs:
+            return frozenset(found)
+        found |= heirs
+
+
+def _ladders(file: str, tree: ast.Module) -> Iterator[Offence]:
+    """Yield where the package asks a member of a family for its class."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance" and len(node.args) == 2:
+            for part in ast.walk(node.args[1]):
+                name = part.id if isinstance(part, ast.Name) else getattr(part, "attr", "")
+                if name in _members():
+                    yield "isinstance", file, name
+
+
+@cache
+def _offences() -> frozenset[Offence]:
+    found = {one for file, (text, tree) in _trees().items() for one in _sizes(file, text, tree)}
+    inside = ((file, tree) for file, (_, tree) in _trees().items() if file.startswith("surefoot/"))
+    return frozenset(found) | {one for file, tree in inside for one in _ladders(file, tree)}
+
+
+def test_the_limits_hold_everywhere() -> None:
+    broken = _offences() - EXCEPTED - NOT_YET
+    assert not broken, "\n".join(" ".join(one) for one in sorted(broken))
+
+
+def test_what_has_been_mended_is_off_the_lists() -> None:
+    mended = (EXCEPTED | NOT_YET) - _offences()
+    assert not mended, "\n".join(" ".join(one) for one in sorted(mended))
+
+
+def test_the_families_are_found() -> None:
+    assert {"StairsTerrain", "RigidWorld", "HuntCrossley", "StandingController"} <= _members()
+
+
+@pytest.mark.parametrize(
+    ("source", "offences"),
+    [
+        ("def f():\n" + "    x = 1\n" * 59, []),
+        ("def f():\n" + "    x = 1\n" * 60, ["lines"]),
+        ('def f():\n    """One\n\n    more.\n    """\n' + "    x = 1\n" * 59, []),
+        ("def f(a, b, c, d, e, g, h, i, j, *k): ...\n", []),
+        ("def f(a, b, c, d, e, g, h, i, j, *k, **l): ...\n", ["parameters"]),
+        ("@kernel\ndef f(a, b, c, d, e, g, h, i, j, k, l, m, n, o): ...\n", []),
+        ("class A:\n    def f(self, a, b, c, d, e, g, h, i, j, *, k): ...\n", []),
+        ("x = 1\n" * 401, ["file"]),
+        ("isinstance(x, FlatTerrain)\n", ["isinstance"]),
+        ("isinstance(x, (int, terrain.StairsTerrain | None))\n", ["isinstance"]),
+        ("isinstance(x, str)\n", []),
+    ],
+)
+def test_the_counters_count(source: str, offences: list[str]) -> None:
+    tree = ast.parse(source)
+    found = [*_sizes("surefoot/x.py", source, tree), *_ladders("surefoot/x.py", tree)]
+    assert [limit for limit, _, _ in found] == offences
