@@ -98,6 +98,8 @@ from .robot import robot_names as robot_names
 from .simulation.batch import RigidBatch as RigidBatch
 from .simulation.mujoco import MujocoWorld as MujocoWorld
 from .simulation.record import record as record
+from .simulation.replay import ReplayReport as ReplayReport
+from .simulation.replay import replay_log as replay_log
 from .simulation.rigid import RigidWorld as RigidWorld
 from .simulation.rigid import Touch as Touch
 from .simulation.run import run as run

@@ -103,7 +103,7 @@ def test_what_is_not_there_is_told(tmp_path: Path) -> None:
     log = Log(small())
     with pytest.raises(ProblemError, match="unknown channel 'q'; valid names: active, forces, gaps, time"):
         log["q"]
-    with pytest.raises(ProblemError, match=r"does not tell 'mass' \(of the robot \[kg\]\)"):
+    with pytest.raises(ProblemError, match=r"does not tell 'mass' \(of all that moves: .* \[kg\]\)"):
         log.fact("mass")
     with pytest.raises(ProblemError, match="does not tell 'outcome'"):
         summarise_stand(log)

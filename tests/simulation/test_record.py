@@ -34,7 +34,7 @@ def made(cone: str = "elliptic", mu: float = 0.7, more: str = "") -> tuple[objec
 def world_forces(log: sf.Log) -> np.ndarray:
     T, p = log["gaps"].shape
     frames = np.empty((T * p, 3, 3))
-    surface_frames(np.ascontiguousarray(log["contact_normals"].reshape(-1, 3)), frames)
+    surface_frames(np.ascontiguousarray(log["normals"].reshape(-1, 3)), frames)
     return np.einsum("tpij,tpj->tpi", frames.reshape(T, p, 3, 3), log["forces"])
 
 
@@ -111,7 +111,7 @@ def test_gaps_and_velocities_are_those_of_the_surface() -> None:
     assert loaded.any()
     assert (log["gaps"][loaded, 0] <= 0).all()
     assert log.doubts == ()
-    np.testing.assert_allclose(log["contact_normals"], np.tile([0, 0, 1.0], (500, 1, 1)), atol=1e-12)
+    np.testing.assert_allclose(log["normals"], np.tile([0, 0, 1.0], (500, 1, 1)), atol=1e-12)
 
 
 def test_a_robot_is_chosen_and_the_signs_turn_with_it() -> None:

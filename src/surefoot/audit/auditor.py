@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +13,8 @@ from surefoot.audit.checks import CHECKS, Check
 from surefoot.audit.diagnosis import diagnose
 from surefoot.audit.friction import FrictionCount
 from surefoot.audit.intervals import JOIN, Interval, Track
-from surefoot.audit.laws import SLIDE_LIMIT
-from surefoot.audit.report import AuditReport, Judgement, LawBroken, Violation
-from surefoot.audit.rows import Rows, pieces
+from surefoot.audit.report import AuditReport, FrictionInterval, Judgement, LawBroken, Violation
+from surefoot.audit.rows import Rows, lacking, pieces
 from surefoot.audit.setting import Setting, setting_of
 from surefoot.audit.slides import WORST, slide_on, start_slides
 from surefoot.log import Log, read_log
@@ -55,7 +56,7 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
     setting = setting_of(log, robot)
     coverage = _coverage(log, setting)
     used = [check for check in CHECKS if not coverage.get(check.name, "")]
-    used = [check for check in used if check.law or all(name in log for name in check.needs)]
+    used = [check for check in used if check.law or not lacking(log, check.needs)]
     join = max(1, round(JOIN / setting.dt)) if setting.dt > 0.0 else 1
     tracks = {name: Track(name, join) for name in (*_FAULTS, *(check.name for check in used))}
     friction, slides = FrictionCount(setting), start_slides(len(setting.names))
@@ -66,10 +67,10 @@ def audit_log(log: Log | Path | str, robot: Robot | None = None) -> AuditReport:
             with np.errstate(over="ignore", invalid="ignore"):
                 _measure(rows, used, tracks)
                 friction.add(rows)
-                if "dissipation" in tracks and setting.creep == 0.0:
+                if "dissipation" in tracks:
                     _slide(rows, slides)
     if "dissipation" in tracks:
-        _slow_slides(slides, tracks["dissipation"], len(log))
+        _slow_slides(slides, tracks["dissipation"], setting.slide_limit, len(log))
     return _report(log, setting, coverage, tracks, friction)
 
 
@@ -100,8 +101,8 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
     """Return why each law cannot be judged; "" where it can."""
     out = {}
     for check in (c for c in CHECKS if c.law):
-        lacking = [name for name in check.needs if name not in log]
-        why = f"the log has no {', '.join(lacking)}" if lacking else ""
+        missing = lacking(log, check.needs)
+        why = f"the log has no {', '.join(missing)}" if missing else ""
         if not setting.names:
             why = "the log has no contacts"
         elif not why and check.name == "motion":
@@ -147,15 +148,18 @@ def _slide(rows: Rows, state: FloatArray) -> None:
     keep = ~rows.lost[core].any(axis=1)
     mu = np.ascontiguousarray(np.broadcast_to(rows.mu, rows.normal.shape)[core][keep])
     f, v = (np.ascontiguousarray(x[core][keep]) for x in (rows.forces, rows.velocities))
+    if rows.setting.creep > 0.0:  # what is declared is no way
+        speed = np.hypot(v[..., 0], v[..., 1])
+        v = v * np.maximum(1.0 - rows.setting.creep / np.maximum(speed, 1e-300), 0.0)[..., None]
     slide_on(state, f, v, mu, rows.dt[core][keep], rows.setting.threshold, rows.setting.weight)
 
 
-def _slow_slides(state: FloatArray, track: Track, rows: int) -> None:
+def _slow_slides(state: FloatArray, track: Track, limit: float, rows: int) -> None:
     """Track the contacts that slid too far without friction, too slowly for a window to show."""
     seen = {i.column for i in track.kept}
     for column, way in enumerate(state[:, WORST].tolist()):
-        if way > SLIDE_LIMIT and column not in seen:
-            track.kept.append(Interval(track.check, column, 0, rows - 1, way, SLIDE_LIMIT, rows))
+        if way > limit and column not in seen:
+            track.kept.append(Interval(track.check, column, 0, rows - 1, way, limit, rows))
 
 
 def _report(
@@ -183,11 +187,23 @@ def _report(
     elif reason:
         verdict = "cannot tell"
     symptoms = tuple(diagnose(log, setting, physical)) if physical else ()
+    intervals = friction.intervals()
     return AuditReport(
-        verdict, violations, more, symptoms, coverage, friction.intervals(),
-        (*setting.doubts, *setting.notes), len(log), float(time[0]), float(time[-1]),
+        verdict, violations, more, symptoms, coverage, intervals,
+        (*setting.doubts, *setting.notes, *_changes(intervals)), len(log), float(time[0]), float(time[-1]),
         setting.names, setting.weight, reason,
     )  # fmt: skip
+
+
+def _changes(intervals: tuple[FrictionInterval, ...]) -> Iterator[str]:
+    """Yield a line for each change of the ground's friction under a foot."""
+    for one, two in pairwise(intervals):
+        if one.contact == two.contact:
+            how = "rises" if two.low > one.high else "falls"
+            yield (
+                f"the ground's friction under {one.contact} {how} at {two.start:.2f} s: {one.words} before, "
+                f"{two.words} after"
+            )
 
 
 def _reason(log: Log, setting: Setting, coverage: dict[str, str], violations: tuple[Violation, ...]) -> str:

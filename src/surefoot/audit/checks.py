@@ -118,7 +118,7 @@ def _sliding(rows: Rows) -> Measured:
     way, work, most = _work(rows)
     share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
-    return _over(value, SLIDE_LIMIT + rows.setting.creep * SLIDE_WINDOW)
+    return _over(value, rows.setting.slide_limit + rows.setting.creep * SLIDE_WINDOW)
 
 
 def _motion(rows: Rows) -> Measured:

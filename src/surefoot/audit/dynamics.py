@@ -44,6 +44,7 @@ def unexplained(
     log: Log,
     forces_world: FloatArray,
     mass_scale: float = 1.0,
+    payload: float = 0.0,
 ) -> Unexplained:
     """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
 
@@ -56,13 +57,15 @@ def unexplained(
     forces_world
         (T + 1, p, 3) forces on the contact points, world axes [N].
     mass_scale
-        The mass that the log tells over the robot's own, for the base rows.
+        The mass that the log tells over the robot's with its payload, for the base rows.
+    payload
+        Point mass at the base's origin [kg].
     """
     points, rows = robot.contact_points, len(log) - 1
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    torque, jacobian = _newton_euler(robot, q[:-1], v[:-1], acceleration)
+    torque, jacobian = _newton_euler(_loaded(robot.model, payload), q[:-1], v[:-1], acceleration)
     torque[:, : robot.base_dof] *= mass_scale
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
@@ -83,11 +86,21 @@ def unexplained(
     return Unexplained(force_left, moment_left, feet)
 
 
-def _newton_euler(robot: Robot, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _loaded(model: Any, payload: float) -> Any:
+    """Return a robot's model with a point mass [kg] at the base's origin; the model itself without one."""
+    import pinocchio
+
+    if payload > 0.0:
+        model = model.copy()
+        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, np.zeros(3), np.zeros((3, 3)))
+    return model
+
+
+def _newton_euler(model: Any, q: FloatArray, v: FloatArray, a: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the inverse dynamics (T, nv) and the joints' world Jacobian (T, 6, nv) of every row."""
     import pinocchio
 
-    model, data = robot.model, robot.model.createData()
+    data = model.createData()
     torque, jacobian = np.empty(v.shape), np.empty((len(v), 6, v.shape[1]))
     rnea: Any = pinocchio.rnea
     columns: Any = pinocchio.computeJointJacobians

@@ -94,7 +94,8 @@ class Episode:
         """(m,) friction of the ground; infinite where the log has none."""
         if not self.rows.has("mu"):
             return np.full(len(self.force), np.inf)
-        return self.rows.mu[self.rows.core, 0]
+        mu = self.rows.mu[self.rows.core]
+        return mu[:, min(self.column, mu.shape[1] - 1)]
 
     @cached_property
     def loaded(self) -> BoolArray:

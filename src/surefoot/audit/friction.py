@@ -1,15 +1,22 @@
-"""What a log tells about the ground's friction under each foot, piece by piece.
+"""What a log tells about the ground's friction under each foot, over time, piece by piece.
 
 A foot uses no more friction than there is: that bounds it below. A foot that goes on sliding uses all of it:
 the median of what it uses meanwhile is the friction. A slide of a few milliseconds tells nothing from above:
 in a soft world a foot that comes to rest, or has just touched down, slides with less than all of its own.
+
+Where the ground changes, one interval for all would contradict itself. So the log is cut into windows of
+`WINDOW`; a window that uses clearly more than the slides so far had, or slides on clearly less than was used
+so
+far, starts an interval of its own.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
-from surefoot.arrays import BoolArray
+from surefoot.arrays import BoolArray, IntArray
 from surefoot.audit.laws import SLIDING_SPEED
 from surefoot.audit.report import FrictionInterval
 from surefoot.audit.rows import Rows
@@ -23,16 +30,85 @@ BINS, TOP = 2000, 4.0
 """Friction is counted in so many bins up to this value."""
 SHARE = 0.995
 """Share of the rows that use no more than the lower bound: a single row proves nothing."""
+WINDOW = 0.1
+"""Time in which the ground is taken to be the same [s]."""
+CHANGE = 0.15
+"""Share by which a bound must be beyond the other before the ground has changed."""
+LEAST_TIME = 0.01
+"""What was used contradicts a slide by so much time at least, not by a row [s] ..."""
+LEAST_ROWS = 3
+"""... and a slide contradicts what was used by so many rows of its middle at least."""
+MOST = 50
+"""Changes of a contact that are told; what comes after the last is one interval."""
+
+
+@dataclass
+class _Window:
+    """One window of one contact: bins of the friction used, and of that used in the middle of slides."""
+
+    used: IntArray
+    slides: IntArray
+    slid: int
+    start: float
+    end: float
+
+    def low(self, least: int) -> int:
+        """Return the bin that more than `least` rows reach, zero for fewer."""
+        return int(np.partition(self.used, -least - 1)[-least - 1]) if len(self.used) > least else 0
+
+    def high(self) -> float:
+        """Return the bin of the middle of the slides, infinite for too few rows of them."""
+        return float(np.median(self.slides)) + 1.0 if len(self.slides) >= LEAST_ROWS else np.inf
+
+
+@dataclass
+class _Stretch:
+    """Rows of one contact on one ground: histograms of the friction used, and of that used in slides."""
+
+    used: IntArray = field(default_factory=lambda: np.zeros(BINS, dtype=np.int64))
+    slides: IntArray = field(default_factory=lambda: np.zeros(BINS, dtype=np.int64))
+    rows: int = 0
+    steady: int = 0
+    slid: int = 0
+    start: float = np.nan
+    end: float = np.nan
+
+    def take(self, window: _Window) -> None:
+        """Join a later window to it."""
+        self.start = self.start if self.rows else window.start
+        self.used += np.bincount(window.used, minlength=BINS)
+        if len(window.slides):
+            self.slides += np.bincount(window.slides, minlength=BINS)
+        self.rows, self.steady = self.rows + len(window.used), self.steady + len(window.slides)
+        self.slid, self.end = self.slid + window.slid, window.end
+
+    def contradicted(self, low: float, high: float, least: int) -> bool:
+        """Return whether a window's bins tell of another ground."""
+        if self.steady >= LEAST_ROWS and low > (1.0 + CHANGE) * (_bin(self.slides, 0.5) + 1):
+            return True
+        if high == np.inf or self.rows <= least:
+            return False
+        return (1.0 + CHANGE) * high < _bin(self.used, min(SHARE, 1.0 - least / self.rows))
+
+    def interval(self, name: str, dt: float) -> FrictionInterval:
+        """Return what it tells."""
+        low, high = _bin(self.used, SHARE) * TOP / BINS, np.inf
+        if self.steady:
+            high = (_bin(self.slides, 0.5) + 1) * TOP / BINS
+        return FrictionInterval(name, min(low, high), high, self.slid * dt, self.start, self.end)
 
 
 class FrictionCount:
-    """Histograms of the friction used, and of that used in the middle of long slides, of every contact."""
+    """The stretches of every contact so far, and the window that is being filled."""
 
     def __init__(self, setting: Setting) -> None:
         self._setting = setting
-        self._counts = np.zeros((2, len(setting.names), BINS), dtype=np.int64)
-        self._slid = np.zeros(len(setting.names), dtype=np.int64)
-        self._rows = max(2, round(LEAST_SLIDE / setting.dt))
+        count = len(setting.names)
+        self._rows = max(2, round(LEAST_SLIDE / setting.dt)) if setting.dt > 0.0 else 2
+        self._least = max(3, round(LEAST_TIME / setting.dt)) if setting.dt > 0.0 else 3
+        self._window = max(1, round(WINDOW / setting.dt)) if setting.dt > 0.0 else 1
+        self._done: list[list[_Stretch]] = [[] for _ in range(count)]
+        self._now = [_Stretch() for _ in range(count)]
 
     def add(self, rows: Rows) -> None:
         """Count the rows of a piece."""
@@ -44,24 +120,35 @@ class FrictionCount:
         before = np.concatenate([np.zeros((1, rows.points), dtype=bool), carries[:-1]])
         used = rows.tangential[part] / np.maximum(normal, 1e-12)
         bins = np.minimum((used * (BINS / TOP)).astype(np.int64), BINS - 1)
-        slides = np.hypot(rows.velocities[part, :, 0], rows.velocities[part, :, 1]) > SLIDING_SPEED
-        sliding = carries & before & slides
-        self._slid += sliding.sum(axis=0)
-        for kind, which in enumerate((carries & before, _steady(sliding, self._rows))):
-            for k in range(rows.points):
-                self._counts[kind, k] += np.bincount(bins[which[:, k], k], minlength=BINS)
+        speed = np.hypot(rows.velocities[part, :, 0], rows.velocities[part, :, 1])
+        sliding = carries & before & (speed > SLIDING_SPEED + self._setting.creep)
+        steady, time, told = _steady(sliding, self._rows), rows.time[part], carries & before
+        for start in range(0, len(bins), self._window):
+            at = slice(start, start + self._window)
+            first, last = float(time[at][0]), float(time[at][-1])
+            for k in np.flatnonzero(told[at].any(axis=0)).tolist():
+                mine, slid = bins[at, k], int(sliding[at, k].sum())
+                self._take(k, _Window(mine[told[at, k]], mine[steady[at, k]], slid, first, last))
+
+    def _take(self, k: int, window: _Window) -> None:
+        """Add a window to the contact's stretch, or begin another with it."""
+        if len(self._done[k]) < MOST:
+            low, high = window.low(self._least), window.high()
+            if low > (1.0 + CHANGE) * high:  # the ground changed within it: it belongs to neither side
+                return
+            if self._now[k].contradicted(low, high, self._least):
+                self._done[k].append(self._now[k])
+                self._now[k] = _Stretch()
+        self._now[k].take(window)
 
     def intervals(self) -> tuple[FrictionInterval, ...]:
-        """Return the interval of every contact that was loaded."""
-        out = []
-        for k, name in enumerate(self._setting.names):
-            used, steady = self._counts[0, k], self._counts[1, k]
-            if not used.any():
-                continue
-            low, time = _quantile(used, SHARE), float(self._slid[k]) * self._setting.dt
-            high = _quantile(steady, 0.5) + TOP / BINS if steady.any() else float("inf")
-            out.append(FrictionInterval(name, min(low, high), high, time))
-        return tuple(out)
+        """Return the intervals of every contact that was loaded, of each by time."""
+        dt, names = self._setting.dt, self._setting.names
+        return tuple(
+            stretch.interval(name, dt)
+            for name, done, now in zip(names, self._done, self._now, strict=True)
+            for stretch in (*done, now) if stretch.rows
+        )  # fmt: skip
 
 
 def _steady(sliding: BoolArray, rows: int) -> BoolArray:
@@ -75,7 +162,6 @@ def _steady(sliding: BoolArray, rows: int) -> BoolArray:
     return inside
 
 
-def _quantile(counts: np.ndarray[tuple[int], np.dtype[np.int64]], share: float) -> float:
-    """Return the lower edge of the bin in which a share of the counts is reached."""
-    at = int(np.searchsorted(np.cumsum(counts), share * counts.sum()))
-    return at * TOP / BINS
+def _bin(counts: IntArray, share: float) -> int:
+    """Return the bin in which a share of the counts is reached."""
+    return int(np.searchsorted(np.cumsum(counts), share * counts.sum()))

@@ -93,7 +93,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class FrictionInterval:
-    """What a log tells about the friction under a foot.
+    """What a log tells about the friction under a foot over a time; a foot has several where it changed.
 
     Attributes
     ----------
@@ -105,12 +105,23 @@ class FrictionInterval:
         Friction while it slid: the ground has no more; infinite where it never slid.
     slid
         Time of sliding that `high` rests on [s].
+    start, end
+        When [s].
     """
 
     contact: str
     low: float
     high: float
     slid: float
+    start: float = float("nan")
+    end: float = float("nan")
+
+    @property
+    def words(self) -> str:
+        """The interval in words."""
+        if self.high == float("inf"):
+            return f"at least {self.low:.2f}"
+        return f"{self.low:.2f}" if self.high - self.low < 0.005 else f"{self.low:.2f} to {self.high:.2f}"
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,12 @@ PAD = 0.12
 PIECE = 1 << 15
 """Rows of a piece."""
 FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push")
+
+
+def lacking(log: Log, names: Iterable[str]) -> list[str]:
+    """Return which of these channels a log lacks; friction may stand in either of two."""
+    told = {"mu"} if "contact_friction" in log else set()
+    return [name for name in names if name not in log and name not in told]
 
 
 class Rows:
@@ -38,7 +44,7 @@ class Rows:
 
     def has(self, *names: str) -> bool:
         """Return whether the log has all of these channels."""
-        return self.points > 0 and all(name in self.log for name in names)
+        return self.points > 0 and not lacking(self.log, names)
 
     def _numbers(self, name: str) -> FloatArray:
         values = np.asarray(self.log[name], dtype=np.float64)
@@ -108,8 +114,9 @@ class Rows:
 
     @cached_property
     def mu(self) -> FloatArray:
-        """(T, 1) friction of the ground."""
-        return np.maximum(self._numbers("mu"), 0.0)[:, None]
+        """Friction of the ground: (T, p) where each contact has its own, else (T, 1)."""
+        own = "contact_friction" in self.log
+        return np.maximum(self._numbers("contact_friction") if own else self._numbers("mu")[:, None], 0.0)
 
     @cached_property
     def frames(self) -> FloatArray:
@@ -133,8 +140,9 @@ class Rows:
         clean = Log({**arrays, "time": time}, {}, channels=log.channels)
         with np.errstate(all="ignore"):
             world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
-            mass = self.setting.weight / (GRAVITY * robot.mass)
-            out = unexplained(robot, clean, world, mass)
+            load = self.setting.payload
+            mass = self.setting.weight / (GRAVITY * (robot.mass + load))
+            out = unexplained(robot, clean, world, mass, load)
         steps = np.diff(time)
         wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
         wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]

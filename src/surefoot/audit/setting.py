@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.arrays import IntArray
-from surefoot.audit.laws import LOADED_SHARE
+from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
@@ -17,7 +17,11 @@ from surefoot.spatial import GRAVITY
 
 BODY = "body"
 """Stands in a report where the whole robot is meant and no single contact."""
-PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals")
+DEEP = 5e-3
+"""A world that lets feet sink deeper hides what the audit should find [m]."""
+SOFTEST = {"sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m")}
+"""A world that declares more than this may hide anything: nothing is lawful there."""
+PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
 """Channels with a row for each contact point."""
 
 
@@ -35,8 +39,10 @@ class Setting:
         m g [N].
     dt
         Usual time from row to row [s].
-    sinking, creep
-        What the world declares of its own softness [m], [m/s].
+    sinking, creep, stopping
+        What the world declares of its own softness [m], [m/s], [m].
+    payload
+        Point mass at the base's origin, part of the weight [kg].
     robot
         For the equations of motion; None where they cannot be judged, for the reason `why_no_motion`.
     notes
@@ -52,6 +58,8 @@ class Setting:
     dt: float
     sinking: float
     creep: float
+    stopping: float
+    payload: float
     robot: Robot | None
     why_no_motion: str
     notes: tuple[str, ...] = field(default=())
@@ -61,6 +69,11 @@ class Setting:
     def threshold(self) -> float:
         """Normal force from which a contact counts as loaded [N]."""
         return LOADED_SHARE * self.weight
+
+    @property
+    def slide_limit(self) -> float:
+        """Longest way without friction that counts as sticking [m]."""
+        return SLIDE_LIMIT + self.stopping
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -94,17 +107,27 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     dt = float(np.median(good)) if good.size else told
     if told and good.size and abs(told - dt) > 0.02 * dt:
         doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
-    sinking, creep = (_softness(log, name) for name in ("sinking", "creep"))
-    if sinking or creep:
+    soft = [_not_negative(log, name) for name in SOFTEST]
+    sinking, creep, stopping = soft
+    payload = _not_negative(log, "payload")
+    for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
+        if value > most:
+            doubts.append(
+                f"the world declares a {name} of {value:.3g} {unit}: beyond {most:g} it hides anything"
+            )
+    if any(soft):
+        deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
+        held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
         notes.append(
-            f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm and creep to "
-            f"{1e3 * creep:.2g} mm/s count as lawful"
+            f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
+            f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}"
         )
     if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
         raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
     model, why = _robot(log, robot, doubts)
     return Setting(
-        names, owner, feet, weight, dt, sinking, creep, model, why, tuple(notes), tuple(doubts)
+        names, owner, feet, weight, dt, sinking, creep, stopping, payload, model, why, tuple(notes),
+        tuple(doubts)
     )  # fmt: skip
 
 
@@ -140,11 +163,19 @@ def _weight(log: Log, notes: list[str]) -> float:
     return mean
 
 
-def _softness(log: Log, name: str) -> float:
+def _not_negative(log: Log, name: str) -> float:
     value = float(log.fact(name)) if name in log.facts else 0.0
     if not (math.isfinite(value) and value >= 0.0):
         raise ProblemError(f"the fact {name} must be >= 0 and finite, got {value}")
     return value
+
+
+def _same_feet(robot: Robot, feet: tuple[str, ...]) -> bool:
+    """Return whether a log's feet are the robot's, in its order; short names do."""
+    try:
+        return tuple(robot.foot(name).name for name in feet) == robot.foot_names
+    except SurefootError:
+        return False
 
 
 def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | None, str]:
@@ -165,6 +196,9 @@ def _robot(log: Log, robot: Robot | None, doubts: list[str]) -> tuple[Robot | No
             return None, str(error)
     if not robot.floating:
         return None, "the robot is bolted to the world"
+    recorded = log.facts.get("kind") == "recording"  # its contact points are geoms in the order of touching
+    if recorded and not _same_feet(robot, tuple(map(str, log.facts.get("feet", ())))):
+        return None, f"the recording's feet are not {', '.join(robot.foot_names)} in this order"
     have = (log["q"].shape[1], log["v"].shape[1], log["forces"].shape[1])
     want = (int(robot.model.nq), int(robot.model.nv), len(robot.contact_points))
     if have != want:

@@ -111,7 +111,6 @@ _TABLE = (
     Channel("mu", (), "1", meaning="friction of the ground"),
     Channel("planned", ("n",), flag=True, meaning="whether the gait wants a foot on the ground"),
     Channel("command", (3,), "m/s, rad/s", "heading", meaning="wanted velocity: forward, left, yaw rate"),
-    Channel("contact_normals", ("p", 3), "1", "world", meaning="normals of the ground there, unit"),
     Channel("contact_friction", ("p",), "1", meaning="friction of each contact, where they differ"),
     Channel("foot_sensors", ("n",), "raw", meaning="readings of the feet's sensors, not calibrated"),
     Channel("joint_positions", ("joints",), "rad, m", meaning="in the order of the fact joints"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from surefoot.errors import ProblemError, SurefootError, WriteError
-from surefoot.log import csv_file, foxglove, mcap_file, npz, parts, rosbag
+from surefoot.log import csv_file, foxglove, mcap_file, npz, parts, rerun_file, rosbag
 from surefoot.log.log import Log
 from surefoot.log.mapped import log_from_source
 from surefoot.log.mapping import LogMapping
@@ -48,6 +48,7 @@ FORMATS: dict[str, Format] = {
     "parts": Format("parts", (".parts",), parts.read, marker=parts.FACTS_FILE),
     "csv": Format("csv", (".csv", ".tsv"), source=csv_file.source),
     "mcap": Format("mcap", (".mcap",), write=foxglove.write, source=mcap_file.source),
+    "rerun": Format("rerun", (".rrd",), write=rerun_file.write),
     "rosbag": Format("rosbag", (".bag", ".db3"), source=rosbag.source, marker=rosbag.MARKER),
 }
 

@@ -1,14 +1,16 @@
-"""Logs as MCAP files that Foxglove draws: every row as JSON, and the base, forces and cones as a scene.
+"""Logs as MCAP files that Foxglove draws: every row as JSON, and the robot, forces and cones as a scene.
 
 Topics: ``/surefoot/log`` (all channels, one message per row; a log reads itself back from there to the last
-bit), ``/tf`` (foxglove.FrameTransform of the base) and ``/surefoot/scene`` (foxglove.SceneUpdate). The scene
-takes the ground for level where the log has no ``contact_normals``.
+bit), ``/tf`` (foxglove.FrameTransform of the base, and of the joints of a robot that Surefoot knows) and
+``/surefoot/scene`` (foxglove.SceneUpdate of forces, cones and the robot as lines from joint to joint). The
+scene
+takes the ground for level where the log has no ``normals``.
 """
 
 from __future__ import annotations
 
 import json
-import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,22 +21,17 @@ from surefoot.errors import MissingExtra
 from surefoot.log.channels import CHANNELS
 from surefoot.log.log import Log
 from surefoot.log.mapping import LogMapping, Take
-from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_from_normal
+from surefoot.log.scene import DrawnContact, contacts, pictures, pose_of, weight_of
+from surefoot.log.skeleton import skeleton_of
+from surefoot.spatial import quaternion_from_rotation
 
-SCENE_PERIOD = 0.02
-"""Least time between two pictures of the scene [s]."""
-ARROW = 0.5
-"""Length of a force of m g [m]."""
-CONE = 0.1
-"""Height at which a friction cone is drawn [m]."""
 OWN_METADATA = "surefoot"
 """Name of the metadata record that holds the mapping back to a log."""
 OWN_TOPIC = "/surefoot/log"
 SCENE_TOPIC = "/surefoot/scene"
-_SEGMENTS = 16
-_BLUE, _RED, _GREY = (
+_BLUE, _RED, _GREY, _DARK = (
     {"r": r, "g": g, "b": b, "a": a}
-    for r, g, b, a in ((0.1, 0.4, 0.9, 1.0), (0.9, 0.2, 0.1, 1.0), (0.5, 0.5, 0.5, 0.7))
+    for r, g, b, a in ((0.1, 0.4, 0.9, 1.0), (0.9, 0.2, 0.1, 1.0), (0.5, 0.5, 0.5, 0.7), (0.2, 0.2, 0.2, 1.0))
 )
 _ORIGIN = {
     "position": {"x": 0.0, "y": 0.0, "z": 0.0},
@@ -63,15 +60,23 @@ def write(log: Log, path: Path) -> None:
         rows = _channel(writer, OWN_TOPIC, "surefoot.Log")
         base = _channel(writer, "/tf", "foxglove.FrameTransform")
         scene = _channel(writer, SCENE_TOPIC, "foxglove.SceneUpdate")
-        drawn, pose = -math.inf, _pose_of(log)
+        shown, pose = set(pictures(np.asarray(1e-9 * stamps, dtype=np.float64))), pose_of(log)
+        skeleton, weight = skeleton_of(log), weight_of(log)
         for k, stamp in enumerate(stamps.tolist()):
             _add(writer, rows, stamp, {name: _list(array[k]) for name, array in log.arrays.items()})
-            if abs(1e-9 * stamp - drawn) < SCENE_PERIOD:
+            if k not in shown:
                 continue
-            drawn = 1e-9 * stamp
+            entities = [_contacts(list(contacts(log, k, weight)), stamp)]
             if pose is not None and np.isfinite(pose[k]).all():
-                _add(writer, base, stamp, _transform(stamp, pose[k].tolist()))
-            _add(writer, scene, stamp, {"deletions": [], "entities": [_entity(log, k, stamp)]})
+                _add(writer, base, stamp, _transform(stamp, "base", pose[k].tolist()))
+            if skeleton is not None and np.isfinite(log["q"][k]).all():
+                for name, at in zip(
+                    skeleton.names[1:], skeleton.poses(log["q"][k])[1:].tolist(), strict=True
+                ):
+                    _add(writer, base, stamp, _transform(stamp, name, at))
+                lines = skeleton.segments(log["q"][k]).reshape(-1, 3)
+                entities.append(_entity(stamp, "skeleton", [], [_lines(lines, _DARK)]))
+            _add(writer, scene, stamp, {"deletions": [], "entities": entities})
         writer.finish()
 
 
@@ -102,20 +107,11 @@ def _list(row: Any) -> list[Any]:
     return np.atleast_1d(row).tolist()  # type: ignore[no-any-return]
 
 
-def _pose_of(log: Log) -> Any:
-    """Return the base's (T, 7) position and quaternion x, y, z, w; None where the log has none."""
-    if "q" in log and log["q"].shape[1] >= 7:
-        return log["q"][:, :7]
-    if "base_position" in log and "base_orientation" in log:
-        return np.hstack([log["base_position"], log["base_orientation"]])
-    return None
-
-
-def _transform(stamp: int, pose: list[float]) -> dict[str, Any]:
+def _transform(stamp: int, name: str, pose: list[float]) -> dict[str, Any]:
     return {
         "timestamp": _stamp(stamp),
         "parent_frame_id": "world",
-        "child_frame_id": "base",
+        "child_frame_id": name,
         "translation": dict(zip("xyz", pose[:3], strict=True)),
         "rotation": dict(zip("xyzw", pose[3:], strict=True)),
     }
@@ -125,26 +121,13 @@ def _stamp(stamp: int) -> dict[str, int]:
     return {"sec": stamp // 10**9, "nsec": stamp % 10**9}
 
 
-def _entity(log: Log, row: int, stamp: int) -> dict[str, Any]:
-    """Return the forces and cones of a row as a scene entity."""
-    arrows: list[Any] = []
-    lines: list[Any] = []
-    if "forces" in log and "contact_positions" in log:
-        forces, places = log["forces"][row], log["contact_positions"][row]
-        weight = log.facts.get("mass", 0.0) * GRAVITY or max(float(np.nan_to_num(log["forces"]).max()), 1.0)
-        for k in range(len(forces)):
-            if not (np.isfinite(forces[k]).all() and np.isfinite(places[k]).all()) or not forces[k].any():
-                continue
-            R, mu = _frame(log, row, k), _friction(log, row, k)
-            broken = math.hypot(forces[k][0], forces[k][1]) > mu * forces[k][2] * (1.0 + 1e-3)
-            arrows.append(_arrow(places[k], R @ forces[k] / weight * ARROW, _RED if broken else _BLUE))
-            if math.isfinite(mu):
-                lines.append(_cone(places[k], R, mu))
+def _entity(stamp: int, name: str, arrows: list[Any], lines: list[Any]) -> dict[str, Any]:
+    """Return a scene entity."""
     empty = ("metadata", "cubes", "spheres", "cylinders", "triangles", "texts", "models")
     return {
         "timestamp": _stamp(stamp),
         "frame_id": "world",
-        "id": "contacts",
+        "id": name,
         "lifetime": {"sec": 0, "nsec": 0},
         "frame_locked": False,
         "arrows": arrows,
@@ -153,19 +136,14 @@ def _entity(log: Log, row: int, stamp: int) -> dict[str, Any]:
     }
 
 
-def _frame(log: Log, row: int, contact: int) -> FloatArray:
-    normal = log["contact_normals"][row, contact] if "contact_normals" in log else np.array([0.0, 0.0, 1.0])
-    size = np.linalg.norm(normal)
-    return rotation_from_normal(normal / size if 0.0 < size < np.inf else [0.0, 0.0, 1.0])
-
-
-def _friction(log: Log, row: int, contact: int) -> float:
-    """Return a contact's friction; infinite where the log does not tell it."""
-    if "contact_friction" in log:
-        mu = float(log["contact_friction"][row, contact])
-    else:
-        mu = float(log["mu"][row]) if "mu" in log else math.inf
-    return math.inf if math.isnan(mu) else mu
+def _contacts(drawn: list[DrawnContact], stamp: int) -> dict[str, Any]:
+    """Return forces and cones as a scene entity."""
+    arrows = [_arrow(c.place, c.arrow, _RED if c.broken else _BLUE) for c in drawn]
+    pairs = [
+        np.array([p for line in lines for pair in pairwise(line) for p in pair])
+        for c in drawn if (lines := c.cone_lines())
+    ]  # fmt: skip
+    return _entity(stamp, "contacts", arrows, [_lines(points, _GREY) for points in pairs])
 
 
 def _arrow(place: Any, vector: FloatArray, color: dict[str, float]) -> dict[str, Any]:
@@ -188,20 +166,15 @@ def _arrow(place: Any, vector: FloatArray, color: dict[str, float]) -> dict[str,
     }
 
 
-def _cone(place: Any, R: FloatArray, mu: float) -> dict[str, Any]:
-    """Return a friction cone as lines: its rim and rays."""
-    angles = 2.0 * np.pi * np.arange(_SEGMENTS + 1) / _SEGMENTS
-    local = CONE * np.column_stack([mu * np.cos(angles), mu * np.sin(angles), np.ones_like(angles)])
-    rim = place + local @ R.T
-    points = [p for k in range(_SEGMENTS) for p in (rim[k], rim[k + 1])]
-    points += [p for k in range(0, _SEGMENTS, 2) for p in (place, rim[k])]
+def _lines(points: FloatArray, color: dict[str, float]) -> dict[str, Any]:
+    """Return lines between pairs of (2 m, 3) points."""
     return {
         "type": 2,  # pairs of points
         "pose": _ORIGIN,
         "thickness": 1.0,
         "scale_invariant": True,
         "points": [dict(zip("xyz", map(float, p), strict=True)) for p in points],
-        "color": _GREY,
+        "color": color,
         "colors": [],
         "indices": [],
     }

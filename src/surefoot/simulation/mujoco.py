@@ -18,9 +18,11 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.laws.soft import MujocoLaw
 from surefoot.errors import MissingExtra, ModelError, SimulationError
+from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
+from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.world import ContactReading
 from surefoot.spatial import (
     quaternion_from_rotation,
@@ -111,7 +113,8 @@ class MujocoWorld:
         mujoco = import_mujoco()
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = FlatTerrain() if terrain is None else terrain
-        spec = robot_spec(robot, real_number("payload", payload, low=0.0))
+        self.payload = real_number("payload", payload, low=0.0)
+        spec = robot_spec(robot, self.payload)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         spec.option.timestep = self.dt
         self._mujoco = mujoco
@@ -200,6 +203,11 @@ class MujocoWorld:
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground, from the next step on."""
         self.model.geom_friction[self._ground, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+
+    def softness(self, log: Log) -> dict[str, float]:
+        """Return the facts `sinking`, `creep`, `stopping` that the ground's softness means in a run's log."""
+        load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
+        return world_softness(self._mujoco, self.model, self._ground[0], self._bodies, log, load)
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""

@@ -127,6 +127,7 @@ class Recording(Log):
             facts["robot"] = tree.name
         if error is not None:
             facts["error"] = f"{type(error).__name__}: {error}"
+        facts |= self._slots.softness(q, points, tree.mass * float(np.linalg.norm(self._model.opt.gravity)))
         Log.__init__(self, arrays, {k: f for k, f in facts.items() if np.size(f)})
         self.facts["doubts"] = [*self._own_doubts(), *find_doubts(self)]
 
@@ -157,7 +158,8 @@ def record(model: Any, data: Any, robot: str | None = None) -> Recording:
 
     Every contact between the robot and anything else is a contact point of the log, by its geoms: forces on
     the robot in contact axes, gap, velocity of the robot's material against the other's, position, normal,
-    friction. The fact ``feet`` names the robot's geoms that touched (a geom without a name is its body and
+    friction. How soft the model declares them stands in the facts ``sinking``, ``creep`` and ``stopping``.
+    The fact ``feet`` names the robot's geoms that touched (a geom without a name is its body and
     number), ``contact_with`` what each contact point touches.
 
     Parameters

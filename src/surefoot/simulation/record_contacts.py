@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.simulation.record_softness import SoftContact, declared, hardest_landing, soft_contact
 from surefoot.terrain.frames import surface_frames
 
 FAR = 1.0
@@ -60,7 +61,7 @@ class Contacts:
             "forces": table[..., :3].copy(),
             "contact_velocities": table[..., 3:6].copy(),
             "contact_positions": table[..., 6:9].copy(),
-            "contact_normals": table[..., 9:12].copy(),
+            "normals": table[..., 9:12].copy(),
             "gaps": table[..., _GAP].copy(),
             "contact_friction": table[..., _MU].copy(),
         }
@@ -75,6 +76,8 @@ class Slots:
         Contacts of the robot with itself so far.
     moments
         Whether a contact had torsional or rolling friction.
+    soft
+        What the model declares of the contact points' softness.
     """
 
     def __init__(self, mujoco: Any, model: Any, bodies: IntArray) -> None:
@@ -85,6 +88,7 @@ class Slots:
         self._friction: list[float] = []
         self._of: dict[tuple[int, int], list[int]] = {}
         self.inner, self.moments = 0, False
+        self.soft: dict[int, SoftContact] = {}
 
     @property
     def count(self) -> int:
@@ -108,7 +112,10 @@ class Slots:
                 self.moments |= bool(force[3:].any())
                 row = self._row(data, contact, force, bool(self._robot[second]))
                 geom, other = (second, first) if self._robot[second] else (first, second)
-                out.append((self._slot(data, geom, other, row, taken), row))
+                slot = self._slot(data, geom, other, row, taken)
+                if slot not in self.soft:
+                    self._declare(slot, contact)
+                out.append((slot, row))
         return out
 
     def _row(self, data: Any, contact: Any, force: FloatArray, second: bool) -> FloatArray:
@@ -145,6 +152,22 @@ class Slots:
         self._places[slot] = place
         taken.add(slot)
         return slot
+
+    def _declare(self, slot: int, contact: Any) -> None:
+        soft = soft_contact(self._mujoco, self._model, self._bodies_of(slot), contact)
+        if soft is not None:
+            self.soft[slot] = soft
+
+    def _bodies_of(self, slot: int) -> tuple[int, int]:
+        """Return the bodies of the robot's geom and of what it touches."""
+        of = self._model.geom_bodyid
+        return int(of[self._slots[slot].geom]), int(of[self._slots[slot].other])
+
+    def softness(self, qpos: FloatArray, points: dict[str, Any], load: float) -> dict[str, float]:
+        """Return the facts `sinking`, `creep` and `stopping` under a load [N], see `record_softness`."""
+        pairs = [self._bodies_of(k) for k in range(self.count)]
+        landing = hardest_landing(self._mujoco, self._model, pairs, qpos, points)
+        return declared(list(self.soft.values()), load, landing)
 
     def fill_open(self, qpos: FloatArray, qvel: FloatArray, points: dict[str, Any]) -> None:
         """Write what is known of contact points while they were open into the channels of a recording."""
@@ -204,7 +227,7 @@ class OpenGaps:
             for k in np.flatnonzero(np.isnan(row["gaps"])).tolist():
                 partner = next((c for c in closed if self._slots[c] == self._slots[k]), None)
                 place, normal, gap = self._apart(k) if partner is None else self._beside(k, partner, row)
-                row["contact_positions"][k], row["contact_normals"][k], row["gaps"][k] = place, normal, gap
+                row["contact_positions"][k], row["normals"][k], row["gaps"][k] = place, normal, gap
                 velocity = material_velocity(model, data, self._slots[k].geom, place)
                 velocity -= material_velocity(model, data, self._slots[k].other, place)
                 row["contact_velocities"][k] = frames_of(normal[None])[0].T @ velocity
@@ -226,7 +249,7 @@ class OpenGaps:
 
     def _beside(self, k: int, partner: int, row: dict[str, Any]) -> tuple[FloatArray, FloatArray, float]:
         """Return the same for a point whose geoms touch in another point: against that contact's plane."""
-        place, normal = self._point(k), row["contact_normals"][partner].copy()
+        place, normal = self._point(k), row["normals"][partner].copy()
         over = float(normal @ (place - row["contact_positions"][partner]) + row["gaps"][partner])
         return place, normal, over
 

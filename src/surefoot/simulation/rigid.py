@@ -153,6 +153,7 @@ class RigidWorld:
         self.stepper = Stepper(robot, terrain, options, payload, chosen_geometry(robot, collision))
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
         self.model = self.stepper.bodies.model
+        self.payload = payload if robot.floating else 0.0
         self.contact_foot = robot.contact_points.foot
         self._warned = False
         self.reset(robot.nominal)

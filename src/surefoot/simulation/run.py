@@ -21,6 +21,7 @@ from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
 from surefoot.simulation.world import ContactReading, World
+from surefoot.simulation.world_facts import softness_of, told_by
 from surefoot.spatial import GRAVITY
 
 LOOK_EVERY = 20
@@ -76,6 +77,7 @@ def run(
     limits = AT_LIMIT * world.robot.effort_limits
     this = _Run(world, controller, scenario, tuple(observers), recorder, limits)
     log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
+    log.facts.update(softness_of(world, log))
     for observer in observers:
         observer.end(log)
     return log
@@ -97,10 +99,11 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
             f"the controller's channel {clash[0]!r} is one that every log has; take another name"
         )
     facts = {
+        "mass_controller": robot.mass,
         **controller.facts,
         "robot": robot.name,
         "world": type(world).__name__,
-        "mass": robot.mass,
+        **told_by(world),
         "dt": world.dt,
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),

@@ -13,3 +13,8 @@ class FlatTerrain(SlopeTerrain):
 
     def __repr__(self) -> str:
         return "FlatTerrain()"
+
+    @property
+    def text(self) -> str:
+        """See `Terrain.text`."""
+        return "flat"

@@ -43,6 +43,11 @@ class PitTerrain(LevelsTerrain):
     def __repr__(self) -> str:
         return f"PitTerrain(start={self.start:g}, length={self.length:g}, depth={self.depth:g})"
 
+    @property
+    def text(self) -> str:
+        """See `Terrain.text`."""
+        return f"pit:{self.start!r},{self.length!r},{self.depth!r}"
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the ground height under (..., 2) places [m]: (...)."""
         x = np.asarray(xy, dtype=np.float64)[..., 0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.arrays import real_number, whole_number
+from surefoot.arrays import FloatArray, real_number, whole_number
 from surefoot.terrain.heightfield import HeightfieldTerrain
 
 BUMP = 0.2
@@ -25,4 +25,17 @@ def rough_ground(seed: int, height: float) -> HeightfieldTerrain:
     top = real_number("height", height, low=0.0, high=10.0)
     counts = [round(size / BUMP) + 1 for size in FIELD]
     random = np.random.default_rng(whole_number("seed", seed))
-    return HeightfieldTerrain(random.uniform(0.0, top, counts), BUMP)
+    return _Rough(random.uniform(0.0, top, counts), f"rough:{whole_number('seed', seed)},{top!r}")
+
+
+class _Rough(HeightfieldTerrain):
+    """A height field that a text says."""
+
+    def __init__(self, heights: FloatArray, text: str) -> None:
+        super().__init__(heights, BUMP)
+        self._text = text
+
+    @property
+    def text(self) -> str:
+        """See `Terrain.text`."""
+        return self._text

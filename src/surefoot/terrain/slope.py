@@ -37,6 +37,11 @@ class SlopeTerrain(Terrain):
     def __repr__(self) -> str:
         return f"SlopeTerrain({self.degrees:g})"
 
+    @property
+    def text(self) -> str:
+        """See `Terrain.text`."""
+        return f"slope:{self.degrees!r}"
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the ground height under (..., 2) places [m]: (...)."""
         return np.asarray(np.asarray(xy, dtype=np.float64)[..., 0] * self._rise)

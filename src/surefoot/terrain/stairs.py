@@ -48,6 +48,11 @@ class StairsTerrain(LevelsTerrain):
     def __repr__(self) -> str:
         return f"StairsTerrain(rise={self.rise:g}, tread={self.tread:g}, steps={self.steps})"
 
+    @property
+    def text(self) -> str:
+        """See `Terrain.text`; empty unless there are ten steps, as in a text."""
+        return f"stairs:{self.rise!r},{self.tread!r}" if self.steps == 10 else ""
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the height of the tread at (..., 2) places [m]: (...)."""
         x = np.asarray(xy, dtype=np.float64)[..., 0]

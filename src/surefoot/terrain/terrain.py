@@ -32,6 +32,11 @@ class Terrain(ABC):
     planar: ClassVar[bool] = False
 
     @property
+    def text(self) -> str:
+        """What `surefoot.terrain.read_terrain` reads back to the last bit; empty where no text says it."""
+        return ""
+
+    @property
     def highest_step(self) -> float:
         """Largest height that a single step may have to climb or descend [m]."""
         return 0.0

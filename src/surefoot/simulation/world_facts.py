@@ -1,0 +1,35 @@
+"""What a log says about the world that it comes from: its ground, its load and its own softness.
+
+A world may leave out both attributes that are asked for here: then the log says that much less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from surefoot.log import Log
+from surefoot.simulation.world import World
+
+
+def told_by(world: World) -> dict[str, Any]:
+    """Return the facts of a world that are known before the run: terrain, mass and payload."""
+    payload = float(getattr(world, "payload", 0.0))
+    out: dict[str, Any] = {"mass": world.robot.mass + payload, "payload": payload}
+    if world.terrain.text:
+        out["terrain"] = world.terrain.text
+    return out
+
+
+def softness_of(world: World, log: Log) -> Mapping[str, float]:
+    """Return the facts `sinking`, `creep`, `stopping` of a world that declares itself soft, else none.
+
+    Parameters
+    ----------
+    world
+        Its method ``softness(log)`` declares, if it has one.
+    log
+        Of the run that ended: its touchdowns say how fast the ground was hit.
+    """
+    declare: Callable[[Log], Mapping[str, float]] | None = getattr(world, "softness", None)
+    return {} if declare is None else declare(log)
