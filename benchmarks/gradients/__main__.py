@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for task in chosen:
         with Progress(console=console, transient=True) as progress:
             bar = progress.add_task(task.name, total=fine)
-            grids.append(Grid(task, fine, lambda bar=bar, progress=progress: progress.advance(bar)))
+            grids.append(Grid(task, fine, partial(progress.advance, bar)))
         console.print(bias_table(grids[-1], points))
         console.print(search_table(grids[-1], starts, iterations))
     if given.out is not None:

@@ -157,9 +157,11 @@ def compare(grid: Grid, points: int, smoothings: FloatArray, stiffnesses: FloatA
     matters = np.abs(smoothed) > MATTERS * size
 
     def row(road: str, means: FloatArray, spread: float = 0.0) -> Row:
-        biases = (float(np.sqrt(np.mean((means - r) ** 2) / np.mean(r**2))) for r in (exact, smoothed))
+        of_exact, of_smoothed = (
+            float(np.sqrt(np.mean((means - r) ** 2) / np.mean(r**2))) for r in (exact, smoothed)
+        )
         downhill = means * np.sign(smoothed) > MATTERS**2 * size
-        return Row(road, *biases, spread / size, float(np.mean(~downhill[matters])))
+        return Row(road, of_exact, of_smoothed, spread / size, float(np.mean(~downhill[matters])))
 
     for k in stiffnesses:
         yield row(f"penalty, k = {k:g} N/m", np.array([task.penalty_slope(t, k) for t in thetas]))

@@ -59,8 +59,8 @@ def roads(task: Task) -> dict[str, tuple[Slope, int]]:
 def descend(task: Task, slope: Slope, start: float, iterations: int, seed: int) -> float:
     """Return where a descent by the slope's sign ends, with steps that shrink.
 
-    The sign alone: slopes of penalty and of jumps differ by orders of magnitude, and no step would suit all. A
-    slope of zero stays where it is.
+    The sign alone: slopes of penalty and of jumps differ by orders of magnitude, and no step would suit all.
+    A slope of zero stays where it is.
     """
     random, theta, step = np.random.default_rng(seed), start, STEP * (task.high - task.low)
     for _ in range(iterations):

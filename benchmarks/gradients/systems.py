@@ -16,7 +16,7 @@ import surefoot as sf
 from surefoot.arrays import FloatArray
 
 SOFT_SPEED, SLIP = 0.5, 0.01
-"""Speed at which a spring's force vanishes when it opens, and that at which its friction is regularised [m/s]."""
+"""Speed at which an opening spring's force vanishes, and that at which friction is regularised [m/s]."""
 
 
 class Scene(NamedTuple):
@@ -39,14 +39,37 @@ class Scene(NamedTuple):
 
 
 class System(Protocol):
-    """What is simulated: (n,) masses along q, forces and contacts, and the range of theta."""
+    """What is simulated: masses, forces and contacts, and the range of its parameter theta."""
 
-    name: str
-    masses: FloatArray
-    dt: float
-    steps: int
-    low: float
-    high: float
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        ...
+
+    @property
+    def masses(self) -> FloatArray:
+        """(n,) along q [kg]."""
+        ...
+
+    @property
+    def dt(self) -> float:
+        """Step [s]."""
+        ...
+
+    @property
+    def steps(self) -> int:
+        """How many."""
+        ...
+
+    @property
+    def low(self) -> float:
+        """Least theta."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """Greatest theta."""
+        ...
 
     def start(self, theta: float) -> tuple[FloatArray, FloatArray]:
         """Return q and v (n,) at the start."""
@@ -79,6 +102,17 @@ def _numeric(call: Callable[[float], FloatArray], step: float = 1e-6) -> FloatAr
     return np.asarray((call(step) - call(-step)) / (2.0 * step))
 
 
+def _force_rate(
+    system: System, at: tuple[FloatArray, FloatArray, float, float], rates: tuple[FloatArray, FloatArray]
+) -> FloatArray:
+    (q, v, time, theta), (dq, dv) = at, rates
+    return _numeric(lambda e: system.force(q + e * dq, v + e * dv, time, theta + e))
+
+
+def _friction_rate(system: System, q: FloatArray, theta: float) -> FloatArray:
+    return _numeric(lambda e: system.scene(q, theta + e).mu)
+
+
 def rollout(system: System, theta: float, derivative: bool = False, smoothing: float = 0.0) -> Path:
     """Simulate with exact contacts; the derivative by theta is implicit, exact or smoothed.
 
@@ -104,13 +138,11 @@ def rollout(system: System, theta: float, derivative: bool = False, smoothing: f
         g[2::3] += here.gaps / h
         solution = sf.solve(sf.ContactProblem(G, g, mu=here.mu), tol=1e-10)
         if derivative:
-            rate = _numeric(
-                lambda e, q=q, v=v, t=time, dq=dq, dv=dv: system.force(q + e * dq, v + e * dv, t, theta + e)
-            )
+            rate = _force_rate(system, (q, v, time, theta), (dq, dv))
             dfree = dv + h * rate / m
             dg = here.J @ dfree
             dg[2::3] += here.slopes @ dq / h
-            dmu = _numeric(lambda e, q=q: system.scene(q, theta + e).mu)
+            dmu = _friction_rate(system, q, theta)
             found = solution.derivative(smoothing=smoothing).jvp(g=dg, mu=dmu)
             dv = dfree + here.J.T @ found.forces.ravel() / m
         v = free + here.J.T @ solution.forces.ravel() / m

@@ -14,10 +14,6 @@ THICKNESS = 0.12
 """Of the ball's wall [m]: what springs let it sink in."""
 
 
-def _along(*masses: float) -> FloatArray:
-    return field(default_factory=lambda: np.array(masses))  # type: ignore[no-any-return]
-
-
 @dataclass(frozen=True)
 class Ball:
     """A ball is thrown at an angle theta [rad]; it should land as far as it can, but there is a wall.
@@ -26,7 +22,7 @@ class Ball:
     """
 
     name: str = "ball and wall"
-    masses: FloatArray = _along(1.0, 1.0)
+    masses: FloatArray = field(default_factory=lambda: np.array([1.0, 1.0]))
     dt: float = 0.02
     steps: int = 60
     low: float = 0.1
@@ -65,7 +61,7 @@ class Block:
     """
 
     name: str = "pushed block"
-    masses: FloatArray = _along(0.5, 1.0, 1.0)
+    masses: FloatArray = field(default_factory=lambda: np.array([0.5, 1.0, 1.0]))
     dt: float = 0.02
     steps: int = 50
     low: float = -0.15
@@ -102,7 +98,7 @@ class Hopper:
     """
 
     name: str = "hopper"
-    masses: FloatArray = _along(2.0, 0.3)
+    masses: FloatArray = field(default_factory=lambda: np.array([2.0, 0.3]))
     dt: float = 0.01
     steps: int = 45
     low: float = -60.0
@@ -137,7 +133,7 @@ class Slide:
     """
 
     name: str = "friction of a slide"
-    masses: FloatArray = _along(1.0, 1.0)
+    masses: FloatArray = field(default_factory=lambda: np.array([1.0, 1.0]))
     dt: float = 0.01
     steps: int = 60
     low: float = 0.02
