@@ -7,7 +7,9 @@ from importlib.metadata import PackageNotFoundError, distribution
 import numpy as np
 import pytest
 
+import surefoot as sf
 from surefoot.errors import MissingExtra, ProblemError
+from surefoot.problems.logged_runs import CleanRun
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.mjx import MjxWorld, import_mjx
 from surefoot.simulation.mujoco import MujocoWorld
@@ -54,3 +56,14 @@ def test_it_is_mujoco() -> None:
             assert worlds[0].time == pytest.approx(60 * dt)
     with pytest.raises(ProblemError):
         worlds[0].step(np.zeros(1))
+
+
+@pytest.mark.skipif(not HERE, reason="MJX is not here")
+@pytest.mark.filterwarnings("ignore")
+def test_a_stand_in_it_is_lawful() -> None:
+    log = CleanRun(world="mjx", duration=0.1).make()
+    report = sf.audit_log(log)
+    assert (report.verdict, report.symptoms) == ("lawful", ())
+    assert log.fact("sinking") > 0.0  # it declares itself as soft as MuJoCo
+    log["forces"][40:80, 0, 2] *= -1.0
+    assert sf.audit_log(log).verdict == "broken"

@@ -12,6 +12,7 @@ from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.problems.logged_runs import CleanRun
 from surefoot.robot import load_robot
+from surefoot.simulation import drake_python
 from surefoot.simulation.replay import replay_log
 from surefoot.simulation.replay_task import replay_task
 from surefoot.terrain import SlopeTerrain, read_terrain
@@ -30,6 +31,20 @@ def test_lawful_motions_survive_in_the_other_world(run: CleanRun, world: str) ->
         assert report.progress == pytest.approx(1.0, abs=0.05)
     for log in report.logs:
         assert sf.audit_log(log).lawful
+
+
+@pytest.mark.skipif(
+    not drake_python.present(), reason="Drake is not here; SUREFOOT_DRAKE_PYTHON names a Python with it"
+)
+def test_drake_keeps_a_lawful_trot_and_loses_it_on_ice() -> None:
+    """A log of the rigid world in an engine that shares no code with it."""
+    log = log_of(SHORT_TROT)
+    report = replay_log(log, "drake")
+    assert report.verdict == "survives", report.sentence
+    assert report.progress == pytest.approx(1.0, abs=0.05)
+    assert report.logs[0].facts["world"] == "DrakeWorld"
+    assert not np.array_equal(report.logs[0]["forces"], log["forces"][: len(report.logs[0])])
+    assert replay_log(log, "drake", mu=0.03).verdict == "lost"
 
 
 def test_the_same_world_gives_the_log_again() -> None:
@@ -169,6 +184,7 @@ def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     from surefoot.cli.main import main
 
     path = log_of(STAND).save(tmp_path / "stand.npz")
+    assert replay_log(path, "rigid").verdict == "survives"
     assert main(["audit", str(path), "--replay", "mujoco"]) == 0
     assert "the success survives in the world mujoco" in capsys.readouterr().out
     assert main(["audit", str(path), "--replay", "mujoco", "--json"]) == 0

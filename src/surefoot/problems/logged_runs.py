@@ -6,7 +6,7 @@ rigid world and in MuJoCo; the seed moves its start. No law is broken in any of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -103,16 +103,24 @@ def _robot(name: str) -> Robot:
     return load_robot(name)
 
 
-def clean_runs(count: int = 100) -> list[CleanRun]:
-    """Return `count` clean runs, the most different first; each has a seed of its own."""
-    kinds = list(_kinds())
+def clean_runs(count: int = 100, worlds: Sequence[str] = ("mujoco", "rigid")) -> list[CleanRun]:
+    """Return `count` clean runs, the most different first; each has a seed of its own.
+
+    Parameters
+    ----------
+    count
+        Runs.
+    worlds
+        Names of `make_world`.
+    """
+    kinds = list(_kinds(worlds))
     return [_seeded(kinds[k % len(kinds)], k // len(kinds), k) for k in range(count)]
 
 
-def _kinds() -> Iterator[CleanRun]:
+def _kinds(worlds: Sequence[str]) -> Iterator[CleanRun]:
     """Yield what runs are of, before seeds."""
     trot, turn = (0.4, 0.0, 0.0), (0.2, 0.1, 0.5)
-    for world in ("mujoco", "rigid"):
+    for world in worlds:
         yield CleanRun("go2", world, gait="trot", velocity=trot, duration=1.5)
         yield CleanRun("go2", world)
         yield CleanRun("go2", world, push=(1.5, 0.8, 0.0))

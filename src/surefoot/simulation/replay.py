@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -18,7 +19,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.audit import AuditReport, audit_log
 from surefoot.errors import ProblemError, SimulationError
-from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.log import CHANNELS, Ending, Log, Recorder, read_log
 from surefoot.robot import Robot
 from surefoot.simulation.replay_task import ReplayTask, replay_task
 from surefoot.simulation.scenario import Fall
@@ -136,7 +137,7 @@ class ReplayReport:
 
 
 def replay_log(
-    log: Log,
+    log: Log | Path | str,
     world: str,
     robot: Robot | None = None,
     terrain: Terrain | None = None,
@@ -153,14 +154,13 @@ def replay_log(
     Parameters
     ----------
     log
-        Needs `q`, `v` and `torques`, evenly spaced. The facts ``joint_stiffness`` and ``joint_damping`` give
-        the gains, else they are made from the robot's mass and height.
+        A log or its path. Needs `q`, `v` and `torques`, evenly spaced. The facts ``joint_stiffness`` and
+        ``joint_damping`` give the gains, else they are made from the robot's mass and height.
     world
         Name of a world, see `surefoot.simulation.worlds`.
     robot, terrain, mu
         None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu``. Others ask whether
-        the
-        success survives there.
+        the success survives there.
     window
         Time between restarts [s]; infinite for one replay from the first row.
 
@@ -171,6 +171,7 @@ def replay_log(
     MissingExtra
         If the world's engine is not installed.
     """
+    log = log if isinstance(log, Log) else read_log(log)
     task = replay_task(log, robot, terrain, mu)
     window = real_number("window", window, low=10.0 * task.dt * task.steps)
     make_world(world, task.robot, task.terrain, float(task.mu[0]))  # told before any work, if it cannot be
