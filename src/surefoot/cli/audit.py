@@ -71,17 +71,11 @@ def audit(
     from surefoot.audit import audit_log
     from surefoot.log import read_log
     from surefoot.robot import load_robot
-    from surefoot.terrain import read_terrain
 
     check_out(out)
     _check_rerun(rerun)
     read, whose = read_log(log), None if robot is None else load_robot(robot)
-    again = None
-    if replay is not None:
-        from surefoot.simulation.replay import replay_log
-
-        ground = None if terrain is None else read_terrain(terrain, "--terrain")
-        again = replay_log(read, replay, whose, ground, mu)
+    again = None if replay is None else _replay(read, replay, whose, terrain, mu)
     report = audit_log(read, whose)
     console = plain_console(quiet=as_json)
     if as_json:
@@ -94,6 +88,15 @@ def audit(
         page = _write(read, report, out, log, again)
         console.print(f"report: {page}", soft_wrap=True, highlight=False)
     return 0 if report.lawful and (again is None or again.survives) else 1
+
+
+def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
+    """Replay a log in another world, on its own ground or a given one."""
+    from surefoot.simulation.replay import replay_log
+    from surefoot.terrain import read_terrain
+
+    ground = None if terrain is None else read_terrain(terrain, "--terrain")
+    return replay_log(log, world, robot, ground, mu)
 
 
 def _check_rerun(target: str | None) -> None:
