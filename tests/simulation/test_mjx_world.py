@@ -125,7 +125,9 @@ def test_many_at_once_are_each_as_one_alone() -> None:
         assert out.v[k] == pytest.approx(alone.state()[1], abs=1e-6)
         assert out.forces[k] == pytest.approx(theirs.forces, rel=1e-5, abs=1e-5)
         assert out.gaps[k] == pytest.approx(theirs.gaps, abs=1e-8)
-    assert out.forces[:3, 0, 2].min() > 0.0
+    spun = np.abs(out.v[:, 3:] - v[:, 3:]).max(axis=1)  # a homogeneous ball in the air keeps its spin
+    assert (spun[:3] > 1e-3).all()
+    assert spun[3] < 1e-9
     assert not out.lost.any()
 
     # one that is lost stays where it was, and the others go on as if it were not there
