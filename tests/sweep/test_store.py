@@ -107,7 +107,7 @@ def test_rows_of_another_version_are_refused(tmp_path: Path, monkeypatch: pytest
     set_version(monkeypatch, "99.1", "config", "columns", "store")
     partly_done(tmp_path / "b", deadly(6), range(3, 6))
     part.rename(tmp_path / "b" / "parts" / "part-000007.parquet")
-    with pytest.raises(ProblemError, match="part-000007.parquet is not of this sweep"):
+    with pytest.raises(ProblemError, match=r"part-000007.parquet is not of this sweep"):
         run_sweep(deadly(6), tmp_path / "b", backend="serial")
 
 

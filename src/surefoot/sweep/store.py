@@ -168,8 +168,8 @@ class Store:
         there = found.get(VERSION, "no version") if isinstance(found, dict) else __version__
         if there != __version__:
             raise ProblemError(
-                f"{self.folder} was begun by Surefoot {there}, this is {__version__}, whose results may differ; "
-                "name another folder, or go on with that version"
+                f"{self.folder} was begun by Surefoot {there}, this is {__version__}, whose results may "
+                "differ; name another folder, or go on with that version"
             )
 
     def _part_files(self) -> list[Path]:

@@ -41,7 +41,8 @@ def run_chunk(task: Task, indices: Sequence[int]) -> list[Row]:
     """
     if task.version != __version__:
         raise ProblemError(
-            f"worker {platform.node()} has Surefoot {__version__}, the driver {task.version}: install the same"
+            f"worker {platform.node()} has Surefoot {__version__}, the driver {task.version}: install the "
+            "same"
         )
     return [_row(task.experiment, sample) for sample in task.space.sample(indices)]
 
