@@ -64,7 +64,7 @@ def step_derivatives(calls: int) -> dict[str, float]:
     """Seconds of a step of Go2 with its A and B, and of MuJoCo's finite differences for A alone, in turns."""
     import mujoco
 
-    from surefoot.stepping import Stepper, step_derivative
+    from surefoot.stepping import Knot, StepOptions, Stepper, step_derivative
 
     robot = sf.load_robot("go2")
     stepper = Stepper(robot)
@@ -72,6 +72,14 @@ def step_derivatives(calls: int) -> dict[str, float]:
     torques = np.zeros(robot.joints)
     for _ in range(10):
         state = stepper.step(state, torques).state
+    knot = Knot(Stepper(robot, options=StepOptions(order=1)))
+    knot.step(state.q, state.v, torques)
+    out = knot.derivative()
+
+    def first_order(smoothing: float) -> None:
+        knot.step(state.q, state.v, torques)
+        knot.derivative(smoothing, out)
+
     world: Any = sf.MujocoWorld(robot)
     world.reset(sf.place(robot))
     for _ in range(100):
@@ -82,6 +90,9 @@ def step_derivatives(calls: int) -> dict[str, float]:
         {
             "step": lambda _: stepper.step(state, torques),
             "step with A and B": lambda _: step_derivative(stepper, state, torques).A,
+            "first-order step": lambda _: knot.step(state.q, state.v, torques),
+            "first-order step with A and B": lambda _: first_order(0.0),
+            "first-order step with A and B, smoothed": lambda _: first_order(1e-4),
             "MuJoCo mjd_transitionFD, A alone": lambda _: mujoco.mjd_transitionFD(
                 m, d, 1e-6, True, A, None, None, None
             ),

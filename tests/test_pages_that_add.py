@@ -45,7 +45,7 @@ def test_a_terrain_from_outside(capfd: pytest.CaptureFixture[str]) -> None:
     places = np.random.default_rng(0).uniform(-2.0, 2.0, (50, 2))
     coarse = super(type(waves), waves).gradient(places)
     assert waves.gradient(places) == pytest.approx(coarse, abs=1e-8)
-    for name in WORLDS:  # every world takes it
+    for name in ("mujoco", "rigid"):  # the worlds that take any surface
         world = make_world(name, robot, waves)
         world.reset(robot.nominal + np.array([0.0, 0.0, 0.1] + [0.0] * 16))
         for _ in range(400):

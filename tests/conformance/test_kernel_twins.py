@@ -31,6 +31,8 @@ batch.active             regular_pivots       batch/test_batch.py::test_kernels_
 batch.active             scatter              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             unknowns             batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             unscale              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
+batch.central_path       follow_path          batch/test_central_path.py::test_the_point_and_its_derivative_are_those_of_the_interior_point
+batch.central_path       path_blocks          batch/test_central_path.py::test_the_point_and_its_derivative_are_those_of_the_interior_point
 batch.kernel             contact_blocks       batch/test_batch.py::test_dense_blocks_are_those_of_the_derivative
 batch.kernel             contact_jvp          batch/test_batch.py::test_kernels_match_their_numpy_twin
 batch.kernel             contact_vjp          batch/test_batch.py::test_kernels_match_their_numpy_twin
@@ -101,6 +103,7 @@ estimation.cube_motion   step                 estimation/test_cube_motion.py::te
 estimation.friction  follow_friction      estimation/test_friction_tracker.py::test_kernel_against_plain_python
 numerics.cholesky        cholesky             numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        guarded_cholesky     numerics/test_cholesky.py::test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot
+numerics.cholesky        invert               numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        product              numerics/test_cholesky.py::test_product
 numerics.cholesky        solve_columns        numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        solve_lower          numerics/test_cholesky.py::test_factor_and_solves
@@ -204,6 +207,10 @@ stepping.arithmetic      with_missed          stepping/test_arithmetic.py::test_
 stepping.derivative_kernels centre_rates         stepping/test_derivative_kernels.py::test_rates_are_those_of_pinocchios_jacobians
 stepping.derivative_kernels force_rates          stepping/test_derivative_kernels.py::test_rates_are_those_of_pinocchios_jacobians
 stepping.derivative_kernels velocity_rates       stepping/test_derivative_kernels.py::test_rates_are_those_of_pinocchios_jacobians
+stepping.knot_kernels    answer               stepping/test_first_order.py::test_blocks_are_those_of_differences_and_of_the_knot by step_derivative
+stepping.knot_kernels    first_order_blocks   stepping/test_first_order.py::test_blocks_are_those_of_differences_and_of_the_knot by step_derivative
+stepping.knot_kernels    first_order_step     stepping/test_first_order.py::test_blocks_are_those_of_differences_and_of_the_knot by step_derivative
+stepping.knot_kernels    smooth_step          stepping/test_first_order.py::test_smoothing_is_that_of_the_contact_derivative by step_derivative
 stepping.motion          bent                 stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance
 stepping.motion          bracket              stepping/test_motion.py::test_stage_twin_and_tangent_rate by stage
 stepping.motion          halfway              stepping/test_motion.py::test_cheap_ways_keep_the_tolerance by advance

@@ -9,10 +9,12 @@ from pathlib import Path
 
 from surefoot.cli.output import new_run_folder
 from surefoot.errors import MissingExtra
+from surefoot.simulation import drake_python
 
 _EXTRA_OF = {
     "pin": "robot", "example-robot-data": "robot", "mujoco": "sim", "imageio": "sim",
     "imageio-ffmpeg": "sim", "matplotlib": "viz", "clarabel": "qp", "qpsolvers": "qp",
+    "drake": "drake", "jax": "jax", "mujoco-mjx": "jax",
     "pyarrow": "sweep", "joblib": "sweep", "ray": "scale", "distributed": "scale",
 }  # fmt: skip
 _MODULE_OF = {"pin": "pinocchio", "imageio-ffmpeg": "imageio_ffmpeg"}
@@ -64,8 +66,10 @@ def picture_folder(parent: Path, name: str) -> tuple[Path | None, str]:
 
 
 def _installed(package: str) -> bool:
-    """Tell whether a package is there; example-robot-data has no module, only files."""
-    if package == "example-robot-data":
+    """Tell whether a package is there; some have no module of their name, Drake may live elsewhere."""
+    if package == drake_python.PACKAGE:
+        return drake_python.present()
+    if package in ("example-robot-data", "mujoco-mjx"):
         try:
             distribution(package)
         except PackageNotFoundError:

@@ -23,6 +23,7 @@ from surefoot.cli import (
     translate,
     walk,
     warmup,
+    worlds,
 )
 from surefoot.cli.compiling import announce_compilation
 from surefoot.cli.literal_help import LiteralHelpCommand
@@ -42,7 +43,8 @@ app = typer.Typer(
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, identify.identify, sweep.sweep, audit.audit, warmup.warmup,
+    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds,
+    warmup.warmup,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
 app.add_typer(bench.app, name="bench")

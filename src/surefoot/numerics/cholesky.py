@@ -107,12 +107,45 @@ def solve_columns(L: FloatArray, B: FloatArray) -> None:
 
 
 @kernel
+def invert(L: FloatArray, half: FloatArray, out: FloatArray) -> None:
+    """Fill the lower triangle of half (n, n) with L⁻¹, zeros above it, and out (n, n) with (L Lᵀ)⁻¹."""
+    n = L.shape[0]
+    for i in range(n):
+        for j in range(n):
+            half[i, j] = out[i, j] = 0.0
+        for k in range(i):
+            s = L[i, k]
+            for j in range(k + 1):
+                half[i, j] -= s * half[k, j]
+        half[i, i] = 1.0
+        s = 1.0 / L[i, i]
+        for j in range(i + 1):
+            half[i, j] *= s
+    for k in range(n):
+        for i in range(k + 1):
+            s = half[k, i]
+            for j in range(k + 1):
+                out[i, j] += s * half[k, j]
+
+
+@inline_kernel
+def _add_four(x: FloatArray, B: FloatArray, k: int, s: float, t: float, u: float, v: float) -> None:
+    for j in range(x.size):
+        x[j] = x[j] + s * B[k, j] + t * B[k + 1, j] + u * B[k + 2, j] + v * B[k + 3, j]
+
+
+@kernel
 def product(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
     """Set out (n, m) to A B, for small A (n, k) and B (k, m)."""
+    whole = A.shape[1] // 4 * 4
     for i in range(A.shape[0]):
         for j in range(B.shape[1]):
             out[i, j] = 0.0
-        for k in range(A.shape[1]):
+        for k in range(0, whole, 4):
+            s, t, u, v = A[i, k], A[i, k + 1], A[i, k + 2], A[i, k + 3]
+            if s != 0.0 or t != 0.0 or u != 0.0 or v != 0.0:
+                _add_four(out[i], B, k, s, t, u, v)
+        for k in range(whole, A.shape[1]):
             s = A[i, k]
             if s != 0.0:
                 for j in range(B.shape[1]):

@@ -15,7 +15,9 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import MissingExtra, ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.contact_points import ContactPoints, contact_points
+from surefoot.robot.descriptions import described, is_described
 from surefoot.robot.foot import Foot, read_foot, shaped_foot
+from surefoot.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.robot.nominal import bend_legs
 from surefoot.robot.parser_output import parser_output
 from surefoot.stance import Contact, PatchContact, PointContact, Stance
@@ -217,23 +219,26 @@ class Robot:
 def load_robot(
     robot: str | Path, feet: Sequence[str] | None = None, *, fixed_base: bool | None = None
 ) -> Robot:
-    """Load a robot by name or from a URDF file.
+    """Load a robot by name, or from a URDF or MJCF file.
 
     Parameters
     ----------
     robot
-        A name from `robot_names` or the path of a URDF file.
+        A name from `robot_names`, the path of a URDF or MJCF file, or a name of the package
+        robot_descriptions, "go2_mj_description".
     feet
-        Frames that can touch the ground; None for the catalogue's choice (none for a URDF file).
+        Frames that can touch the ground; None for the catalogue's choice (none for a file). Of an MJCF file
+        bodies, sites and named shapes are frames.
     fixed_base
-        Whether the base is bolted to the world; None for the catalogue's choice (free for a file).
+        Whether the base is bolted to the world; None for the catalogue's choice (free for a URDF file; as its
+        free joint says for an MJCF file).
 
     Raises
     ------
     ModelError
-        For an unknown name, a missing or broken URDF, or feet that are not frames of the robot.
+        For an unknown name, a missing or broken file, or feet that are not frames of the robot.
     MissingExtra
-        If Pinocchio is not installed.
+        If Pinocchio is not installed, or for an MJCF file MuJoCo.
 
     Examples
     --------
@@ -241,13 +246,15 @@ def load_robot(
     >>> round(robot.mass, 3), robot.foot_names
     (16.085, ('FL_foot', 'FR_foot', 'RL_foot', 'RR_foot'))
     """
-    text = str(robot)
+    text = str(described(str(robot)) if is_described(str(robot)) else robot)
     if text.lower().endswith((".urdf", ".xml")) or "/" in text:
         path, entry = Path(text).expanduser(), catalog.CatalogEntry(text, fixed_base=bool(fixed_base))
         chosen, fixed, srdf = tuple(feet or ()), bool(fixed_base), None
         folders = [path.parent, *path.resolve().parents]
         if not path.is_file():
-            raise ModelError(f"no URDF file at {text}")
+            raise ModelError(f"no {'file' if text.lower().endswith('.xml') else 'URDF file'} at {text}")
+        if is_mjcf(path):
+            return _from_mjcf(path, chosen, fixed_base)
     else:
         entry, root = catalog.find(text), catalog.robots_folder()
         path, srdf = root / entry.urdf, root / entry.srdf if entry.srdf else None
@@ -258,17 +265,33 @@ def load_robot(
     for joint, title in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         if entry.unlimited and title.startswith(entry.unlimited):
             model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = -np.pi, np.pi
-    frames = [f.name for f in model.frames]
-    for name in chosen:
-        if name not in frames:
-            bodies = [f.name for f in model.frames if f.type.name == "BODY"]
-            raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
-    if len(set(chosen)) != len(chosen):
-        raise ModelError(f"feet must differ, got {', '.join(chosen)}")
+    _check_feet(model, chosen, path)
     name = path.stem if path.suffix and "/" in text else text
     shapes = tuple(entry.shapes[entry.feet.index(f)] for f in chosen) if _drawn(entry, chosen) else ()
     nominal = _nominal(model, collision, srdf, chosen, fixed, entry, shapes)
     return Robot(name, model, collision, visual, chosen, nominal, not fixed, shapes)
+
+
+def _from_mjcf(path: Path, feet: Sequence[str], fixed_base: bool | None) -> Robot:
+    """Return the robot of an MJCF file, in its first keyframe that is a nominal pose."""
+    read = read_mjcf(path, fixed_base)
+    _check_feet(read.model, feet, path)
+    nominal = nominal_of(read.poses)
+    if nominal is None:
+        entry = catalog.CatalogEntry(str(path))
+        nominal = _nominal(read.model, read.collision, None, feet, not read.floating, entry, ())
+    return Robot(path.stem, read.model, read.collision, lambda: read.collision, feet, nominal, read.floating)
+
+
+def _check_feet(model: Any, feet: Sequence[str], path: Path) -> None:
+    """Refuse feet that are no frames, or twice the same."""
+    frames = [f.name for f in model.frames]
+    for name in feet:
+        if name not in frames:
+            bodies = [f.name for f in model.frames if f.type.name in ("BODY", "OP_FRAME")]
+            raise ModelError(unknown_name(f"foot frame of {path.name}", name, bodies))
+    if len(set(feet)) != len(feet):
+        raise ModelError(f"feet must differ, got {', '.join(feet)}")
 
 
 def _drawn(entry: catalog.CatalogEntry, feet: Sequence[str]) -> bool:

@@ -85,7 +85,7 @@ class RigidWorld:
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
-    restitution, stabilisation, law, solver, tol, integration
+    restitution, stabilisation, law, solver, tol, integration, order
         See `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
     collision
         What may touch: "feet" on the ground alone, or "full", all of the robot's collision geometry with the
@@ -144,10 +144,11 @@ class RigidWorld:
         solver: str = "auto",
         tol: float = 1e-8,
         integration: Integration = "implicit",
+        order: int = 2,
         collision: str | Geometry = "feet",
     ) -> None:
         law = "coulomb" if law is None else law
-        options = StepOptions(dt, restitution, stabilisation, law, solver, tol, integration)
+        options = StepOptions(dt, restitution, stabilisation, law, solver, tol, integration, order)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
         self.stepper = Stepper(robot, terrain, options, payload, chosen_geometry(robot, collision))

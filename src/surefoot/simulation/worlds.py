@@ -16,6 +16,8 @@ if TYPE_CHECKING:  # the command line reads the names without loading a robot
 WORLDS: dict[str, tuple[str | Callable[..., World], tuple[str, ...]]] = {
     "mujoco": ("surefoot.simulation.mujoco:MujocoWorld", ("mujoco",)),
     "rigid": ("surefoot.simulation.rigid:RigidWorld", ()),
+    "drake": ("surefoot.simulation.drake.world:DrakeWorld", ("drake",)),
+    "mjx": ("surefoot.simulation.mjx:MjxWorld", ("mujoco", "jax", "mujoco-mjx")),
 }
 """Name to the class (or "module:class", imported when asked for), and the packages that it needs."""
 

@@ -2,6 +2,7 @@
 
 from surefoot.stepping.derivative import StepCotangents, StepDerivative, StepTangents, step_derivative
 from surefoot.stepping.detection import Contacts
+from surefoot.stepping.knot import Knot
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact, State, Step
 from surefoot.stepping.stepper import Stepper
@@ -9,6 +10,7 @@ from surefoot.stepping.stepper import Stepper
 __all__ = [
     "Contacts",
     "Impact",
+    "Knot",
     "State",
     "Step",
     "StepCotangents",

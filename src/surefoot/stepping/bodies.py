@@ -68,24 +68,44 @@ class Bodies:
         self.L = np.zeros((self.model.nv, self.model.nv))
         self._floating, self.lever = robot.floating, robot.model.inertias[1].lever.copy()
         self._crba, self._gravity = pinocchio.crba, pinocchio.computeGeneralizedGravity
+        self._bias = pinocchio.nonLinearEffects
         self._integrate, self._energy = pinocchio.integrate, pinocchio.computeMechanicalEnergy
 
     def weigh(self, q: FloatArray) -> None:
         """Bring the factor of the mass matrix up to (nq,) q."""
         arithmetic.factorise(self._crba(self.model, self.data, q), self.L)
 
+    def gravity(self, q: FloatArray) -> FloatArray:
+        """Return the generalised forces (nv,) that hold the robot at q against gravity."""
+        return np.asarray(self._gravity(self.model, self.data, q))
+
+    def bias(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the generalised forces (nv,) that keep v as it is: gravity's, Coriolis and centrifugal."""
+        return np.asarray(self._bias(self.model, self.data, q, v))
+
     def free_velocity(
-        self, q: FloatArray, v: FloatArray, effort: FloatArray, push: FloatArray | None, dt: float
+        self, v: FloatArray, effort: FloatArray, push: FloatArray | None, against: FloatArray, dt: float
     ) -> FloatArray:
         """Return the velocity (nv,) after all forces but the ground's for `dt`, at the q of `weigh`.
 
-        `effort` are the motors' generalised forces (nv,); `push` (3,) acts on the base's own centre of mass.
+        `effort` are the motors' generalised forces (nv,), `against` what takes off them: `gravity` or `bias`;
+        `push` (3,) acts on the base's own centre of mass.
         """
-        if push is not None and self._floating:
-            effort, local = effort.copy(), self.data.oMi[1].rotation.T @ push
-            effort[:3] += local
-            effort[3:6] += np.cross(self.lever, local)
-        return arithmetic.free_velocity(self.L, effort - self._gravity(self.model, self.data, q), v, dt)
+        if push is not None:
+            effort = self.pushed(effort, push, self.data.oMi[1].rotation)
+        return arithmetic.free_velocity(self.L, effort - against, v, dt)
+
+    def pushed(self, effort: FloatArray, push: FloatArray, rotation: FloatArray) -> FloatArray:
+        """Return the effort (nv,) with that of a push (3,) on the base [N], world axes.
+
+        `rotation` (3, 3) is rotation_world_base.
+        """
+        if not self._floating:
+            return effort
+        effort, local = effort.copy(), rotation.T @ push
+        effort[:3] += local
+        effort[3:6] += np.cross(self.lever, local)
+        return effort
 
     def moved(self, q: FloatArray, step: FloatArray) -> FloatArray:
         """Return the configuration (nq,) that lies a (nv,) step from q."""

@@ -17,8 +17,10 @@ from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.contact.derivative import KINK, Kink
 from surefoot.contact.laws import LAWS
 from surefoot.errors import ProblemError
+from surefoot.stepping.derivative_first_order import FirstOrderStages
 from surefoot.stepping.derivative_impact import TOUCHING
 from surefoot.stepping.derivative_stages import Request, Stages
+from surefoot.stepping.knot import Knot, Outputs
 from surefoot.stepping.state import State, Step
 from surefoot.stepping.stepper import Stepper
 
@@ -63,8 +65,6 @@ class StepDerivative:
 
     Attributes
     ----------
-    step
-        The step itself.
     smoothing
         As given, see `ContactDerivative` [W]; every contact point of the robot takes part then.
     """
@@ -75,10 +75,22 @@ class StepDerivative:
             raise ProblemError(f"derivatives of steps take the laws {', '.join(LAWS)}, got a {law}")
         if stepper.geometry is not None:
             raise ProblemError("a step is differentiated with feet on the ground alone, not with a geometry")
-        self._stages = Stages(stepper, request)
-        self.step: Step = self._stages.step
+        self._stepper, self._request, self._dt = stepper, request, stepper.options.dt
         self.smoothing = request.smoothing
-        self._stepper, self._dt = stepper, stepper.options.dt
+        self._take()
+
+    def _take(self) -> None:
+        """Take the step, which may fail."""
+        self._stages  # noqa: B018
+
+    @cached_property
+    def _stages(self) -> Stages:
+        return Stages(self._stepper, self._request)
+
+    @property
+    def step(self) -> Step:
+        """The step itself."""
+        return self._stages.step
 
     @property
     def _sizes(self) -> dict[str, int]:
@@ -165,7 +177,7 @@ class StepDerivative:
         One that opens is put back on the ground by the step, one that is pressed in is not (up to the
         stabilisation): dense blocks belong to the gap's sign as it came out.
         """
-        if self.step.impact is None or self.smoothing > 0.0:
+        if self.step.impact is None or self.smoothing > 0.0 or self._stepper.options.pull == 1.0:
             return np.zeros(0, dtype=np.int64)
         near = self.step.impact.near
         return near[np.abs(self.step.gaps[near]) <= TOUCHING]
@@ -262,6 +274,43 @@ class StepDerivative:
         return np.split(rows, np.cumsum([nv, nv, rest]))
 
 
+class FirstOrderDerivative(StepDerivative):
+    """The derivative of a first-order step: A, B and mu at once, from `Knot`, the rest when asked for."""
+
+    def __init__(self, stepper: Stepper, request: Request, out: Outputs | None) -> None:
+        self._out = out
+        super().__init__(stepper, request)
+
+    def _take(self) -> None:
+        stepper, (state, torques, push, mu, smoothing) = self._stepper, self._request
+        knot = stepper.kept.get(Knot)
+        if knot is None:
+            knot = stepper.kept[Knot] = Knot(stepper)
+        if not knot.step(state.q, state.v, torques, mu, push):
+            super()._take()  # says why
+        self._dense = knot.derivative(smoothing, self._out)
+        self._by_mu = knot.by_mu
+
+    @cached_property
+    def _stages(self) -> Stages:
+        return FirstOrderStages(self._stepper, self._request)
+
+    @property
+    def A(self) -> FloatArray:
+        """As `StepDerivative.A`."""
+        return self._dense[0]
+
+    @property
+    def B(self) -> FloatArray:
+        """As `StepDerivative.B`."""
+        return self._dense[1]
+
+    @property
+    def mu(self) -> FloatArray:
+        """As `StepDerivative.mu`."""
+        return self._by_mu
+
+
 def step_derivative(
     stepper: Stepper,
     state: State,
@@ -269,6 +318,7 @@ def step_derivative(
     push: FloatArray | None = None,
     mu: float = 0.6,
     smoothing: float = 0.0,
+    out: Outputs | None = None,
 ) -> StepDerivative:
     """Take a step and return its derivative; the arguments are those of `Stepper.step`.
 
@@ -277,6 +327,8 @@ def step_derivative(
     smoothing
         0 for the laws themselves; else normal force times normal velocity on the central path [W], in
         impulses per step: N s · m/s. See `ContactDerivative`.
+    out
+        With `StepOptions(order=1)`: arrays for A (2nv, 2nv) and B (2nv, joints) to be filled.
 
     Raises
     ------
@@ -297,4 +349,9 @@ def step_derivative(
     """
     smoothing = real_number("smoothing", smoothing, low=0.0, high=1e300)
     mu = real_number("mu", mu, low=0.0)
-    return StepDerivative(stepper, Request(state, torques, push, mu, smoothing))
+    request = Request(state, torques, push, mu, smoothing)
+    if stepper.options.order == 1:
+        return FirstOrderDerivative(stepper, request, out)
+    if out is not None:
+        raise ProblemError("out goes with StepOptions(order=1)")
+    return StepDerivative(stepper, request)

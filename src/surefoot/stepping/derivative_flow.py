@@ -53,11 +53,7 @@ class FlowDerivative:
 
         self.motion, self.data = motion, motion.model.createData()
         self._derive = pinocchio.computeABADerivatives
-        for k, below in enumerate(motion.model.subtrees):
-            if k and len(below) != max(below) - min(below) + 1:
-                raise ProblemError(
-                    f"no derivative: what joint {motion.model.names[k]} carries must follow it in the model"
-                )
+        ordered(motion.model)
         self._balls, self._free = [], []
         for joint in list(motion.model.joints)[1:]:
             name = joint.shortname()
@@ -127,3 +123,12 @@ def _exponential(matrix: FloatArray) -> FloatArray:
         if not np.abs(term).max(initial=0.0) > 1e-17:
             break
     return np.asarray(out)
+
+
+def ordered(model: Any) -> None:
+    """Refuse a model whose joints are not in depth-first order: Pinocchio's derivatives are wrong for it."""
+    for k, below in enumerate(model.subtrees):
+        if k and len(below) != max(below) - min(below) + 1:
+            raise ProblemError(
+                f"no derivative: what joint {model.names[k]} carries must follow it in the model"
+            )

@@ -1,8 +1,9 @@
 """The derivative of an exchange of impulses, by everything that goes into it.
 
-With w = v⁺ - v, at fixed impulses λ and by inverse dynamics ID (Pinocchio's derivatives)::
+With w = v⁺ - v, at fixed impulses λ and by inverse dynamics ID at (q, 0, w / h), of a first-order step at
+(q, v, w / h) (Pinocchio's derivatives)::
 
-    M δv⁺ = M δv + (∂(Jᵀλ)/∂q - h ∂ID(q, 0, w/h)/∂q) δq + h δτ
+    M δv⁺ = M δv + (∂(Jᵀλ)/∂q - h ∂ID/∂q) δq - h ∂ID/∂v δv + h δτ
     b = δ(J v⁺ + shift) at fixed λ,     δλ = ∂λ/∂g b + ∂λ/∂mu δmu,     δv⁺ += M⁻¹ Jᵀ δλ
 
 with ∂λ/∂g of the contact problem, see `contact.derivative`. The shift of the normal velocity is that of
@@ -23,7 +24,6 @@ from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.derivative_kernels import centre_rates, force_rates, velocity_rates
 from surefoot.stepping.detection import Contacts
-from surefoot.stepping.impacts import PULL
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact
 from surefoot.terrain import Terrain
@@ -118,6 +118,8 @@ class Bumps:
         Length of the exchange [s].
     base_rotation
         (3, 3) rotation_world_base.
+    speed
+        (nv,) velocity at which the bodies' own motion makes forces during the exchange; zero for none.
     """
 
     model: Any
@@ -132,26 +134,26 @@ class Bumps:
     foot: IntArray
     span: float
     base_rotation: FloatArray
+    speed: FloatArray
 
     @property
     def _shape(self) -> Shape:
         c = self.contacts
         return self.twists, self.first, self.support, c.positions, self.radii, c.frames, self.ground.turns
 
-    def inverse_dynamics(self, q: FloatArray, change: FloatArray) -> FloatArray:
-        """Return (nv, nv) h ∂ID(q, 0, w/h)/∂q for a change of velocity w."""
+    def inverse_dynamics(self, q: FloatArray, change: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return h ∂ID(q, v, w/h)/∂q and by v (nv, nv each) for a change of velocity w, v being `speed`."""
         import pinocchio
 
-        still = np.zeros(change.size)
-        pinocchio.computeRNEADerivatives(self.model, self.data, q, still, change / self.span)
-        return np.asarray(self.span * self.data.dtau_dq)
+        pinocchio.computeRNEADerivatives(self.model, self.data, q, self.speed, change / self.span)
+        return np.asarray(self.span * self.data.dtau_dq), np.asarray(self.span * self.data.dtau_dv)
 
     def regressor(self, q: FloatArray, change: FloatArray) -> FloatArray:
         """Return (nv, 10 bodies) the impulse that inertial parameters take for a change of velocity."""
         import pinocchio
 
-        still = np.zeros(change.size)
-        Y = pinocchio.computeJointTorqueRegressor(self.model, self.data, q, still, change / self.span)
+        change = change / self.span
+        Y = pinocchio.computeJointTorqueRegressor(self.model, self.data, q, self.speed, change)
         return np.asarray(self.span * Y)
 
     def through(
@@ -168,9 +170,12 @@ class Bumps:
         J, near = self.contacts.J, impact.near
         rows = (3 * near[:, None] + np.arange(3)).ravel()
         turned = force_rates(*self._shape, impact.impulses)
-        turned -= self.inverse_dynamics(impact.q, impact.after - impact.before)
+        by_q, by_v = self.inverse_dynamics(impact.q, impact.after - impact.before)
+        effort = (turned - by_q) @ rates.q + rates.effort
+        if self.speed.any():
+            effort -= by_v @ rates.v
         spin = velocity_rates(*self._shape, impact.after)
-        v = rates.v + cho_solve((self.L, True), turned @ rates.q + rates.effort)
+        v = rates.v + cho_solve((self.L, True), effort)
         impulses = np.zeros((J.shape[0], v.shape[1]))
         if near.size:
             assert impact.rows is not None
@@ -248,8 +253,3 @@ class Bumps:
         centres = centre_rates(self.twists, self.support, c.positions, self.radii, c.frames)
         moved = np.einsum("cik,kx->cix", centres[:, :2], rates.q)
         return np.asarray(np.einsum("dcia,cdx->ciax", self.ground.turns, moved))
-
-
-def pull_of(options: StepOptions) -> float:
-    """Return the share of a penetration that the laws ask back per step."""
-    return PULL if options.stabilisation == "baumgarte" else 0.0

@@ -13,29 +13,47 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.vectors import Three, cross
 
 
 @inline_kernel
-def _cross(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        out[i] += a[j] * b[k] - a[k] * b[j]
+def _three(x: FloatArray, i: int, j: int) -> Three:
+    return x[i, j], x[i, j + 1], x[i, j + 2]
 
 
 @inline_kernel
-def _moved(
-    c: int, X: FloatArray, positions: FloatArray, radii: FloatArray, frames: FloatArray, turns: FloatArray,
-    centre: FloatArray, point: FloatArray, turn: FloatArray,
-) -> None:  # fmt: skip
-    """Fill the rates (3,) of a sphere's centre and of its contact point, and (3, 3) of the contact frame."""
-    at = np.empty(3)
-    for i in range(3):
-        at[i], centre[i] = positions[c, i] + radii[c] * frames[c, i, 2], X[i]
-    _cross(X[3:], at, centre)
+def _plus(a: Three, b: Three) -> Three:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inline_kernel
+def _centre(c: int, positions: FloatArray, radii: FloatArray, frames: FloatArray) -> Three:
+    """Return a sphere's centre."""
+    r = radii[c]
+    return (
+        positions[c, 0] + r * frames[c, 0, 2],
+        positions[c, 1] + r * frames[c, 1, 2],
+        positions[c, 2] + r * frames[c, 2, 2],
+    )
+
+
+@inline_kernel
+def _turning(turns: FloatArray, c: int) -> bool:
+    """Return whether a contact's frame turns with its place."""
+    found = False
+    for d in range(2):
+        for i in range(3):
+            for a in range(3):
+                found = found or turns[d, c, i, a] != 0.0
+    return found
+
+
+@inline_kernel
+def _turn(turns: FloatArray, c: int, centre: Three, turn: FloatArray) -> None:
+    """Fill the rate (3, 3) of a contact frame whose sphere's centre moves."""
     for i in range(3):
         for a in range(3):
             turn[i, a] = turns[0, c, i, a] * centre[0] + turns[1, c, i, a] * centre[1]
-        point[i] = centre[i] - radii[c] * turn[i, 2]
 
 
 @kernel
@@ -60,31 +78,39 @@ def velocity_rates(
     """
     p, n = support.shape
     out = np.zeros((3 * p, n))
-    behind, whole = np.empty((n + 1, 6)), np.empty(3)
-    centre, point, turn, rate = np.empty(3), np.empty(3), np.empty((3, 3)), np.empty((2, 3))
+    behind, turn = np.empty((n + 1, 6)), np.zeros((3, 3))
     for c in range(p):
-        behind[n, :] = 0.0  # twist of the body that joints from j on make
+        for i in range(6):
+            behind[n, i] = 0.0  # twist of the body that joints from j on make
         for j in range(n - 1, -1, -1):
             share = v[j] if support[c, j] else 0.0
             for i in range(6):
                 behind[j, i] = behind[j + 1, i] + share * twists[j, i]
-        whole[:] = behind[0, :3]
-        _cross(behind[0, 3:], positions[c], whole)
+        place, at, turning = _three(positions, c, 0), _centre(c, positions, radii, frames), _turning(turns, c)
+        spin = _three(behind, 0, 3)
+        whole = _plus(_three(behind, 0, 0), cross(spin, place))
         for k in range(n):
             if not support[c, k]:
                 continue
-            X, W = twists[k], behind[first[k]]
-            _moved(c, X, positions, radii, frames, turns, centre, point, turn)
-            rate[:, :] = 0.0
-            _cross(X[3:], W[3:], rate[1])
-            _cross(X[3:], W[:3], rate[0])
-            _cross(X[:3], W[3:], rate[0])
-            _cross(rate[1], positions[c], rate[0])
-            _cross(behind[0, 3:], point, rate[0])
+            angular, f = _three(twists, k, 3), first[k]
+            point = _plus(_three(twists, k, 0), cross(angular, at))
+            if turning:
+                _turn(turns, c, point, turn)
+                r = radii[c]
+                point = point[0] - r * turn[0, 2], point[1] - r * turn[1, 2], point[2] - r * turn[2, 2]
+            turned = cross(angular, _three(behind, f, 3))
+            rate = cross(angular, _three(behind, f, 0))
+            rate = _plus(rate, cross(_three(twists, k, 0), _three(behind, f, 3)))
+            rate = _plus(_plus(rate, cross(turned, place)), cross(spin, point))
             for a in range(3):
-                total = 0.0
-                for i in range(3):
-                    total += frames[c, i, a] * rate[0, i] + turn[i, a] * whole[i]
+                total = frames[c, 0, a] * rate[0]
+                if turning:
+                    total += turn[0, a] * whole[0]
+                    total += frames[c, 1, a] * rate[1] + turn[1, a] * whole[1]
+                    total += frames[c, 2, a] * rate[2] + turn[2, a] * whole[2]
+                else:
+                    total += frames[c, 1, a] * rate[1]
+                    total += frames[c, 2, a] * rate[2]
                 out[3 * c + a, k] = total
     return out
 
@@ -99,46 +125,53 @@ def force_rates(
     Arguments as for `velocity_rates`.
     """
     p, n = support.shape
-    out = np.zeros((n, n))
-    force, rate, moment = np.empty((2, 3)), np.empty((2, 3)), np.empty(3)
-    centre, point, turn = np.empty(3), np.empty(3), np.empty((3, 3))
+    out, turn = np.zeros((n, n)), np.zeros((3, 3))
     for c in range(p):
-        if impulses[c, 0] == 0.0 and impulses[c, 1] == 0.0 and impulses[c, 2] == 0.0:
+        f = _three(impulses, c, 0)
+        if f[0] == 0.0 and f[1] == 0.0 and f[2] == 0.0:
             continue
-        for i in range(3):
-            force[0, i] = 0.0
-            for a in range(3):
-                force[0, i] += frames[c, i, a] * impulses[c, a]
-        force[1, :] = 0.0
-        _cross(positions[c], force[0], force[1])
+        force = _times(frames[c], f)
+        place, at, turning = _three(positions, c, 0), _centre(c, positions, radii, frames), _turning(turns, c)
+        moment = cross(place, force)
         for k in range(n):
             if not support[c, k]:
                 continue
-            X = twists[k]
-            _moved(c, X, positions, radii, frames, turns, centre, point, turn)
-            rate[:, :] = 0.0
-            for i in range(3):
-                for a in range(3):
-                    rate[0, i] += turn[i, a] * impulses[c, a]
-            _cross(point, force[0], rate[1])
-            _cross(positions[c], rate[0], rate[1])
+            linear, angular = _three(twists, k, 0), _three(twists, k, 3)
+            point = _plus(linear, cross(angular, at))
+            change = 0.0, 0.0, 0.0
+            if turning:
+                _turn(turns, c, point, turn)
+                r = radii[c]
+                point = point[0] - r * turn[0, 2], point[1] - r * turn[1, 2], point[2] - r * turn[2, 2]
+                change = _times(turn, f)
+            swing = cross(point, force)
+            if turning:
+                swing = _plus(swing, cross(place, change))
             # (X_k × X_j)·F = -X_j·(X_k ×* F) for the joints that k carries
-            moment[:] = 0.0
-            _cross(X[3:], force[1], moment)
-            _cross(X[:3], force[0], moment)
+            bent, twisted = cross(angular, force), _plus(cross(angular, moment), cross(linear, force))
             for j in range(n):
                 if not support[c, j]:
                     continue
-                total = 0.0
-                for i in range(3):
-                    total += twists[j, i] * rate[0, i] + twists[j, 3 + i] * rate[1, i]
+                x, y, z = _three(twists, j, 0)
+                a, b, d = _three(twists, j, 3)
+                total = x * change[0] + a * swing[0] + (y * change[1] + b * swing[1])
+                total += z * change[2] + d * swing[2]
                 if first[k] <= j:
-                    for i in range(3):
-                        a, b = (i + 1) % 3, (i + 2) % 3
-                        turned = X[3 + a] * force[0, b] - X[3 + b] * force[0, a]
-                        total -= twists[j, i] * turned + twists[j, 3 + i] * moment[i]
+                    total -= x * bent[0] + a * twisted[0]
+                    total -= y * bent[1] + b * twisted[1]
+                    total -= z * bent[2] + d * twisted[2]
                 out[j, k] += total
     return out
+
+
+@inline_kernel
+def _times(A: FloatArray, x: Three) -> Three:
+    """Return A x for A (3, 3)."""
+    return (
+        A[0, 0] * x[0] + A[0, 1] * x[1] + A[0, 2] * x[2],
+        A[1, 0] * x[0] + A[1, 1] * x[1] + A[1, 2] * x[2],
+        A[2, 0] * x[0] + A[2, 1] * x[1] + A[2, 2] * x[2],
+    )
 
 
 @kernel
@@ -148,14 +181,10 @@ def centre_rates(
     """Return the derivative (p, 3, nv) of the spheres' centres, world axes."""
     p, n = support.shape
     out = np.zeros((p, 3, n))
-    at, rate = np.empty(3), np.empty(3)
     for c in range(p):
-        for i in range(3):
-            at[i] = positions[c, i] + radii[c] * frames[c, i, 2]
+        at = _centre(c, positions, radii, frames)
         for k in range(n):
             if support[c, k]:
-                rate[:] = twists[k, :3]
-                _cross(twists[k, 3:], at, rate)
-                for i in range(3):
-                    out[c, i, k] = rate[i]
+                rate = _plus(_three(twists, k, 0), cross(_three(twists, k, 3), at))
+                out[c, 0, k], out[c, 1, k], out[c, 2, k] = rate
     return out

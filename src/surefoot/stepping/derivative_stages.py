@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from surefoot.stepping import arithmetic
 from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import FlowDerivative
-from surefoot.stepping.derivative_impact import Bumps, Ground, Rates, pull_of
+from surefoot.stepping.derivative_impact import Bumps, Ground, Rates
 from surefoot.stepping.detection import Contacts
 from surefoot.stepping.impacts import Tally, finite_problem
 from surefoot.stepping.options import StepOptions
@@ -44,9 +43,6 @@ class Work:
         self.data = bodies.model.createData()
         joints = list(bodies.model.joints)[1:]
         self.first: IntArray = np.concatenate([np.full(j.nv, j.idx_v, dtype=np.int64) for j in joints])
-
-
-_WORK: WeakKeyDictionary[Stepper, Work] = WeakKeyDictionary()
 
 
 class Exchange(NamedTuple):
@@ -107,9 +103,12 @@ class Stages:
 
     def __init__(self, stepper: Stepper, request: Request) -> None:
         self.stepper, self.request = stepper, request
-        if (work := _WORK.get(stepper)) is None:
-            work = _WORK[stepper] = Work(stepper)
+        work: Work | None = stepper.kept.get(Work)
+        if work is None:
+            work = stepper.kept[Work] = Work(stepper)
         self._work = work
+        self.arrival: Exchange | None = None
+        self.projections: list[Exchange] = []
         self.effort = np.zeros(stepper.bodies.model.nv)
         self.effort[stepper.robot.base_dof :] = finite_vector(
             "torques", request.torques, stepper.robot.joints
@@ -118,25 +117,26 @@ class Stages:
         self.step: Step = stepper.step(state, request.torques, push, mu)
         if request.smoothing > 0.0 and self.step.impact is None:  # contacts at a distance take part
             self.step = stepper.meet_ground(state, self.effort, push, mu)
-        self.arrival: Exchange | None = None
-        self.projections: list[Exchange] = []
-        dt, impact = stepper.options.dt, self.step.impact
+        self._retrace(self.step.impact)
+
+    def _retrace(self, impact: Impact | None) -> None:
+        """Find where each stage of the step began."""
+        stepper, request, work = self.stepper, self.request, self._work
+        state, mu, dt = request.state, request.mu, stepper.options.dt
         if impact is None:
             self.coasts = [Coast(work.flight, state.q, state.v, dt, self.effort)]
             return
         v = state.v
         if (stopped := stepper.stopped(state, mu, Tally())) is not None:
             seen = self._seen(state.q)
-            self.arrival = self._exchange(
-                work.weightless, 1.0, stopped, seen, 0.5 * dt, pull_of(stepper.options)
-            )
+            self.arrival = self._exchange(work.weightless, 1.0, stopped, seen, 0.5 * dt, stepper.options.pull)
             v = stopped.after
         self.coasts = [Coast(work.coasting, state.q, v, 0.5 * dt, None)]
         self._push_out(impact)
         seen = self._seen(impact.q)
         if request.smoothing > 0.0:
             impact = self._smoothed(impact, seen)
-        main = self._exchange(work.heavy, dt, impact, seen, dt, pull_of(stepper.options), request.smoothing)
+        main = self._exchange(work.heavy, dt, impact, seen, dt, stepper.options.pull, request.smoothing)
         if (memory := state.memory) is not None:
             main = main._replace(last=memory.impulses, leaving=memory.leaving)
         self.main = main
@@ -179,6 +179,7 @@ class Stages:
         bumps = Bumps(
             *model, seen, ground, stepper.bodies.L.copy(), twists, work.first, points.support, points.radii,
             points.foot, span, stepper.bodies.data.oMi[1].rotation.copy(),
+            self.request.state.v if stepper.options.order == 1 else np.zeros_like(impact.before),
         )  # fmt: skip
         nothing = np.zeros(impact.impulses.shape)
         response = None if impact.solution is None else Response(impact.solution, smoothing)
@@ -193,7 +194,7 @@ class Stages:
         stepper.bodies.weigh(impact.q)
         rows, G, g = arithmetic.assemble(
             seen.J, stepper.bodies.L, impact.before, impact.free, seen.gaps, every, options.dt,
-            options.restitution, 2.0 * options.dt * GRAVITY, pull_of(options),
+            options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
         )  # fmt: skip
         swerve = impact.velocities - impact.leaving
         problem = finite_problem(G, g + swerve.ravel(), self.request.mu, options.problem_law)

@@ -73,8 +73,12 @@ class Detection:
 
     Attributes
     ----------
+    spheres
+        Frames of the contact points in the model.
     data
         Pinocchio's.
+    above
+        (p,) a plane's distance from the origin plus the spheres' radii [m]; empty over curved ground.
     group
         (p,) index of the foot that each contact belongs to.
     names
@@ -85,7 +89,7 @@ class Detection:
         import pinocchio
 
         self._model, self._terrain = model, terrain
-        self._spheres = [
+        self.spheres = [
             int(
                 model.addFrame(
                     pinocchio.Frame(
@@ -107,27 +111,31 @@ class Detection:
         self._centres, self._frames = np.zeros((n, 3)), np.zeros((n, 3, 3))
         self._J = np.zeros((3 * n, model.nv))
         self._plane = terrain.frame([0.0, 0.0])[:, 2] if terrain.planar else None
-        self._above = points.radii
+        self.above = np.zeros(0)
         if terrain.planar:
             self._frames[:] = terrain.frame([0.0, 0.0])
             # a plane's distance from the origin, along its normal
-            self._above = points.radii + float(terrain.height([0.0, 0.0])) * self._frames[:1, 2, 2]
+            self.above = points.radii + float(terrain.height([0.0, 0.0])) * self._frames[:1, 2, 2]
 
     def at(self, q: FloatArray) -> Contacts:
         """Return the contacts at (nq,) q; `frames` and `J` are work arrays, valid until the next call."""
         model, data = self._model, self.data
         self._jacobians(model, data, q)
         centres = self._centres
-        for k, sphere in enumerate(self._spheres):
+        for k, sphere in enumerate(self.spheres):
             centres[k] = self._placed(model, data, sphere).translation
-        if self._plane is not None:
-            gaps = np.asarray(centres @ self._plane - self._above)
-        else:
-            gaps = np.asarray(self._terrain.gap(centres) - self._above)
-            surface_frames(self._terrain.normal(centres[:, :2]), self._frames)
+        gaps, _ = self.below(centres)
         positions = np.asarray(centres - self._radii * self._frames[:, :, 2])
         contact_jacobian(data.J, self._support, self._own, positions, self._frames, self._J)
         return Contacts(gaps, positions, self._frames, self._J)
+
+    def below(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the gaps (p,) and contact frames (p, 3, 3) below spheres (p, 3); the latter a work array."""
+        if self._plane is not None:
+            return np.asarray(centres @ self._plane - self.above), self._frames
+        gaps = np.asarray(self._terrain.gap(centres) - self._radii[:, 0])
+        surface_frames(self._terrain.normal(centres[:, :2]), self._frames)
+        return gaps, self._frames
 
     def surfaces(self, mu: float, restitution: float) -> Surfaces | None:
         """Return nothing: all contacts are with the ground, whose surface is the same everywhere."""

@@ -20,8 +20,6 @@ from surefoot.stepping.detection import Contacts, Surfaces
 from surefoot.stepping.options import StepOptions
 from surefoot.stepping.state import Impact
 
-PULL = 0.2
-"""Share of a penetration that Baumgarte's term takes back per step."""
 SWERVE = 1e-6
 """Change of a contact's velocity from impulses to impulses that is worth a guess [m/s]."""
 GAIN = 1e-3
@@ -134,8 +132,7 @@ class Meeting(NamedTuple):
         if near.size:
             rows, G, g = arithmetic.assemble(
                 self.contacts.J, self.L, self.before, self.free, self.contacts.gaps, near, self.horizon,
-                options.restitution, 2.0 * options.dt * GRAVITY,
-                PULL if options.stabilisation == "baumgarte" else 0.0,
+                options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
             )  # fmt: skip
             if swerve is not None:
                 g += swerve[near].ravel()

@@ -14,6 +14,9 @@ Stabilisation = Literal["projection", "baumgarte", "none"]
 STABILISATIONS: tuple[Stabilisation, ...] = get_args(Stabilisation)
 Integration = Literal["implicit", "explicit"]
 INTEGRATIONS: tuple[Integration, ...] = get_args(Integration)
+ORDERS = (1, 2)
+PULL = 0.2
+"""Share of a penetration that Baumgarte's term takes back per step."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,11 @@ class StepOptions:
         exact friction; "explicit", the force at its beginning, stable for short steps only.
     solver, tol
         For `surefoot.solve`.
+    order
+        Order in dt where forces are smooth. 2: forces in the middle of free motion that is integrated to a
+        tolerance. 1: semi-implicit Euler with all forces at the start, one contact problem for the gaps at
+        the end: what planners take (`Knot`). "projection" then asks a penetration back within the step, by
+        its velocity.
 
     Raises
     ------
@@ -53,6 +61,7 @@ class StepOptions:
     solver: str = "auto"
     tol: float = 1e-8
     integration: Integration = "implicit"
+    order: int = 2
 
     def __post_init__(self) -> None:
         if self.stabilisation not in STABILISATIONS:
@@ -65,6 +74,10 @@ class StepOptions:
             raise ProblemError(unknown_name("law", self.law, LAWS))
         elif self.integration != "implicit":
             raise ProblemError("integration='explicit' is of soft laws: rigid contact has no explicit force")
+        if self.order not in ORDERS:
+            raise ProblemError(f"order must be 1 or 2, got {self.order!r}")
+        if self.order == 1 and self.soft is not None:
+            raise ProblemError(f"order=1 takes the laws {', '.join(LAWS)}, got a {type(self.soft).__name__}")
         object.__setattr__(self, "dt", real_number("dt", self.dt, low=1e-6))
         object.__setattr__(
             self, "restitution", real_number("restitution", self.restitution, low=0.0, high=1.0)
@@ -74,6 +87,13 @@ class StepOptions:
     def soft(self) -> SoftLaw | None:
         """The soft law, None where contacts are rigid."""
         return self.law if isinstance(self.law, SoftLaw) else None
+
+    @property
+    def pull(self) -> float:
+        """Share of a penetration that the laws ask back per step, by the velocity."""
+        if self.stabilisation == "projection":
+            return 1.0 if self.order == 1 else 0.0
+        return PULL if self.stabilisation == "baumgarte" else 0.0
 
     @property
     def problem_law(self) -> str:

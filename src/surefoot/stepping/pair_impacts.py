@@ -21,7 +21,7 @@ from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.detection import Surfaces
-from surefoot.stepping.impacts import FASTEST, GAIN, PULL, LostMotion, Meeting, finite_problem
+from surefoot.stepping.impacts import FASTEST, GAIN, LostMotion, Meeting, finite_problem
 from surefoot.stepping.state import Impact
 
 STAGES = 1000
@@ -90,7 +90,7 @@ class PairMeeting(Meeting):
         options, impulses, solution = self.options, np.zeros(warm.shape), None
         after, rows = self.free, None
         if near.size:
-            pull = PULL if options.stabilisation == "baumgarte" else 0.0
+            pull = options.pull
             gaps = self.contacts.gaps
             rows, G, g = arithmetic.assemble(
                 self.contacts.J, self.L, self.before, self.free, gaps, near, self.horizon, 0.0, np.inf, pull

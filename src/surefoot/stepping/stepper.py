@@ -30,6 +30,8 @@ References
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
@@ -82,7 +84,8 @@ class Stepper:
     Raises
     ------
     ProblemError
-        For a payload that is negative or not a number, and a geometry together with a soft law.
+        For a payload that is negative or not a number, and a geometry together with a soft law or
+        order 1.
 
     Examples
     --------
@@ -106,6 +109,8 @@ class Stepper:
         self.terrain = FlatTerrain() if terrain is None else terrain
         if geometry is not None and self.options.soft is not None:
             raise ProblemError("soft laws are of feet on the ground; a geometry's contacts are rigid")
+        if geometry is not None and self.options.order == 1:
+            raise ProblemError("order=1 is of feet on the ground, not of a geometry")
         load = real_number("payload", payload, low=0.0)
         self.bodies = Bodies(robot, self.terrain, load, geometry, self.options.dt)
         self.geometry = geometry
@@ -115,6 +120,8 @@ class Stepper:
         self._meeting = rigid if self.options.soft is None else soft[self.options.integration]
         self._still = np.zeros(self.bodies.model.nv)
         self._seen: tuple[FloatArray, Contacts] | None = None
+        self.kept: dict[type, Any] = {}
+        """Work arrays of its derivatives, by whose they are."""
 
     def start(self, q: FloatArray | None = None, v: FloatArray | None = None) -> State:
         """Return the state at (nq,) q (None: nominal) and (nv,) v (None: at rest), without history."""
@@ -189,6 +196,8 @@ class Stepper:
         if push is not None:
             push = finite_vector("push", push, 3)
         try:
+            if self.options.order == 1:
+                return self.take_first_order(state, effort, push, mu)
             flown = self._fly(state, effort) if push is None and _airborne(state) else None
             return flown or self.meet_ground(state, effort, push, mu)
         except LostMotion as lost:
@@ -209,6 +218,35 @@ class Stepper:
         after = State(q, v, state.steps + 1, Memory(nothing, velocities, True))
         return Step(after, dt, nothing, velocities, start.gaps, start.positions, None, 0, 0.0)
 
+    def take_first_order(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
+        """Return the step of semi-implicit Euler: all forces at the start, then the way with what they leave.
+
+        The laws hold for the gaps at its end, as far as these are linear: gap + dt u_n.
+        """
+        bodies, dt, tally, (q, v) = self.bodies, self.options.dt, Tally(), state[:2]
+        contacts = self._detect(q)
+        bodies.weigh(q)
+        free = self._free(v, effort, push, bodies.bias(q, v))
+        near = arithmetic.near_ground(contacts.J, v, free, contacts.gaps, dt, REACH)
+        meeting = Meeting(q, v, free, contacts, self._foot, bodies.L, dt, mu, self.options, tally)
+        nothing = np.zeros(contacts.positions.shape)
+        impact = meeting.collide(near, nothing, nothing)
+        ahead = bodies.moved(q, dt * impact.after)
+        if not arithmetic.largest(ahead) < np.inf:
+            raise LostMotion("motion")
+        after = State(ahead, impact.after, state.steps + 1)
+        return Step(after, dt, impact.impulses, impact.velocities, contacts.gaps, contacts.positions, impact,
+                    tally.unsolved, tally.worst)  # fmt: skip
+
+    def _free(
+        self, v: FloatArray, effort: FloatArray, push: FloatArray | None, against: FloatArray
+    ) -> FloatArray:
+        """Return the velocity (nv,) after all forces but the ground's."""
+        free = self.bodies.free_velocity(v, effort, push, against, self.options.dt)
+        if not arithmetic.largest(free) < FASTEST:
+            raise LostMotion("velocity under the given torques")
+        return free
+
     def meet_ground(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
         """Return the step with the forces of gravity, motors, push and ground in its middle.
 
@@ -224,9 +262,7 @@ class Stepper:
         if self.options.stabilisation == "projection":
             q, contacts = self._projected(q, contacts)
         # all forces but the ground's
-        free = bodies.free_velocity(q, before, effort, push, dt)
-        if not arithmetic.largest(free) < FASTEST:
-            raise LostMotion("velocity under the given torques")
+        free = self._free(before, effort, push, bodies.gravity(q))
         # the ground's
         near = arithmetic.near_ground(contacts.J, before, free, contacts.gaps, dt, REACH)
         meeting = self._meeting(

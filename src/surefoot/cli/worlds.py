@@ -1,0 +1,158 @@
+"""`surefoot worlds`: the same experiments in every world that is here, against closed forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, to_json
+from surefoot.errors import MissingExtra, ProblemError, unknown_name
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from surefoot.simulation.experiments import Outcome
+
+NAMES = "drop, bounce, slide, stick, tip, spin, roll, stack, stand, trot, friction, harden, solref"
+
+
+def worlds(
+    names: Annotated[list[str] | None, typer.Argument(help=f"Experiments, all if none: {NAMES}.")] = None,
+    world: Annotated[
+        list[str] | None, typer.Option(help="A world, repeatable; all that are here if none.")
+    ] = None,
+    dt: Annotated[float, typer.Option(help="Step; it is doubled and halved for its error [s].")] = 1e-3,
+    out: Annotated[Path, typer.Option(help="Parent of the new folder with a picture each.")] = Path("runs"),
+    pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw them.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Run the same experiments in every world that is here and hold them against closed forms.
+
+    Exit code 0 if every world keeps to every closed form within its own step error, 1 if not, 2 for wrong
+    input.
+    """
+    from surefoot.cli import extras
+    from surefoot.simulation.experiments import EXPERIMENTS, carry_out, experiment_named
+    from surefoot.simulation.worlds import WORLDS
+
+    if not 1e-5 <= dt <= 0.02:
+        raise ProblemError(f"--dt must be between 1e-05 and 0.02 s, got {dt:g}")
+    chosen = [experiment_named(name) for name in dict.fromkeys(names or EXPERIMENTS)]
+    for name in world or ():
+        if name not in WORLDS:
+            raise ProblemError(unknown_name("world", name, tuple(WORLDS)))
+    console = plain_console(quiet=as_json, highlight=False, soft_wrap=True)
+    wanted = list(dict.fromkeys(world or WORLDS))
+    absent = {name: error for name in wanted if (error := extras.missing(WORLDS[name][1])) is not None}
+    here = [name for name in wanted if name not in absent]
+    if not here:
+        raise MissingExtra.of(absent.values())
+    check_out(out if pictures else None)
+    status = plain_console(stderr=True, quiet=as_json)
+    outcomes = []
+    for experiment in chosen:
+        with status.status(f"{experiment.name} (a first run compiles)"):
+            outcomes.append(carry_out(experiment, here, dt))
+        _print(outcomes[-1], console)
+    for name, why in absent.items():
+        console.print(f"{name}: not here: {why}")
+    drawn = _draw(outcomes, out, console) if pictures else []
+    agrees = all(outcome.agrees for outcome in outcomes)
+    if as_json:
+        told = {name: str(error) for name, error in absent.items()}
+        print(to_json(_facts(outcomes, dt, here, told, drawn, agrees)))
+    console.print(_headline(outcomes, agrees))
+    return 0 if agrees else 1
+
+
+def _headline(outcomes: list[Outcome], agrees: bool) -> str:
+    rows = [row for outcome in outcomes for row in outcome.rows]
+    failures = sum(len(outcome.failures) for outcome in outcomes)
+    good = sum(row.verdict == "agrees" for row in rows)
+    failed = f", {failures} not run to their end" if failures else ""
+    return f"{good} of {len(rows)} quantities within their world's own step error{failed}" + (
+        "" if agrees else ": not every world keeps to the closed forms"
+    )
+
+
+def _print(outcome: Outcome, console: Console) -> None:
+    from rich.table import Table
+
+    table = Table(title=f"{outcome.experiment.name}: {outcome.experiment.says}", title_justify="left")
+    columns = ("quantity", "closed form", "world", "value", "off by", "step error", "tolerance", "")
+    for heading in columns:
+        table.add_column(heading, justify="left" if heading in ("quantity", "world", "") else "right")
+    last = ""
+    for row in sorted(outcome.rows, key=lambda r: [x.quantity for x in outcome.rows].index(r.quantity)):
+        name = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
+        table.add_row(
+            "" if name == last else name, f"{row.exact:.6g}", row.world, f"{row.value:.6g}",
+            f"{row.error:.1e}", f"{row.step_error:.1e}", f"{row.tolerance:.1e}", row.verdict,
+        )  # fmt: skip
+        last = name
+    if outcome.rows:
+        console.print(table)
+    for world, seen in outcome.seen.items():
+        if seen.table:
+            console.print(_besides(world, seen.table))
+        if seen.note:
+            console.print(f"{world}: {seen.note}")
+    for world, why in outcome.failures.items():
+        console.print(f"{outcome.experiment.name} in {world}: {why}")
+
+
+def _besides(world: str, rows: Any) -> Any:
+    from rich.table import Table
+
+    table = Table(title=f"in {world}", title_justify="left")
+    for heading in rows[0]:
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(*(f"{value:.4g}" for value in row.values()))
+    return table
+
+
+def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
+    """Draw a picture of each experiment, and return their paths."""
+    from surefoot.cli.extras import picture_folder
+
+    folder, why = picture_folder(out, "worlds")
+    if folder is None:
+        console.print(why)
+        return []
+    from surefoot.viz.world_plots import draw_outcome
+
+    paths = [str(draw_outcome(o, folder / f"{o.experiment.name}.png")) for o in outcomes if o.seen]
+    console.print(f"pictures: {folder}")
+    return paths
+
+
+def _facts(
+    outcomes: list[Outcome],
+    dt: float,
+    here: list[str],
+    absent: dict[str, str],
+    drawn: list[str],
+    agrees: bool,
+) -> dict[str, Any]:
+    return {
+        "dt": dt,
+        "worlds": here,
+        "absent": absent,
+        "agrees": agrees,
+        "experiments": {
+            o.experiment.name: {
+                "says": o.experiment.says,
+                "compares": o.experiment.compares,
+                "agrees": o.agrees,
+                "rows": [row.as_dict() for row in o.rows],
+                "besides": {w: {"table": s.table, "note": s.note} for w, s in o.seen.items() if s.table},
+                "failures": o.failures,
+            }
+            for o in outcomes
+        },
+        "pictures": drawn,
+    }

@@ -1,0 +1,291 @@
+"""Experiments with one body: each a few lines of set-up, and a closed form of rigid contact."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.contact.laws.soft import SpringDamper
+from surefoot.contact.laws.soft.behaviour import behaviour
+from surefoot.simulation.bodies import ball, box
+from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
+from surefoot.simulation.experiments.ground import bouncing
+from surefoot.simulation.experiments.track import BodyRun, Track
+from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.terrain import SlopeTerrain, Terrain
+
+CORNER = 1e-3
+"""Radius of a box's corners [m]: engines want spheres."""
+MASS = 2.0
+FLAT_BOX = (0.4, 0.4, 0.1)
+RADIUS = 0.1
+
+
+def _line(seconds: float, height: object, points: int = 400) -> Curve:
+    """Return a function of time as a line."""
+    time = np.linspace(0.0, seconds, points)
+    return Curve(time, np.asarray(height(time)))  # type: ignore[operator]
+
+
+def _along(track: Track) -> FloatArray:
+    """Return the distance from the start [m]: (n + 1,)."""
+    return np.asarray(np.linalg.norm(track.q[:, :3] - track.q[0, :3], axis=1))
+
+
+# --- drop: free fall, then the ground carries the weight
+
+HEIGHT, FALL, DROP = 0.5, 0.3, 0.8
+
+
+def _drop(world: str, dt: float) -> Measurement:
+    body = ball(MASS, RADIUS)
+    start = body.nominal.copy()
+    start[2] += HEIGHT
+    track = BodyRun(body, DROP, start=start, settle=False).run(world, dt)
+    fallen = track.q[0, 2] - track.q[round(FALL / dt), 2]
+    carried = dt * float(track.forces[:, 0, 2].sum()) / (MASS * GRAVITY * DROP)
+    quantities = (
+        Quantity("fallen in 0.3 s", "m", 0.5 * GRAVITY * FALL**2),
+        Quantity("mean ground force / weight", "", 1.0),
+        Quantity("gap at rest", "m", 0.0, 0.01 * RADIUS),
+    )
+    return Measurement(
+        (fallen, carried, track.q[-1, 2] - RADIUS), quantities, Curve(track.time, track.q[:, 2] - RADIUS)
+    )
+
+
+def _drop_theory() -> Curve:
+    return _line(DROP, lambda t: np.maximum(HEIGHT - 0.5 * GRAVITY * t**2, 0.0), 1000)
+
+
+# --- bounce: height of the second arc
+
+RESTITUTION, STIFFNESS, BOUNCE, HOP = 0.6, 2e4, 0.3, 0.05
+FINER = 10.0
+"""A bounce on a spring must be resolved: it is run with a tenth of the step."""
+
+
+def _bounce(world: str, dt: float) -> Measurement:
+    body, h = ball(MASS, RADIUS), dt / FINER
+    start = body.nominal.copy()
+    start[2] += HOP
+    options = bouncing(world, RESTITUTION, MASS, STIFFNESS, h)
+    track = BodyRun(body, BOUNCE, start=start, settle=False).run(world, h, options)
+    gap = track.q[:, 2] - RADIUS
+    rising = np.diff(gap) > 0.0
+    low = int(np.argmax(rising))
+    top = float(gap[low + int(np.argmin(rising[low:]))])
+    e = RESTITUTION
+    if world != "rigid":  # the ground is a spring: the law's own bounce, gravity included
+        law = SpringDamper.bouncing(STIFFNESS, RESTITUTION, MASS)
+        e = behaviour(law, MASS, math.sqrt(2.0 * GRAVITY * HOP)).restitution
+    return Measurement((top,), (Quantity("height of the bounce", "m", e**2 * HOP),), Curve(track.time, gap))
+
+
+def _bounce_theory() -> Curve:
+    def height(time: FloatArray) -> FloatArray:
+        speed = math.sqrt(2.0 * GRAVITY * HOP)
+        out, begin = np.zeros(time.shape), -speed / GRAVITY
+        for _ in range(12):
+            t = time - begin
+            out = np.where((t >= 0.0) & (t <= 2.0 * speed / GRAVITY), speed * t - 0.5 * GRAVITY * t**2, out)
+            begin, speed = begin + 2.0 * speed / GRAVITY, RESTITUTION * speed
+        return out
+
+    return _line(BOUNCE, height, 2000)
+
+
+# --- slide: a box comes to rest
+
+SPEED, SLIDE_MU, SLIDE = 2.0, 0.4, 0.8
+
+
+def _slide(world: str, dt: float) -> Measurement:
+    run = BodyRun(box(MASS, FLAT_BOX, CORNER), SLIDE, SLIDE_MU, velocity=(SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
+    distance = _along(run.run(world, dt))
+    exact = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY)
+    curve = Curve(np.arange(len(distance), dtype=np.float64) * dt, distance)
+    return Measurement((distance[-1],), (Quantity("distance to rest", "m", exact),), curve)
+
+
+def _slide_theory() -> Curve:
+    stop = SPEED / (SLIDE_MU * GRAVITY)
+
+    def distance(time: FloatArray) -> FloatArray:
+        t = np.minimum(time, stop)
+        return np.asarray(SPEED * t - 0.5 * SLIDE_MU * GRAVITY * t**2)
+
+    return _line(SLIDE, distance)
+
+
+# --- stick: a box on a slope, below and above its friction angle
+
+DEGREES, HOLDS, SLIPS, ON_SLOPE = 20.0, 0.45, 0.3, 0.5
+
+
+def _on_slope(world: str, dt: float, mu: float) -> FloatArray:
+    terrain: Terrain = SlopeTerrain(DEGREES)
+    body = box(MASS, FLAT_BOX, CORNER)
+    start = body.nominal.copy()
+    half = 0.5 * math.radians(DEGREES)
+    start[:3] = body.nominal[2] * terrain.normal(np.zeros(2))
+    start[3:7] = (0.0, -math.sin(half), 0.0, math.cos(half))
+    return _along(BodyRun(body, ON_SLOPE, mu, terrain, start=start).run(world, dt))
+
+
+def _slipped(time: FloatArray) -> FloatArray:
+    theta = math.radians(DEGREES)
+    return np.asarray(0.5 * GRAVITY * (math.sin(theta) - SLIPS * math.cos(theta)) * time**2)
+
+
+def _stick(world: str, dt: float) -> Measurement:
+    held, slid = _on_slope(world, dt, HOLDS), _on_slope(world, dt, SLIPS)
+    exact = float(_slipped(np.array(ON_SLOPE)))
+    quantities = (
+        Quantity(f"slip at mu {HOLDS:g}", "m", 0.0, exact),
+        Quantity(f"slip at mu {SLIPS:g}", "m", exact),
+    )
+    return Measurement(
+        (held[-1], slid[-1]), quantities, Curve(np.arange(len(slid), dtype=np.float64) * dt, slid)
+    )
+
+
+def _stick_theory() -> Curve:
+    return _line(ON_SLOPE, _slipped)
+
+
+# --- tip: a box falls over its edge
+
+TALL, LEAN, UNTIL, TIP = (0.1, 0.1, 0.3), 5.0, 30.0, 0.6
+
+
+def _arm() -> tuple[float, float]:
+    """Return distance of the centre from the corner sphere's centre [m] and its angle from the edge [rad]."""
+    x, z = 0.5 * TALL[0] - CORNER, 0.5 * TALL[2] - CORNER
+    return math.hypot(x, z), math.atan2(x, z)
+
+
+def _turning(angle: FloatArray) -> FloatArray:
+    """Return the speed of turning [rad/s] at an angle of the arm past the vertical, from rest at `LEAN`.
+
+    The box rolls on its corner's sphere: energy, with the centre at (R sin a, r + R cos a) from the contact.
+    """
+    arm, r = _arm()[0], CORNER
+    inertia = MASS / 12.0 * (TALL[0] ** 2 + TALL[2] ** 2)
+    about = inertia + MASS * (arm**2 + r**2 + 2.0 * r * arm * np.cos(angle))
+    drop = np.maximum(math.cos(math.radians(LEAN)) - np.cos(angle), 0.0)
+    return np.asarray(np.sqrt(2.0 * MASS * GRAVITY * arm * drop / about))
+
+
+def _tip(world: str, dt: float) -> Measurement:
+    body, (arm, edge) = box(MASS, TALL, CORNER), _arm()
+    turn = edge + math.radians(LEAN)
+    start = body.nominal.copy()
+    start[2] = CORNER + arm * math.cos(math.radians(LEAN))
+    start[3:7] = (0.0, math.sin(0.5 * turn), 0.0, math.cos(0.5 * turn))
+    track = BodyRun(body, TIP, 1.0, start=start, settle=False).run(world, dt)
+    axis = np.array([rotation_from_quaternion(q[3:7])[:, 2] for q in track.q])
+    angle, rate = np.arctan2(axis[:, 0], axis[:, 2]) - edge, track.v[:, 4]
+    last = int(np.argmax(angle > math.radians(UNTIL)))
+    at = float(np.interp(math.radians(UNTIL), angle[last - 1 : last + 1], rate[last - 1 : last + 1]))
+    exact = float(_turning(np.array(math.radians(UNTIL))))
+    curve = Curve(np.degrees(angle[: last + 1]), rate[: last + 1])
+    return Measurement((at,), (Quantity("turning at 30 deg", "rad/s", exact),), curve)
+
+
+def _tip_theory() -> Curve:
+    angle = np.linspace(math.radians(LEAN), math.radians(UNTIL), 200)
+    return Curve(np.degrees(angle), _turning(angle))
+
+
+# --- spin: a flat box turns about its vertical axis until friction stops it
+
+SPIN, SPIN_MU, SPINNING = 8.0, 0.3, 1.0
+
+
+def _slowing() -> float:
+    """Return the angular deceleration [rad/s²]: four corners, loaded alike, at one distance."""
+    reach = math.hypot(*(0.5 * edge - CORNER for edge in FLAT_BOX[:2]))
+    inertia = MASS / 12.0 * (FLAT_BOX[0] ** 2 + FLAT_BOX[1] ** 2)
+    return SPIN_MU * MASS * GRAVITY * reach / inertia
+
+
+def _spin(world: str, dt: float) -> Measurement:
+    run = BodyRun(box(MASS, FLAT_BOX, CORNER), SPINNING, SPIN_MU, velocity=(0.0, 0.0, 0.0, 0.0, 0.0, SPIN))
+    track = run.run(world, dt)
+    angle = np.unwrap(2.0 * np.arctan2(track.q[:, 5], track.q[:, 6]))
+    angle = angle - angle[0]
+    exact = SPIN**2 / (2.0 * _slowing())
+    return Measurement((angle[-1],), (Quantity("angle to rest", "rad", exact),), Curve(track.time, angle))
+
+
+def _spin_theory() -> Curve:
+    stop = SPIN / _slowing()
+
+    def angle(time: FloatArray) -> FloatArray:
+        t = np.minimum(time, stop)
+        return np.asarray(SPIN * t - 0.5 * _slowing() * t**2)
+
+    return _line(SPINNING, angle)
+
+
+# --- roll: a ball slides, then rolls
+
+ROLL_SPEED, ROLL_MU, ROLL = 2.0, 0.2, 0.6
+
+
+def _roll(world: str, dt: float) -> Measurement:
+    run = BodyRun(ball(MASS, RADIUS), ROLL, ROLL_MU, velocity=(ROLL_SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
+    track = run.run(world, dt)
+    turns = (rotation_from_quaternion(q[3:7]) for q in track.q)
+    speed = np.array([float(turn[0] @ v[:3]) for turn, v in zip(turns, track.v, strict=True)])
+    begin = 2.0 * ROLL_SPEED / (7.0 * ROLL_MU * GRAVITY)
+    way = ROLL_SPEED * begin - 0.5 * ROLL_MU * GRAVITY * begin**2 + 5.0 / 7.0 * ROLL_SPEED * (ROLL - begin)
+    quantities = (
+        Quantity("speed of rolling", "m/s", 5.0 / 7.0 * ROLL_SPEED),
+        Quantity("distance in 0.6 s", "m", way),
+    )
+    return Measurement((speed[-1], _along(track)[-1]), quantities, Curve(track.time, speed))
+
+
+def _roll_theory() -> Curve:
+    least = 5.0 / 7.0 * ROLL_SPEED
+    return _line(ROLL, lambda t: np.maximum(ROLL_SPEED - ROLL_MU * GRAVITY * t, least))
+
+
+BODIES = (
+    Experiment(
+        "drop", "A ball of 2 kg falls 0.5 m and stays.",
+        "free fall against g t^2 / 2; the ground's mean force over 0.8 s against the weight; the gap at rest "
+        "against none", _drop, _drop_theory, ("time [s]", "gap [m]"),
+    ),
+    Experiment(
+        "bounce", "A ball falls 5 cm on ground of restitution 0.6; a tenth of the step.",
+        "the height of the next arc against e^2 h (soft worlds: e of their spring-damper)",
+        _bounce, _bounce_theory, ("time [s]", "gap [m]"),
+    ),
+    Experiment(
+        "slide", "A box slides at 2 m/s on ground of friction 0.4.",
+        "the distance to rest against v^2 / (2 mu g)", _slide, _slide_theory, ("time [s]", "distance [m]"),
+    ),
+    Experiment(
+        "stick", "A box on a slope of 20 degrees, with friction above and below its tangent, 0.364.",
+        "the way in 0.5 s against none, and against g (sin - mu cos) t^2 / 2",
+        _stick, _stick_theory, ("time [s]", "slip at mu 0.3 [m]"),
+    ),
+    Experiment(
+        "tip", "A tall box falls over its edge from 5 degrees past its balance.",
+        "the speed of turning at 30 degrees against energy", _tip, _tip_theory,
+        ("angle past balance [deg]", "turning [rad/s]"),
+    ),
+    Experiment(
+        "spin", "A flat box spins at 8 rad/s about its vertical axis on four corners.",
+        "the angle to rest against I w^2 / (2 mu m g r)", _spin, _spin_theory, ("time [s]", "angle [rad]"),
+    ),
+    Experiment(
+        "roll", "A ball without spin slides at 2 m/s until it rolls.",
+        "its speed in the end against 5/7 v, and its way", _roll, _roll_theory, ("time [s]", "speed [m/s]"),
+    ),
+)  # fmt: skip

@@ -1,0 +1,232 @@
+"""One experiment, one world: what was measured, what a closed form says, and how far a step may be off.
+
+A world's own step error is measured, not assumed. The experiment is run with steps of 2 dt, dt and dt / 2; an
+error of first order, x = x₀ + c dt, then shows as |x(2dt) - x(dt)| = 2 |x(dt) - x(dt/2)| = |c| dt. Twice
+the larger of the two is the tolerance: a world agrees with a closed form when its value at dt lies that
+close, and when the tolerance itself is a small share of what was measured (`RESOLVED`), so that a world that
+does not converge cannot agree with everything.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import SurefootError
+
+RESOLVED = 0.1
+"""Largest tolerance that still says something, as a share of the quantity's scale."""
+FLOOR = 1e-6
+"""Least tolerance, as a share of the scale: solvers' tolerances, and times of events within a step."""
+SAFETY = 2.0
+"""Tolerance over step error."""
+
+
+class Quantity(NamedTuple):
+    """A number with a closed form.
+
+    Attributes
+    ----------
+    name, unit
+        What it is.
+    exact
+        The closed form's value.
+    scale
+        What would be a large error, in the same unit; 0.0 for the size of `exact` itself.
+    """
+
+    name: str
+    unit: str
+    exact: float
+    scale: float = 0.0
+
+
+class Curve(NamedTuple):
+    """A line of an experiment's picture: (n,) abscissae and ordinates."""
+
+    x: FloatArray
+    y: FloatArray
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a world did.
+
+    Attributes
+    ----------
+    values
+        One number for each of `quantities`.
+    quantities
+        What they are held against.
+    curve
+        For the picture.
+    table
+        What was seen besides, row by row, and ...
+    note
+        ... what it comes to, in one line.
+    """
+
+    values: Sequence[float]
+    quantities: Sequence[Quantity]
+    curve: Curve
+    table: Sequence[Mapping[str, float]] = ()
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Something that every world can be asked to do.
+
+    Attributes
+    ----------
+    name
+        One word.
+    says
+        What happens, in one sentence.
+    compares
+        Which quantities are compared with which closed form, in one sentence.
+    measure
+        World's name and step [s] to what it did.
+    theory
+        The closed form's line in the picture.
+    axes
+        Labels of the picture's abscissa and ordinate.
+    worlds
+        Which worlds can do it; None for all.
+    logarithmic
+        Whether the picture's axes are.
+    """
+
+    name: str
+    says: str
+    compares: str
+    measure: Callable[[str, float], Measurement]
+    theory: Callable[[], Curve]
+    axes: tuple[str, str]
+    worlds: tuple[str, ...] | None = None
+    logarithmic: bool = False
+
+    def takes(self, world: str) -> bool:
+        """Return whether a world can do it."""
+        return self.worlds is None or world in self.worlds
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity in one world.
+
+    Attributes
+    ----------
+    experiment, world, quantity, unit
+        Which.
+    exact, value
+        The closed form's and the world's.
+    step_error
+        The world's own at this step: what halving and doubling the step changes, whichever says more.
+    tolerance
+        `SAFETY` times as much, at least `FLOOR` of the scale.
+    verdict
+        "agrees", "differs", or "unresolved" where the tolerance is more than `RESOLVED` of the scale.
+    """
+
+    experiment: str
+    world: str
+    quantity: str
+    unit: str
+    exact: float
+    value: float
+    step_error: float
+    tolerance: float
+    verdict: str
+
+    @property
+    def error(self) -> float:
+        """Distance from the closed form."""
+        return abs(self.value - self.exact)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return every number and word."""
+        return {**self.__dict__, "error": self.error, "agrees": self.verdict == "agrees"}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An experiment in several worlds.
+
+    Attributes
+    ----------
+    experiment
+        Which.
+    rows
+        One per quantity and world.
+    seen
+        World to its measurement at the step asked for.
+    failures
+        World to what stopped it.
+    """
+
+    experiment: Experiment
+    rows: list[Row] = field(default_factory=list)
+    seen: dict[str, Measurement] = field(default_factory=dict)
+    failures: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def agrees(self) -> bool:
+        """Whether every world kept to the closed form and none failed."""
+        return not self.failures and all(row.verdict == "agrees" for row in self.rows)
+
+
+def compare(experiment: Experiment, world: str, dt: float = 1e-3) -> tuple[list[Row], Measurement]:
+    """Return what an experiment gives in a world at a step of `dt` [s]: quantity by quantity, and all of it.
+
+    Raises
+    ------
+    ProblemError
+        For a step that is no step.
+    SurefootError
+        What the world raises.
+    """
+    step = real_number("dt", dt, low=1e-5, high=0.02)
+    coarse, here, fine = (experiment.measure(world, h) for h in (2.0 * step, step, 0.5 * step))
+    rows = []
+    for k, quantity in enumerate(here.quantities):
+        rows.append(_row(experiment, world, quantity, [run.values[k] for run in (coarse, here, fine)]))
+    return rows, here
+
+
+def carry_out(experiment: Experiment, worlds: Sequence[str], dt: float = 1e-3) -> Outcome:
+    """Return an experiment in those of the worlds that can do it; what stops one is kept, not raised.
+
+    Raises
+    ------
+    ProblemError
+        For a step that is no step.
+    """
+    real_number("dt", dt, low=1e-5, high=0.02)
+    outcome = Outcome(experiment)
+    for world in filter(experiment.takes, worlds):
+        try:
+            rows, outcome.seen[world] = compare(experiment, world, dt)
+        except SurefootError as error:
+            outcome.failures[world] = str(error)
+        else:
+            outcome.rows.extend(rows)
+    return outcome
+
+
+def _row(experiment: Experiment, world: str, quantity: Quantity, values: Sequence[float]) -> Row:
+    coarse, value, fine = (float(x) for x in values)
+    scale = quantity.scale or abs(quantity.exact)
+    step_error = max(abs(coarse - value), 2.0 * abs(value - fine))
+    tolerance = max(SAFETY * step_error, FLOOR * scale)
+    if not (math.isfinite(value) and tolerance <= RESOLVED * scale):
+        verdict = "unresolved"
+    else:
+        verdict = "agrees" if abs(value - quantity.exact) <= tolerance else "differs"
+    return Row(
+        experiment.name, world, quantity.name, quantity.unit, quantity.exact, value, step_error, tolerance,
+        verdict,
+    )  # fmt: skip

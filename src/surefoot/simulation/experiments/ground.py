@@ -1,0 +1,60 @@
+"""The same ground in every world's own words: as hard as a step allows, or softened by one law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from surefoot.contact.engines import translate
+from surefoot.contact.laws.soft import SpringDamper
+from surefoot.contact.laws.soft.law import SoftLaw
+
+STEPS_OF_MUJOCO = 4.0
+"""MuJoCo's time constant in steps: twice the shortest that it takes."""
+IMPEDANCE = 1e-4
+"""The smallest that MuJoCo takes: the contact is then the spring and damper that is meant."""
+
+
+def hard(world: str, dt: float) -> dict[str, Any]:
+    """Return a world's options for ground that gets rigid as the step [s] gets short.
+
+    The rigid world is rigid, Drake's own default follows its step, and MuJoCo is given a time constant that
+    does.
+    """
+    return {"solref": (STEPS_OF_MUJOCO * dt, 1.0)} if world in ("mujoco", "mjx") else {}
+
+
+def soft(world: str, law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
+    """Return a world's options for a contact of a law, on which one mass [kg] lies."""
+    return _SOFT[world](law, mass, dt)
+
+
+def bouncing(world: str, restitution: float, mass: float, stiffness: float, dt: float) -> dict[str, Any]:
+    """Return a world's options for bounces: Newton's coefficient, or a spring-damper of that restitution."""
+    if world == "rigid":
+        return {"restitution": restitution}
+    return soft(world, SpringDamper.bouncing(stiffness, restitution, mass), mass, dt)
+
+
+def _rigid(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
+    return {"law": law}
+
+
+def _mujoco(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
+    words = translate(law, "mujoco", mass, dt=dt, impedance=IMPEDANCE).parameters
+    return {"solref": tuple(words["solref"]), "solimp": tuple(words["solimp"])}
+
+
+def _drake(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
+    return {"contact": translate(law, "drake", mass, dt=dt).parameters}
+
+
+_SOFT: dict[str, Callable[[SoftLaw, float, float], dict[str, Any]]] = {
+    "rigid": _rigid, "mujoco": _mujoco, "mjx": _mujoco, "drake": _drake,
+}  # fmt: skip
+
+
+def period(stiffness: float, mass: float) -> float:
+    """Return the period [s] of a mass [kg] on a stiffness [N/m]."""
+    return 2.0 * math.pi * math.sqrt(mass / stiffness)

@@ -1,0 +1,26 @@
+"""All experiments by name."""
+
+from __future__ import annotations
+
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.simulation.experiments.bodies import BODIES
+from surefoot.simulation.experiments.experiment import Experiment
+from surefoot.simulation.experiments.robots import ROBOTS
+from surefoot.simulation.experiments.softness import SOFTNESS
+from surefoot.simulation.experiments.stack import STACK
+
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (*BODIES, STACK, *ROBOTS, *SOFTNESS)}
+"""Name to experiment, in the order in which they are shown."""
+
+
+def experiment_named(name: str) -> Experiment:
+    """Return an experiment.
+
+    Raises
+    ------
+    ProblemError
+        If there is none of that name; the message lists them.
+    """
+    if name not in EXPERIMENTS:
+        raise ProblemError(unknown_name("experiment", name, EXPERIMENTS))
+    return EXPERIMENTS[name]

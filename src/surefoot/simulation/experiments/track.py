@@ -1,0 +1,105 @@
+"""Run one body, or anything without motors, in a world and keep its path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.robot import Robot
+from surefoot.simulation.experiments.ground import hard
+from surefoot.simulation.world import World
+from surefoot.simulation.worlds import make_world
+from surefoot.terrain import Terrain
+
+SETTLE = 0.1
+"""How long a body lies still before it is set in motion [s], so that it starts in the world's own rest."""
+
+GRIP = 2.0
+"""Friction meanwhile."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """A path.
+
+    Attributes
+    ----------
+    time
+        (n + 1,) [s].
+    q, v
+        (n + 1, nq), (n + 1, nv) in Pinocchio's order.
+    forces
+        (n, p, 3) of each step in the terrain's frames [N].
+    """
+
+    time: FloatArray
+    q: FloatArray
+    v: FloatArray
+    forces: FloatArray
+
+
+@dataclass(frozen=True)
+class BodyRun:
+    """A body that is put on a terrain and set in motion.
+
+    Attributes
+    ----------
+    body
+        From `simulation.bodies`.
+    duration
+        [s].
+    mu
+        Friction.
+    terrain
+        None for flat ground.
+    velocity
+        (6,) at the start, in the body's axes.
+    start
+        (nq,) where it starts; None for its nominal pose on the terrain.
+    settle
+        Whether it first lies still for `SETTLE`.
+    """
+
+    body: Robot
+    duration: float
+    mu: float = 0.5
+    terrain: Terrain | None = None
+    velocity: tuple[float, ...] = (0.0,) * 6
+    start: FloatArray | None = None
+    settle: bool = True
+
+    def run(self, world: str, dt: float, options: Mapping[str, Any] | None = None) -> Track:
+        """Return the path in a world; its own options are those of hard ground unless given."""
+        told = hard(world, dt) if options is None else options
+        made = make_world(world, self.body, self.terrain, self.mu, dt=dt, **told)
+        try:
+            q = self.body.nominal if self.start is None else self.start
+            made.reset(q)
+            if self.settle:
+                made.set_friction(GRIP)
+                follow(made, SETTLE)
+                made.set_friction(self.mu)
+                q = made.state()[0]
+            made.reset(q, np.array(self.velocity, dtype=np.float64))
+            return follow(made, self.duration)
+        finally:
+            done = getattr(made, "close", None)
+            if done is not None:
+                done()
+
+
+def follow(world: World, seconds: float) -> Track:
+    """Return the path of a world that is left to itself."""
+    steps, still = round(seconds / world.dt), np.zeros(world.robot.joints)
+    states, forces = [world.state()], []
+    for _ in range(steps):
+        world.step(still)
+        states.append(world.state())
+        forces.append(world.contacts().forces)
+    q, v = (np.array([state[k] for state in states]) for k in (0, 1))
+    shape = (steps, len(world.contact_foot), 3)
+    return Track(np.arange(steps + 1, dtype=np.float64) * world.dt, q, v, np.array(forces).reshape(shape))

@@ -1,0 +1,144 @@
+"""MuJoCo's model stepped by MJX: the same physics, compiled by JAX.
+
+JAX compiles a step per shape of model, half a minute to a minute on one core; worlds of one robot on one kind
+of terrain share it. What is a world's own, the length of its step, friction and softness, is data.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import MissingExtra, SimulationError
+from surefoot.robot import Robot
+from surefoot.simulation.mujoco import LARGEST, MujocoWorld
+from surefoot.simulation.mujoco_contacts import read_contacts
+from surefoot.simulation.world import ContactReading
+from surefoot.stepping.bodies import finite_vector
+from surefoot.terrain import Terrain
+from surefoot.terrain.frames import surface_frames
+
+
+def import_mjx() -> Any:
+    """Return JAX and MJX, in double precision.
+
+    Raises
+    ------
+    MissingExtra
+        If they are not installed.
+    """
+    try:
+        import jax
+
+        with contextlib.redirect_stdout(io.StringIO()):  # it prints that Warp is not here
+            from mujoco import mjx
+    except ImportError as error:
+        raise MissingExtra("mujoco-mjx", "jax") from error
+    jax.config.update("jax_enable_x64", True)
+    return jax, mjx
+
+
+_STATE = ("qpos", "qvel", "qacc_warmstart", "time")
+"""What a step hands on."""
+
+
+@cache
+def _compiled() -> Any:
+    """Return the step; JAX keeps what it compiled for each shape of model."""
+    jax, mjx = import_mjx()
+    return jax.jit(mjx.step)
+
+
+class MjxWorld(MujocoWorld):
+    """A robot on a terrain in MJX; see `MujocoWorld`, whose model it steps.
+
+    Parameters
+    ----------
+    robot, terrain, mu, dt, payload, solref, solimp
+        See `MujocoWorld`.
+
+    Raises
+    ------
+    MissingExtra
+        If MJX is not installed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        terrain: Terrain | None = None,
+        mu: float = 0.6,
+        dt: float = 1e-3,
+        payload: float = 0.0,
+        *,
+        solref: Sequence[float] | None = None,
+        solimp: Sequence[float] | None = None,
+    ) -> None:
+        self._jax, self._mjx = import_mjx()
+        self._put: Any = None
+        super().__init__(robot, terrain, mu, dt, payload, solref=solref, solimp=solimp)
+        self._put = self._mjx.put_model(self.model)
+        self.reset(robot.nominal)
+
+    def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
+        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        super().reset(q, v)
+        if self._put is not None:
+            self._still = self._mjx.put_data(self.model, self.data)
+            self._moving = {name: np.array(getattr(self.data, name)) for name in _STATE}
+
+    def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
+        """Advance by `dt`; see `MujocoWorld.step`."""
+        applied, external = np.zeros(self.model.nv), np.zeros((self.model.nbody, 6))
+        applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
+        if push is not None and self._base:
+            external[self._base, :3] = finite_vector("push", push, 3)
+        data = self.data
+        self._before[0][:], self._before[1][:] = data.qpos, data.qvel
+        # the same kinds of arrays every time, or JAX would compile again
+        given = {**self._moving, "qfrc_applied": applied, "xfrc_applied": external}
+        state = _compiled()(self._put, self._still.replace(**given))
+        moving = {name: np.asarray(getattr(state, name)) for name in _STATE}
+        if not np.abs(moving["qvel"]).max(initial=0.0) < LARGEST:
+            raise self._lost()
+        self._moving, self._after = moving, state
+        data.qpos[:], data.qvel[:], data.time = moving["qpos"], moving["qvel"], float(moving["time"])
+
+    def _lost(self) -> SimulationError:
+        """Return the error that says what was lost; the state is still that before the step."""
+        time = float(self._moving["time"])
+        fastest = int(np.argmax(np.abs(self.data.qvel)))
+        joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
+        return SimulationError("motion", time, self.dt, joint, float(abs(self.data.qvel[fastest])))
+
+    def contacts(self) -> ContactReading:
+        """Return forces, gaps and velocities at the feet's spheres during the last step."""
+        if float(self._moving["time"]) == 0.0:
+            return super().contacts()
+        after = self._after
+        impl, centres = after._impl, np.asarray(after.geom_xpos)[self._geoms]
+        contact = impl.contact
+        normals = self.terrain.normal(centres[:, :2])
+        if not self.terrain.planar:
+            surface_frames(normals, self._frames)
+        gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
+        forces, velocities, positions = read_contacts(
+            centres, self._frames, self._radii, np.asarray(after.cvel)[self._bodies],
+            np.asarray(after.subtree_com)[self._roots], np.asarray(contact.geom, dtype=np.int32),
+            np.asarray(contact.efc_address, dtype=np.int32), np.asarray(contact.frame).reshape(-1, 9),
+            np.asarray(impl.efc_force), self._geoms,
+        )  # fmt: skip
+        return ContactReading(forces, gaps, velocities, positions)
+
+    def set_friction(self, mu: float) -> None:
+        """Change the friction of the ground, from the next step on."""
+        super().set_friction(mu)
+        if self._put is not None:
+            friction = self._jax.numpy.asarray(self.model.geom_friction)
+            self._put = self._put.replace(geom_friction=friction)

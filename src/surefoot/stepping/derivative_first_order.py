@@ -1,0 +1,50 @@
+"""The one stage of a first-order step, with its derivative; see `derivative`.
+
+At fixed impulses λ, with a = (v⁺ - v) / dt and inverse dynamics ID::
+
+    M δv⁺ = M δv + (∂(Jᵀλ)/∂q - dt ∂ID(q, v, a)/∂q) δq - dt ∂ID/∂v δv + dt δτ
+    q⁺ = q ⊕ dt v⁺
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.stepping.derivative_impact import Rates
+from surefoot.stepping.derivative_stages import Stages
+from surefoot.stepping.state import Impact
+
+
+class FirstOrderStages(Stages):
+    """Takes a first-order step and keeps its exchange of impulses."""
+
+    def _retrace(self, impact: Impact | None) -> None:
+        assert impact is not None  # a first-order step through the air has one without contacts
+        stepper, request = self.stepper, self.request
+        options, seen = stepper.options, self._seen(request.state.q)
+        if request.smoothing > 0.0:
+            impact = self._smoothed(impact, seen)
+        self.main = self._exchange(
+            self._work.heavy, options.dt, impact, seen, options.dt, options.pull, request.smoothing
+        )
+
+    def through(
+        self,
+        columns: Sequence[FloatArray],
+        inertia: FloatArray | None = None,
+        one_sided: bool = False,
+    ) -> FloatArray:
+        """As `Stages.through`."""
+        import pinocchio
+
+        q, v, torques, mu, push, leaving = columns
+        effort = self._pushing(q, push)
+        effort[self.stepper.robot.base_dof :] += torques
+        dt, impact = self.stepper.options.dt, self.main.impact
+        rates = Rates(q, v, dt * effort + self.main.takes(inertia), mu[0], leaving)
+        after, left, given = self.main.through(rates, one_sided)
+        by_q, by_way = pinocchio.dIntegrate(self.stepper.bodies.model, impact.q, dt * impact.after)
+        return np.vstack([by_q @ q + dt * by_way @ after, after, given, left])

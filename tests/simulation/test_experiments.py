@@ -1,0 +1,154 @@
+"""Every world keeps to the closed forms within its own step error, and the judge can say no."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import ProblemError, SurefootError
+from surefoot.simulation import drake_python
+from surefoot.simulation.experiments import (
+    EXPERIMENTS,
+    Curve,
+    Experiment,
+    Measurement,
+    bodies,
+    carry_out,
+    compare,
+    experiment_named,
+    softness,
+)
+from surefoot.simulation.experiments.experiment import Quantity
+from surefoot.simulation.worlds import WORLDS
+from surefoot.spatial import GRAVITY
+
+HERE = {
+    "rigid": True,
+    "mujoco": importlib.util.find_spec("mujoco") is not None,
+    "drake": drake_python.present(),
+}
+QUICK = ("slide", "stick", "roll", "stand")
+"""What Drake, which answers through a pipe, is asked in the tests; `surefoot worlds` asks it all."""
+
+
+@pytest.mark.parametrize("world", HERE)
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_worlds_keep_to_the_closed_forms(name: str, world: str) -> None:
+    experiment = EXPERIMENTS[name]
+    if not HERE[world]:
+        pytest.skip(f"{world} is not here")
+    if not experiment.takes(world):
+        pytest.skip(f"{name} is not for {world}")
+    if world == "drake" and name not in QUICK:
+        pytest.skip("run by `surefoot worlds`")
+    rows, seen = compare(experiment, world)
+    assert len(rows) == len(seen.values)
+    for row in rows:
+        assert row.verdict == "agrees", row
+    assert np.isfinite(seen.curve.y).all()
+
+
+def made_up(error: object) -> Experiment:
+    """Return an experiment in which a world's value is 1 plus a function of the step."""
+
+    def measure(world: str, dt: float) -> Measurement:
+        return Measurement((1.0 + error(dt),), (Quantity("x", "m", 1.0),), Curve(np.zeros(2), np.zeros(2)))  # type: ignore[operator]
+
+    return Experiment("made", "", "", measure, lambda: Curve(np.zeros(2), np.zeros(2)), ("", ""))
+
+
+@pytest.mark.parametrize(
+    ("error", "verdict"),
+    [
+        (lambda dt: 3.0 * dt, "agrees"),
+        (lambda dt: 2e3 * dt**2, "agrees"),
+        (lambda dt: -3.0 * dt + 1e-6, "agrees"),
+        (lambda dt: 3.0 * dt + 0.01, "differs"),
+        (lambda dt: 1e-4, "differs"),
+        (lambda dt: 60.0 * dt, "unresolved"),
+        (lambda dt: math.nan, "unresolved"),
+        (lambda dt: math.sin(1e5 * dt), "unresolved"),
+    ],
+)
+def test_the_judge_can_say_no(error: object, verdict: str) -> None:
+    rows, _ = compare(made_up(error), "rigid")
+    assert [row.verdict for row in rows] == [verdict]
+
+
+def test_a_world_that_fails_is_told_not_raised() -> None:
+    def fails(world: str, dt: float) -> Measurement:
+        raise SurefootError("lost")
+
+    outcome = carry_out(
+        Experiment("x", "", "", fails, lambda: Curve(np.zeros(1), np.zeros(1)), ("", "")), ["rigid"]
+    )
+    assert outcome.failures == {"rigid": "lost"}
+    assert not outcome.agrees
+
+
+@pytest.mark.parametrize("dt", [0.0, -1e-3, math.nan, 1.0])
+def test_a_step_that_is_no_step(dt: float) -> None:
+    with pytest.raises(ProblemError, match="dt must be"):
+        carry_out(EXPERIMENTS["drop"], ["rigid"], dt)
+
+
+def test_unknown_experiments_are_answered_with_all() -> None:
+    with pytest.raises(ProblemError, match="unknown experiment 'drip'; valid names: "):
+        experiment_named("drip")
+
+
+def test_the_tipping_box_is_the_pendulum_equation() -> None:
+    """Integrate the box that rolls on its corner's sphere, from Lagrange's equation, not from energy."""
+    arm, r, m = bodies._arm()[0], bodies.CORNER, bodies.MASS
+    own = m / 12.0 * (bodies.TALL[0] ** 2 + bodies.TALL[2] ** 2)
+
+    def rates(_: float, y: FloatArray) -> list[float]:
+        a, w = y
+        inertia = own + m * (arm**2 + r**2 + 2.0 * r * arm * math.cos(a))
+        return [w, (m * GRAVITY * arm * math.sin(a) + m * r * arm * math.sin(a) * w**2) / inertia]
+
+    def there(_: float, y: FloatArray) -> float:
+        return float(y[0]) - math.radians(bodies.UNTIL)
+
+    there.terminal = True  # type: ignore[attr-defined]
+    start = [math.radians(bodies.LEAN), 0.0]
+    found = solve_ivp(rates, (0.0, 5.0), start, events=there, rtol=1e-11, atol=1e-13)
+    expected = float(bodies._turning(np.array(math.radians(bodies.UNTIL))))
+    assert found.y_events[0][0][1] == pytest.approx(expected, rel=1e-8)
+
+
+def test_the_deepest_point_is_the_springs() -> None:
+    """Integrate the mass on the spring."""
+    for k in softness.STIFFNESSES:
+        w, speed = math.sqrt(k / softness.MASS), math.sqrt(2.0 * GRAVITY * softness.HOP)
+        time = np.linspace(0.0, math.pi / w, 200001)
+        rest = GRAVITY / w**2
+        depth = rest * (1.0 - np.cos(w * time)) + speed / w * np.sin(w * time)
+        assert depth.max() == pytest.approx(float(softness.deepest(np.array(k))), rel=1e-9)
+
+
+@pytest.mark.skipif(not HERE["mujoco"], reason="MuJoCo is not here")
+def test_step_errors_are_those_of_the_scheme() -> None:
+    """Semi-implicit Euler falls g t dt / 2 too far: the measured step error is just that."""
+    row = compare(EXPERIMENTS["drop"], "mujoco", 1e-3)[0][0]
+    assert row.error == pytest.approx(0.5 * GRAVITY * bodies.FALL * 1e-3, rel=1e-9)
+    assert row.step_error == pytest.approx(row.error, rel=1e-6)
+
+
+def test_soft_ground_gets_rigid_with_the_right_order() -> None:
+    rows, _ = compare(EXPERIMENTS["harden"], "rigid")
+    orders = {row.quantity: row for row in rows}
+    rest, deepest = orders["order of the rest depth in 1/k"], orders["order of the deepest point in 1/k"]
+    assert rest.value == pytest.approx(1.0, abs=1e-6)
+    assert 0.5 < deepest.value < 0.62  # one half for falls that are fast against the spring
+    assert deepest.verdict == "agrees"
+
+
+def test_every_experiment_is_for_worlds_that_exist() -> None:
+    known = {*WORLDS, "mjx"}
+    assert all(set(e.worlds or ()) <= known for e in EXPERIMENTS.values())
