@@ -38,9 +38,6 @@ EXCEPTED = {
 
 NOT_YET = {
     ("parameters", "surefoot/batch/solving.py", "solve_batch"),
-    ("parameters", "surefoot/simulation/rigid.py", "__init__"),
-    ("parameters", "tests/simulation/test_walking.py", "walk"),
-    ("lines", "tests/control/test_whole_body.py", "oracle"),
 }
 """Offenders that are to go."""
 

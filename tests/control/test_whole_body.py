@@ -170,12 +170,8 @@ def oracle(
         return np.hstack([rows, np.zeros((len(rows), 3 * p))])
 
     ask(pad(Jcom), tasks.com_acceleration - com_drift, weights.linear)
-    turn = np.zeros((3, nv))
-    turn[:, 3:6] = np.eye(3)
-    ask(pad(turn), R.T @ tasks.turn_acceleration, weights.angular * height**2)
-    legs = np.zeros(robot.joints, dtype=bool)
-    for J in centres:
-        legs |= np.abs(J[:, 6:]).max(axis=0) > 1e-12
+    ask(pad(np.eye(nv)[3:6]), R.T @ tasks.turn_acceleration, weights.angular * height**2)
+    legs = np.abs(np.array(centres)[:, :, 6:]).max(axis=(0, 1)) > 1e-12
     ask(pad(np.eye(nv)[6:]), tasks.joints, weights.joints * height**2 * np.where(legs, 1.0, weights.body))
     E, e = [np.hstack([M[:6], -Jf.T[:6]])], [-h[:6]]
     omega = {k: J[3:] @ v for k, J in enumerate(centres)}
@@ -195,28 +191,37 @@ def oracle(
     ask(
         np.hstack([np.zeros((3 * p, nv)), np.eye(3 * p)]), tasks.forces.ravel(), weights.force / robot.mass**2
     )
-    A, b = np.vstack(blocks), np.concatenate(wanted)
-    off = ~tasks.stance[points]
-    G, g, K = [], [], []  # G x <= g, and -K x in second-order cones
-    for k in range(p):
-        at = nv + 3 * k
-        if off[k]:
-            E.append(np.eye(nx)[at : at + 3])
-            e.append(np.zeros(3))
-            continue
-        K.append(-np.vstack([mu * np.eye(nx)[at + 2], np.eye(nx)[at], np.eye(nx)[at + 1]]))
-        G.append(np.vstack([np.eye(nx)[at + 2], -np.eye(nx)[at + 2]]))
-        g.append(np.array([bounds[1], -bounds[0]]))
-    if np.isfinite(limits).all():
-        T = np.hstack([M[6:], -Jf.T[6:]])
-        G.append(np.vstack([T, -T]))
-        g.append(np.concatenate([limits - h[6:], limits + h[6:]]))
+    forces, pushing = np.eye(nx)[nv:].reshape(p, 3, nx), tasks.stance[points]
+    E += list(forces[~pushing])
+    e += [np.zeros(3)] * int(np.count_nonzero(~pushing))
+    torque = (np.hstack([M[6:], -Jf.T[6:]]), h[6:], limits)
+    G, K = cone_rows(forces[pushing], mu, bounds, torque)
     program = ConeProgram.of(
-        A.T @ A, -A.T @ b, zero=(np.vstack(E), np.concatenate(e)), nonneg=stack(G, g, nx),
-        second_order=stack(K, [np.zeros(3)] * len(K), nx),
-    )  # fmt: skip
+        *quadratic(blocks, wanted), zero=(np.vstack(E), np.concatenate(e)), nonneg=G, second_order=K
+    )
     x = solve_program(program, tol=1e-10).solution()  # at 1e-11 it gives up short of it
     return x[:nv], x[nv:].reshape(-1, 3)
+
+
+def quadratic(blocks: list[np.ndarray], wanted: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the Hessian and gradient of the sum of squares."""
+    A, b = np.vstack(blocks), np.concatenate(wanted)
+    return A.T @ A, -A.T @ b
+
+
+def cone_rows(
+    forces: np.ndarray, mu: float, bounds: tuple[float, float], torque: tuple[np.ndarray, ...]
+) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Return G x <= g of bounds and torque limits, and the rows -K x in second-order cones."""
+    nx = forces.shape[-1]
+    K = [-np.vstack([mu * f[2], f[0], f[1]]) for f in forces]
+    G = [np.vstack([f[2], -f[2]]) for f in forces]
+    g = [np.array([bounds[1], -bounds[0]])] * len(G)
+    T, h, limits = torque
+    if np.isfinite(limits).all():
+        G.append(np.vstack([T, -T]))
+        g.append(np.concatenate([limits - h, limits + h]))
+    return stack(G, g, nx), stack(K, [np.zeros(3)] * len(K), nx)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,12 +33,10 @@ def walk(
     gait: str = "trot",
     terrain: Terrain | None = None,
     mu: float = 0.6,
-    pushes: tuple[Push, ...] = (),
-    ice: tuple[Ice, ...] = (),
-    faults: Faults | None = None,
     payload: float = 0.0,
-    seed: int | None = 0,
+    **events: Any,
 ) -> Log:
+    """Walk in MuJoCo; events are the scenario's pushes, ice, faults and seed."""
     ground = terrain or FlatTerrain()
     model = robot_of(robot)
     controller = WalkingController(
@@ -45,7 +44,7 @@ def walk(
     )
     world = MujocoWorld(model, ground, mu, payload=payload)
     start = start_pose(model, ground)
-    return run(world, controller, Scenario(duration, mu, pushes, ice, seed, faults, start))
+    return run(world, controller, Scenario(duration, mu, start=start, **({"seed": 0} | events)))
 
 
 @pytest.mark.parametrize("velocity", [(0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.3, 0.0), (0.0, 0.0, 0.8)])

@@ -7,19 +7,18 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
-from surefoot.contact.laws.soft import SoftLaw
 from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
-from surefoot.stepping.options import Integration, Stabilisation
+from surefoot.stepping.options import StepSettings
 from surefoot.terrain import Terrain
 
 COLLISIONS: dict[str, Callable[[Robot], Geometry | None]] = {
@@ -85,11 +84,12 @@ class RigidWorld:
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
-    restitution, stabilisation, law, solver, tol, integration, order
-        See `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
     collision
         What may touch: "feet" on the ground alone, or "full", all of the robot's collision geometry with the
         ground and with itself; or a `Geometry` of `surefoot.collision`.
+    **settings
+        ``restitution``, ``stabilisation``, ``law``, ``solver``, ``tol``, ``integration`` and ``order`` of
+        `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
 
     Attributes
     ----------
@@ -138,17 +138,10 @@ class RigidWorld:
         dt: float = 1e-3,
         payload: float = 0.0,
         *,
-        restitution: float = 0.0,
-        stabilisation: Stabilisation = "projection",
-        law: str | SoftLaw | None = None,
-        solver: str = "auto",
-        tol: float = 1e-8,
-        integration: Integration = "implicit",
-        order: int = 2,
         collision: str | Geometry = "feet",
+        **settings: Unpack[StepSettings],
     ) -> None:
-        law = "coulomb" if law is None else law
-        options = StepOptions(dt, restitution, stabilisation, law, solver, tol, integration, order)
+        options = StepOptions.of(dt, settings)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
         self.stepper = Stepper(robot, terrain, options, payload, chosen_geometry(robot, collision))
@@ -158,7 +151,7 @@ class RigidWorld:
         self.contact_foot = robot.contact_points.foot
         self._warned = False
         self.reset(robot.nominal)
-        if integration == "explicit":
+        if options.integration == "explicit":
             self._check_step(self.stepper.stable_step(self._state))
 
     @property

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Unpack
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.scene import Pose, Scene
-from surefoot.stepping.options import Stabilisation
+from surefoot.stepping.options import StepSettings
 from surefoot.terrain import Terrain
 
 
@@ -18,7 +20,7 @@ class SceneWorld(RigidWorld):
     ----------
     scene
         The bodies.
-    terrain, mu, dt, restitution, stabilisation, solver, tol
+    terrain, mu, dt, **settings
         See `RigidWorld`; `mu` and `restitution` are those of the ground and of bodies without their own.
 
     Examples
@@ -43,22 +45,9 @@ class SceneWorld(RigidWorld):
         terrain: Terrain | None = None,
         mu: float = 0.6,
         dt: float = 1e-3,
-        *,
-        restitution: float = 0.0,
-        stabilisation: Stabilisation = "projection",
-        solver: str = "auto",
-        tol: float = 1e-8,
+        **settings: Unpack[StepSettings],
     ) -> None:
-        super().__init__(
-            scene,
-            terrain,
-            mu,
-            dt,
-            restitution=restitution,
-            stabilisation=stabilisation,
-            solver=solver,
-            tol=tol,
-        )
+        super().__init__(scene, terrain, mu, dt, **settings)
         self.reset(*scene.start())
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, TypedDict, get_args
 
 from surefoot.arrays import real_number
 from surefoot.contact.laws import LAWS
@@ -17,6 +17,18 @@ INTEGRATIONS: tuple[Integration, ...] = get_args(Integration)
 ORDERS = (1, 2)
 PULL = 0.2
 """Share of a penetration that Baumgarte's term takes back per step."""
+
+
+class StepSettings(TypedDict, total=False):
+    """What `StepOptions` takes beside dt, as keyword arguments of a world; a law of None is Coulomb's."""
+
+    restitution: float
+    stabilisation: Stabilisation
+    law: str | SoftLaw | None
+    solver: str
+    tol: float
+    integration: Integration
+    order: int
 
 
 @dataclass(frozen=True)
@@ -82,6 +94,14 @@ class StepOptions:
         object.__setattr__(
             self, "restitution", real_number("restitution", self.restitution, low=0.0, high=1.0)
         )
+
+    @classmethod
+    def of(cls, dt: float, settings: StepSettings) -> StepOptions:
+        """Return the options of a step and keyword arguments."""
+        given = dict(settings)
+        if given.get("law", "") is None:
+            del given["law"]
+        return cls(dt, **given)  # type: ignore[arg-type]
 
     @property
     def soft(self) -> SoftLaw | None:
