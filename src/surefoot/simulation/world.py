@@ -29,12 +29,16 @@ class ContactReading:
         (p, 3) velocity of the foot's material at the contact [m/s].
     positions
         (p, 3) contact points in world axes [m].
+    others
+        (nv,) generalised force of all other contacts: of other links, bodies, the robot with itself
+        [N, N m]; None in a world that has the feet's alone.
     """
 
     forces: FloatArray
     gaps: FloatArray
     velocities: FloatArray
     positions: FloatArray
+    others: FloatArray | None = None
 
 
 class World(Protocol):
