@@ -11,7 +11,7 @@ from benchmarks.gradients.estimators import Grid, Task
 
 STEP, DECAY = 0.05, 0.93
 """First step of the descent, as a share of the range, and by how much it shrinks from one to the next."""
-SAMPLES = 8
+SAMPLES = 4
 """Of randomised gradients."""
 CLOSE = 0.02
 """A search arrives if its loss is above the least by less than this share of the range of losses."""

@@ -33,6 +33,13 @@ def test_rigid_world_slides_as_it_should(capsys: pytest.CaptureFixture[str], tmp
     assert picture.stat().st_size > 10_000
 
 
+def test_several_experiments_get_an_overview(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, found = asked(capsys, "drop", "slide", "--world", "rigid", "--out", str(tmp_path))
+    assert code == 0
+    assert [Path(p).name for p in found["pictures"]] == ["drop.png", "slide.png", "overview.png"]
+    assert Path(found["pictures"][-1]).stat().st_size > 10_000
+
+
 def test_tables_are_printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "140")
     assert main(["worlds", "drop", "--world", "rigid", "--no-pictures"]) == 0
@@ -57,6 +64,23 @@ def test_a_world_that_does_not_keep_to_it_is_exit_1(
     code, found = asked(capsys, "drop", "--world", "rigid", "--no-pictures")
     assert code == 1
     assert found["experiments"]["drop"]["rows"][0]["verdict"] == "differs"
+
+
+def test_what_a_world_cannot_do_is_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = EXPERIMENTS["drop"]
+    words = (made.name, made.says, made.compares, made.measure, made.theory, made.axes, ("drake",))
+    monkeypatch.setitem(EXPERIMENTS, "drop", Experiment(*words))
+    assert main(["worlds", "drop", "--world", "rigid", "--no-pictures"]) == 2
+    assert "drop cannot be run in rigid, only in drake" in capsys.readouterr().err
+    code, found = asked(capsys, "drop", "slide", "--world", "rigid", "--no-pictures")
+    assert code == 0
+    assert found["experiments"]["drop"]["rows"] == []
+    assert found["experiments"]["drop"]["left_out"] == ["rigid"]
+    assert found["experiments"]["slide"]["left_out"] == []
+    assert main(["worlds", "drop", "slide", "--world", "rigid", "--no-pictures"]) == 0
+    assert "drop: not run in rigid, only in drake" in capsys.readouterr().out
 
 
 def test_absent_worlds_are_one_line_each(

@@ -11,6 +11,8 @@ import pytest
 
 from surefoot.errors import SurefootError
 from surefoot.robot import place
+from surefoot.simulation import drake_python
+from surefoot.simulation.drake.world import DrakeWorld
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.world import World
@@ -19,8 +21,16 @@ from tests.conformance.hard_inputs import (
     robot_of,
 )
 
-WORLDS: dict[str, Callable[..., World]] = {"rigid": RigidWorld, "mujoco": MujocoWorld}
-over_worlds = pytest.mark.parametrize("name", WORLDS)
+WORLDS: dict[str, Callable[..., World]] = {"rigid": RigidWorld, "mujoco": MujocoWorld, "drake": DrakeWorld}
+"""Those that need no compilation of minutes; tests/simulation/test_mjx_world.py asks MJX's."""
+HERE = {"drake": drake_python.present()}
+over_worlds = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.skipif(not HERE.get(name, True), reason=f"{name} is not here"))
+        for name in WORLDS
+    ],
+)
 
 
 @pytest.fixture(autouse=True)

@@ -41,6 +41,7 @@ batch.loops              derive_range         batch/test_batch.py::test_a_batch_
 batch.loops              measure_range        batch/test_batch.py::test_kinks_in_a_batch_are_one_sided by solve_batch
 batch.loops              solve_range          batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
 collision.manifold       manifolds            collision/test_manifold.py::test_contacts_lie_on_both_surfaces by PairSearch
+collision.pairs          place_solids         collision/test_pairs.py::test_solids_are_placed_and_near_ones_found
 cones.double_description polar_rays           cones/test_representation.py::test_engines_agree_with_exact_rationals by from_rays
 cones.nearest            nearest_points       cones/test_nearest.py::test_nearest_points
 contact.admissible       dissipation_limit    contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals

@@ -224,6 +224,116 @@ def test_what_is_no_robot(tmp_path: Path, text: str, told: str) -> None:
         sf.load_robot(path)
 
 
+CRANK = """<mujoco><worldbody><body name="trunk"><freejoint/><geom size="0.1"/><site name="s"/>
+  <body name="crank" pos="0.1 0 0"><joint name="j1"{crank}/><geom size="0.05"/>
+    <body name="rod" pos="0.1 0 0"><joint name="j2"/><geom size="0.05"/></body></body>
+  <body name="foot" pos="0 0.1 0"><joint name="j3"/><geom size="0.05"/></body></body></worldbody>
+  {more}</mujoco>"""
+TENDON = (
+    '<tendon><fixed name="t"{0}><joint joint="j1" coef="1"/><joint joint="j3" coef="-1"/></fixed></tendon>'
+)
+
+
+@pytest.mark.parametrize(
+    ("crank", "more", "told"),
+    [
+        (
+            "",
+            '<equality><connect body1="rod" body2="foot" anchor="0 0 0"/></equality>',
+            "connect of rod and foot",
+        ),
+        ("", '<equality><weld body1="rod" body2="foot"/></equality>', "weld of rod and foot"),
+        ("", '<equality><joint joint1="j1" joint2="j3"/></equality>', "joint of j1 and j3"),
+        (' stiffness="5"', "", "joint with a spring: j1"),
+        ("", TENDON.format(' stiffness="3"'), "tendon that pulls: t"),
+        ("", TENDON.format(' limited="true" range="0 1"'), "tendon that pulls: t"),
+        ("", TENDON.format("") + '<actuator><motor name="m" tendon="t"/></actuator>', "not on a joint: m"),
+        ("", '<actuator><motor name="m" site="s"/></actuator>', "not on a joint: m"),
+    ],
+)
+def test_what_a_tree_cannot_do_is_told(tmp_path: Path, crank: str, more: str, told: str) -> None:
+    path = tmp_path / "linkage.xml"
+    path.write_text(CRANK.format(crank=crank, more=more))
+    with pytest.raises(ModelError, match=told) as raised:
+        sf.load_robot(path)
+    assert len(str(raised.value).splitlines()) == 1
+    assert "is more than a tree of hinges and slides" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("crank", "more"),
+    [
+        (' damping="5" frictionloss="1" armature="0.1"', ""),
+        ("", TENDON.format("")),
+        ("", '<equality><weld body1="rod" body2="foot" active="false"/></equality>'),
+        ("", '<actuator><motor joint="j1"/><motor jointinparent="j2"/></actuator>'),
+    ],
+)
+def test_what_takes_nothing_from_a_tree_is_loaded(tmp_path: Path, crank: str, more: str) -> None:
+    path = tmp_path / "tree.xml"
+    path.write_text(CRANK.format(crank=crank, more=more))
+    assert sf.load_robot(path).joint_names == ("j1", "j2", "j3")
+
+
+def test_many_springs_are_counted(tmp_path: Path) -> None:
+    path = tmp_path / "sprung.xml"
+    text = CRANK.format(crank="", more="")
+    joints = "".join(f'<joint name="s{k}" axis="0 0 1" stiffness="1"/>' for k in range(5))
+    path.write_text(text.replace('<joint name="j2"/>', joints))
+    with pytest.raises(ModelError, match=r"joint with a spring \(5\): s0, s1, s2 and 2 more"):
+        sf.load_robot(path)
+
+
+def test_a_motor_in_the_parents_axes_has_a_limit(tmp_path: Path) -> None:
+    path = tmp_path / "parent.xml"
+    motor = '<actuator><motor jointinparent="j2" gear="3" ctrlrange="-2 2" ctrllimited="true"/></actuator>'
+    path.write_text(CRANK.format(crank="", more=motor))
+    assert sf.load_robot(path).effort_limits.tolist() == [np.inf, 6.0, np.inf]
+
+
+def test_placeholders_out_of_sight_are_left_aside(tmp_path: Path) -> None:
+    """Files of robots with fewer motors keep the others' joints on bodies without shapes."""
+    alone = sf.load_robot(mjcf(tmp_path), feet=list(FEET))
+    spare = '<body name="unused" pos="0 0 20"><joint name="unused"/><inertial pos="0 0 0" mass="0.1" diaginertia="1 1 1"/></body>'  # noqa: E501
+    text = mjcf(tmp_path).read_text()
+    joints = np.tile([0.1, -0.05, -0.7], 4)
+    pose = f"0 0 0.5 1 0 0 0 {' '.join(map(str, joints))}"
+    for k, (body, key) in enumerate(
+        ((f'{spare}<body name="trunk"', f"0.3 {pose}"), ('<body name="trunk"', f"{pose} 0.3"))
+    ):
+        changed = text.replace('<body name="trunk"', body)
+        if k:
+            changed = changed.replace("</body></worldbody>", f"</body>{spare}</worldbody>")
+        changed = changed.replace(
+            "</mujoco>", f'<keyframe><key name="home" qpos="{key}"/></keyframe></mujoco>'
+        )
+        path = tmp_path / f"spare{k}.xml"
+        path.write_text(changed)
+        robot = sf.load_robot(path, feet=list(FEET))
+        assert robot.floating
+        assert robot.joint_names == alone.joint_names
+        assert robot.mass == pytest.approx(alone.mass, rel=1e-14)
+        assert robot.nominal[7:] == pytest.approx(joints)
+
+
+def test_a_foot_of_a_mesh_reaches_to_its_lowest_point(tmp_path: Path) -> None:
+    """As for URDF files: MuJoCo moves and turns a mesh into its own axes, and it is put back where it was."""
+    rng = np.random.default_rng(5)
+    points = rng.normal(size=(12, 3)) * [0.05, 0.03, 0.02] + [0.04, 0.0, -0.06]
+    vertices = " ".join(map(repr, points.ravel().tolist()))
+    mesh = f'<asset><mesh name="sole" vertex="{vertices}"/></asset>'
+    text = CRANK.format(crank="", more=mesh)
+    path = tmp_path / "mesh.xml"
+    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    sphere = '<joint name="j2"/><geom size="0.05"/>'
+    assert sphere in text
+    path.write_text(text.replace(sphere, f'<joint name="j2"/>{inertial}<geom type="mesh" mesh="sole"/>'))
+    foot = sf.load_robot(path, feet=["rod"]).feet[0]
+    assert foot.radius == pytest.approx(
+        -points[:, 2].min(), rel=1e-6
+    )  # MuJoCo keeps vertices in single precision
+
+
 def test_wrong_feet_are_answered_with_frames(tmp_path: Path) -> None:
     with pytest.raises(ModelError, match=r"unknown foot frame of dog-geoms\.xml 'FK'.*FL"):
         sf.load_robot(mjcf(tmp_path), feet=["FK"])

@@ -12,6 +12,7 @@ import surefoot as sf
 from surefoot.cli.main import main
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.errors import ModelError, ProblemError
+from surefoot.problems.logged_runs import CleanRun
 from surefoot.simulation import drake_python
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.drake.world import DrakeWorld
@@ -106,3 +107,49 @@ def test_robots_stand_and_walk_there(
     assert main([*words, *options]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["outcome"] in ("stood", "walked")
+
+
+@pytest.mark.parametrize(
+    ("contact", "told"),
+    [
+        (3, "contact must be a mapping"),
+        ({}, "contact must be a mapping with one named each_body"),
+        ({"each_body": {}}, "unknown discrete_contact_approximation 'None'"),
+        (
+            {"each_body": {"stiffness": 1.0}, "discrete_contact_approximation": "sap"},
+            "unknown proximity property",
+        ),
+        (
+            {"each_body": {"point_contact_stiffness": 0.0}, "discrete_contact_approximation": "sap"},
+            "point_contact_stiffness must be positive",
+        ),
+    ],
+)
+def test_contacts_that_drake_has_not(contact: object, told: str) -> None:
+    with pytest.raises(ProblemError, match=told):
+        DrakeWorld(ball(), contact=contact)  # type: ignore[arg-type]
+
+
+def test_numbers_that_drake_cannot_take() -> None:
+    for words in ({"mu": np.inf}, {"payload": np.inf}, {"dt": np.nan}):
+        with pytest.raises(ProblemError, match=next(iter(words))):
+            DrakeWorld(ball(), **words)  # type: ignore[arg-type]
+    with pytest.raises(ProblemError, match="terrain must be a Terrain"):
+        DrakeWorld(ball(), "slope:10")  # type: ignore[arg-type]
+
+
+def test_a_closed_world_says_so() -> None:
+    world = DrakeWorld(ball())
+    world.step(np.zeros(0))
+    here = world.state()[0]
+    world.close()
+    with pytest.raises(ModelError, match="this drake world is closed"):
+        world.step(np.zeros(0))
+    with pytest.raises(ModelError, match="this drake world is closed"):
+        world.set_friction(0.1)
+    assert world.state()[0] == pytest.approx(here)
+
+
+def test_a_log_survives_in_drake() -> None:
+    log = CleanRun(world="rigid", gait="trot", velocity=(0.4, 0.0, 0.0), duration=0.8, seed=4).make()
+    assert sf.replay_log(log, "drake").survives

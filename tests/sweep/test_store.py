@@ -83,6 +83,74 @@ def test_another_sweep_is_refused_and_nothing_touched(tmp_path: Path) -> None:
     assert {p.name: p.read_bytes() for p in (tmp_path / "a").iterdir() if p.is_file()} == before
 
 
+def set_version(monkeypatch: pytest.MonkeyPatch, version: str, *modules: str) -> None:
+    for module in modules:
+        monkeypatch.setattr(f"surefoot.sweep.{module}.__version__", version)
+
+
+@pytest.mark.parametrize("there", ["0.0.9", None])
+def test_another_version_does_not_go_on(there: str | None, tmp_path: Path) -> None:
+    partly_done(tmp_path / "a", deadly(6), range(3))
+    path = tmp_path / "a" / "sweep.json"
+    told = {k: v for k, v in json.loads(path.read_text()).items() if k != "surefoot"}
+    path.write_text(json.dumps(told | ({} if there is None else {"surefoot": there})))
+    with pytest.raises(ProblemError, match=rf"was begun by Surefoot {there or 'no version'}, this is"):
+        run_sweep(deadly(6), tmp_path / "a", backend="serial")
+
+
+def test_rows_of_another_version_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    partly_done(tmp_path / "a", deadly(6), range(3))
+    part = tmp_path / "a" / "parts" / "part-000000.parquet"
+    import pyarrow.parquet
+
+    assert b"surefoot.version" in pyarrow.parquet.read_schema(part).metadata
+    set_version(monkeypatch, "99.1", "config", "columns", "store")
+    partly_done(tmp_path / "b", deadly(6), range(3, 6))
+    part.rename(tmp_path / "b" / "parts" / "part-000007.parquet")
+    with pytest.raises(ProblemError, match=r"part-000007.parquet is not of this sweep"):
+        run_sweep(deadly(6), tmp_path / "b", backend="serial")
+
+
+def test_a_worker_of_another_version_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    config = deadly(6)
+    task = Task(config.experiment, config.space)
+    set_version(monkeypatch, "99.1", "worker")
+    with pytest.raises(ProblemError, match=r"has Surefoot 99.1, the driver .*: install the same"):
+        run_chunk(task, range(2))
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="files are named by /proc")
+def test_names_are_on_the_disk_before_anything_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a power cut a table that was renamed may be gone if its folder was not brought to the disk."""
+    config, steps = deadly(6), list[str]()
+    sync, replace, unlink = os.fsync, os.replace, Path.unlink
+
+    def synced(number: int) -> None:
+        steps.append(f"sync {Path(os.readlink(f'/proc/self/fd/{number}')).name}")
+        sync(number)
+
+    def replaced(source: Any, target: Any) -> None:
+        steps.append(f"rename {Path(target).name}")
+        replace(source, target)
+
+    def unlinked(path: Path, missing_ok: bool = False) -> None:
+        steps.append(f"remove {path.name}")
+        unlink(path, missing_ok)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(os, "replace", replaced)
+    monkeypatch.setattr(Path, "unlink", unlinked)
+    run_sweep(config, tmp_path / "a", backend="serial")
+    part, table = "part-000000.parquet", "samples.parquet"
+    assert steps == [
+        "sync a", f"sync {tmp_path.name}", "sync sweep.json.tmp", "rename sweep.json", "sync a",
+        f"sync {part}.tmp", f"rename {part}", "sync parts",
+        f"sync {table}.tmp", f"rename {table}", "sync a", f"remove {part}",
+    ]  # fmt: skip
+
+
 def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("mine")
     with pytest.raises(ProblemError, match="is not empty and no sweep's folder"):

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.stats import binomtest
 
+from surefoot.errors import ProblemError
 from surefoot.sweep import Choice, Space, SweepConfig, run_sweep, sweep_from_dict
-from surefoot.sweep.survival import counts, margins, survival_grid, wilson
+from surefoot.sweep.survival import counts, margins, medians, survival_grid, wilson
 from tests.sweep.deadly import Deadly, deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
@@ -77,3 +78,25 @@ def test_a_sweep_of_nothing_but_its_seed(tmp_path: Path) -> None:
     assert margins(config, run_sweep(config, tmp_path / "a", backend="serial").table)[0].labels == ("1",)
     bare = SweepConfig("deadly", Deadly(), Space({}), 4)
     assert run_sweep(bare, tmp_path / "b", backend="serial").table["twice"].to_pylist() == [0.0] * 4
+
+
+def test_medians_are_those_of_the_samples_of_a_bin_that_are_done(tmp_path: Path) -> None:
+    config = deadly(61, failing=(3, 4), broken=(9,))
+    table = run_sweep(config, tmp_path / "a", backend="serial").table
+    (margin,), found = margins(config, table), medians(config, table, "mu")
+    rows = [row for row in table.to_pylist() if row["status"] == "done"]
+    for k, middle in enumerate(found):
+        low, high = margin.edges[k : k + 2]
+        inside = sorted(row["twice"] for row in rows if low <= row["mu"] < high)
+        n = len(inside)
+        assert n == margin.counts[k]
+        assert middle == {"twice": pytest.approx(0.5 * (inside[(n - 1) // 2] + inside[n // 2]))}
+
+
+def test_a_bin_without_samples_has_no_median(tmp_path: Path) -> None:
+    config = deadly(3)
+    table = run_sweep(config, tmp_path / "a", backend="serial").table
+    found = [middle["twice"] for middle in medians(config, table, "mu")]
+    assert sorted(k is None for k in found) == [False] * 3 + [True] * 5
+    with pytest.raises(ProblemError, match=r"unknown parameter that varies 'slope'.*mu"):
+        medians(config, table, "slope")

@@ -1,6 +1,8 @@
 """What the logged forces leave unexplained of the motion: Newton-Euler, row by row.
 
-    r = M v̇ + h - S τ - Σ Jᵢᵀ fᵢ - Jᵀ push
+    r = M v̇ + h - S τ - Σ Jᵢᵀ fᵢ - Q - Jᵀ push
+
+with Q what other contacts than the feet's put on the robot, where the log has it.
 
 Its six base rows are the force and the moment that something not in the log puts on the whole robot; the rows
 of a leg's joints, as a force at its foot, say which foot's force is wrong.
@@ -53,7 +55,7 @@ def unexplained(
     robot
         Whose log it is.
     log
-        T + 1 rows with q, v, time and contact_positions; torques and push where it has them.
+        T + 1 rows with q, v, time and contact_positions; torques, push, other_forces where it has them.
     forces_world
         (T + 1, p, 3) forces on the contact points, world axes [N].
     mass_scale
@@ -79,6 +81,8 @@ def unexplained(
         rest[:, :3] -= local
         rest[:, 3:6] -= np.cross(com, local)
     feet = np.full((rows, len(robot.feet), 3), np.nan)
+    if "other_forces" in log:
+        rest -= np.asarray(log["other_forces"])[:-1]
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
         feet = _at_feet(robot, rest, jacobian, place)

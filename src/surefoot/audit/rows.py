@@ -18,7 +18,7 @@ PAD = 0.12
 """Time before and after a piece that its windows may look at [s]."""
 PIECE = 1 << 15
 """Rows of a piece."""
-FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push")
+FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces")
 
 
 def lacking(log: Log, names: Iterable[str]) -> list[str]:
@@ -170,7 +170,7 @@ class Rows:
         return max(1, min(round(seconds / dt), self.count)) if dt > 0.0 else 1
 
 
-_MOTION = ("q", "v", "torques", "push", "contact_positions")
+_MOTION = ("q", "v", "torques", "push", "other_forces", "contact_positions")
 
 
 def _with_last(part: FloatArray, wrong: BoolArray) -> FloatArray:

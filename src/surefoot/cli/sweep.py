@@ -32,6 +32,9 @@ def sweep(
     backend: Annotated[str, typer.Option(help="Where samples run: loky, ray, dask or serial.")] = "loky",
     workers: Annotated[int | None, typer.Option(help="Number of workers; None for one per core.")] = None,
     address: Annotated[str | None, typer.Option(help="Of a running Ray or Dask cluster.")] = None,
+    over: Annotated[
+        list[str] | None, typer.Option(help="Print results' medians over this parameter too; repeatable.")
+    ] = None,
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw survival maps.")] = True,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
 ) -> int:
@@ -41,8 +44,11 @@ def sweep(
     results, 1 if some ended with an error or crashed their worker, 2 for wrong input.
     """
     from surefoot.sweep import read_sweep, run_sweep
+    from surefoot.sweep.survival import check_varying
 
     told = read_sweep(config).with_numbers(samples, seed)
+    for name in over or ():
+        check_varying(told, name)
     folder = Path("runs") / f"sweep-{config.stem}" if out is None else out
     if backend == "loky" and address is not None:
         raise ProblemError("--address is of --backend ray or dask: loky runs on this machine")
@@ -63,13 +69,13 @@ def sweep(
     if as_json:
         print(to_json(facts))
     else:
-        _print(told, facts, found)
+        _print(told, facts, found, over or [])
     return 1 if facts["errors"] or facts["crashed"] else 0
 
 
 def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
     """Return what --json prints, and survival over each parameter."""
-    from surefoot.sweep.survival import counts, margins, wilson
+    from surefoot.sweep.survival import counts, margins, medians, wilson
 
     config, number = result.config, counts(result.config, result.table)
     found = sorted(margins(config, result.table), key=lambda m: -m.effect())
@@ -88,8 +94,10 @@ def _facts(result: SweepResult) -> tuple[dict[str, Any], list[Margin]]:
         "share": vars(wilson(number["survived"], number["done"])),
         "parameters": {
             m.name: [
-                {"bin": name, "samples": int(n), **vars(share)}
-                for name, n, share in zip(m.labels, m.counts, m.shares(), strict=True)
+                {"bin": name, "samples": int(n), **vars(share), "medians": middle}
+                for name, n, share, middle in zip(
+                    m.labels, m.counts, m.shares(), medians(config, result.table, m.name), strict=True
+                )
             ]
             for m in found
         },
@@ -133,7 +141,7 @@ def _draw(result: SweepResult) -> tuple[list[str], str]:
     return [str(p) for p in draw_sweep(result.config, result.table, result.folder)], ""
 
 
-def _print(config: SweepConfig, facts: dict[str, Any], found: list[Margin]) -> None:
+def _print(config: SweepConfig, facts: dict[str, Any], found: list[Margin], over: list[str]) -> None:
     from rich.table import Table
 
     from surefoot.viz.sweep_plots import label
@@ -146,6 +154,8 @@ def _print(config: SweepConfig, facts: dict[str, Any], found: list[Margin]) -> N
         for name, count, share in zip(margin.labels, margin.counts, margin.shares(), strict=True):
             grid.add_row(name, f"{count}", f"{share.value:.3f}", f"{share.low:.3f} to {share.high:.3f}")
         console.print(grid)
+    for name in over:
+        console.print(_medians_table(name, facts))
     grid = Table(title="Results", title_justify="left")
     for k, head in enumerate(("", "median", "5 %", "95 %")):
         grid.add_column(head, justify="left" if k == 0 else "right")
@@ -155,6 +165,24 @@ def _print(config: SweepConfig, facts: dict[str, Any], found: list[Margin]) -> N
     console.print(grid)
     for line in _lines(facts):
         console.print(line, soft_wrap=True, highlight=False)
+
+
+def _medians_table(name: str, facts: dict[str, Any]) -> Any:
+    """Return the table of results' medians over a parameter."""
+    from rich.table import Table
+
+    from surefoot.viz.sweep_plots import label
+
+    bins = facts["parameters"][name]
+    results = [column for column in facts["results"] if any(b["medians"][column] is not None for b in bins)]
+    grid = Table(title=f"Medians over {label(name)}", title_justify="left")
+    grid.add_column("", justify="left")
+    for head in ("samples", *results):
+        grid.add_column(head, justify="right", overflow="fold")
+    for b in bins:
+        values = (b["medians"][column] for column in results)
+        grid.add_row(b["bin"], f"{b['samples']}", *("" if v is None else f"{v:.3g}" for v in values))
+    return grid
 
 
 def _lines(facts: dict[str, Any]) -> list[str]:

@@ -14,7 +14,7 @@ from surefoot.errors import MissingExtra, ProblemError, unknown_name
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from surefoot.simulation.experiments import Outcome
+    from surefoot.simulation.experiments import Experiment, Outcome
 
 NAMES = "drop, bounce, slide, stick, tip, spin, roll, stack, stand, trot, friction, harden, solref"
 
@@ -53,9 +53,10 @@ def worlds(
     check_out(out if pictures else None)
     status = plain_console(stderr=True, quiet=as_json)
     outcomes = []
+    _check_doable(chosen, here)
     for experiment in chosen:
-        with status.status(f"{experiment.name} (a first run compiles)"):
-            outcomes.append(carry_out(experiment, here, dt))
+        with status.status(f"{experiment.name} (a first run compiles)") as line:
+            outcomes.append(carry_out(experiment, here, dt, line.update))
         _print(outcomes[-1], console)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}")
@@ -66,6 +67,14 @@ def worlds(
         print(to_json(_facts(outcomes, dt, here, told, drawn, agrees)))
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
+
+
+def _check_doable(chosen: list[Experiment], here: list[str]) -> None:
+    """Refuse experiments none of which is for any of the worlds: nothing would be run, and nothing shown."""
+    if not any(experiment.takes(name) for experiment in chosen for name in here):
+        names = ", ".join(dict.fromkeys(name for experiment in chosen for name in experiment.worlds or ()))
+        asked = ", ".join(experiment.name for experiment in chosen)
+        raise ProblemError(f"{asked} cannot be run in {', '.join(here)}, only in {names}")
 
 
 def _headline(outcomes: list[Outcome], agrees: bool) -> str:
@@ -102,6 +111,9 @@ def _print(outcome: Outcome, console: Console) -> None:
             console.print(f"{world}: {seen.note}")
     for world, why in outcome.failures.items():
         console.print(f"{outcome.experiment.name} in {world}: {why}")
+    for world in outcome.left_out:
+        only = ", ".join(outcome.experiment.worlds or ())
+        console.print(f"{outcome.experiment.name}: not run in {world}, only in {only}")
 
 
 def _besides(world: str, rows: Any) -> Any:
@@ -123,9 +135,11 @@ def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
     if folder is None:
         console.print(why)
         return []
-    from surefoot.viz.world_plots import draw_outcome
+    from surefoot.viz.world_plots import draw_outcome, draw_overview
 
     paths = [str(draw_outcome(o, folder / f"{o.experiment.name}.png")) for o in outcomes if o.seen]
+    if len(paths) > 1:
+        paths.append(str(draw_overview(outcomes, folder / "overview.png")))
     console.print(f"pictures: {folder}")
     return paths
 
@@ -151,6 +165,7 @@ def _facts(
                 "rows": [row.as_dict() for row in o.rows],
                 "besides": {w: {"table": s.table, "note": s.note} for w, s in o.seen.items() if s.table},
                 "failures": o.failures,
+                "left_out": o.left_out,
             }
             for o in outcomes
         },

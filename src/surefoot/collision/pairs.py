@@ -10,6 +10,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.collision.manifold import manifolds
 from surefoot.collision.shapes import Shape, coal
 from surefoot.collision.solids import Geometry
+from surefoot.kernels import kernel
 
 FAR = 1e3
 """Gap of a contact whose solids are not near each other [m]."""
@@ -66,6 +67,10 @@ class PairSearch:
         self.on = np.zeros(p, dtype=np.bool_)
         self._solids = [s.shape.solid() for s in solids]
         self._inner = [None if s.shape.radius > 0.0 else s.shape.inset(INSET).solid() for s in solids]
+        carriers, self._carrier = np.unique(self._joints, return_inverse=True)
+        self._moving = list(enumerate(carriers.tolist()))
+        self._turns, self._places = np.zeros((len(carriers), 3, 3)), np.zeros((len(carriers), 3))
+        self._rotation, self._centre = np.zeros(self._turn.shape), np.zeros(self._place.shape)
         self._poses = [library.Transform3s() for _ in solids]
         self._distance, self._result = library.distance, library.DistanceResult()
         self._request = library.DistanceRequest()
@@ -77,31 +82,27 @@ class PairSearch:
         self.on.fill(False)
         if not len(self.pairs):
             return
-        turns = np.array([placements[j].rotation for j in self._joints.tolist()])
-        places = np.array([placements[j].translation for j in self._joints.tolist()])
-        rotation = turns @ self._turn
-        centre = places + np.einsum("sij,sj->si", turns, self._place)
-        near = self._near(rotation, centre)
+        for k, joint in self._moving:
+            at = placements[joint]
+            self._turns[k], self._places[k] = at.rotation, at.translation
+        rotation, centre = self._rotation, self._centre
+        near = place_solids(
+            self._turns, self._places, self._carrier, self._turn, self._place, self._core, self._radius,
+            self.pairs, self._reach, rotation, centre,
+        )  # fmt: skip
         if not near.size:
             return
-        seen = np.empty((near.size, 10))
-        for s in np.unique(self.pairs[near]).tolist():
+        pairs, seen = self.pairs[near], np.empty((near.size, 10))
+        for s in set(pairs.ravel().tolist()):
             self._poses[s].setRotation(rotation[s])
             self._poses[s].setTranslation(centre[s])
-        for row, (a, b) in zip(seen, self.pairs[near].tolist(), strict=True):
+        for row, (a, b) in zip(seen, pairs.tolist(), strict=True):
             self._look(a, b, row, centre)
         manifolds(
-            self.pairs[near], self._start[near], self._core, self._radius, rotation, centre, seen,
+            pairs, self._start[near], self._core, self._radius, rotation, centre, seen,
             self.gaps, self.points, self.normals,
         )  # fmt: skip
         np.less(self.gaps, FAR, out=self.on)
-
-    def _near(self, rotation: FloatArray, centre: FloatArray) -> IntArray:
-        """Return the pairs whose bounding boxes along the world's axes are closer than the reach."""
-        extent = np.einsum("sij,sj->si", np.abs(rotation), self._core) + self._radius[:, None]
-        a, b = self.pairs[:, 0], self.pairs[:, 1]
-        apart = np.abs(centre[a] - centre[b]) - extent[a] - extent[b]
-        return np.flatnonzero((apart < self._reach).all(axis=1))
 
     def _look(self, a: int, b: int, row: FloatArray, centre: FloatArray) -> None:
         """Write normal, distance and nearest points of two solids into row (10,)."""
@@ -122,6 +123,44 @@ class PairSearch:
         way = centre[b] - centre[a]
         apart = float(np.sqrt(way @ way))
         row[:3] = way / apart if apart > 0.0 else (0.0, 0.0, 1.0)
+
+
+@kernel
+def place_solids(
+    turns: FloatArray, places: FloatArray, carrier: IntArray, turn: FloatArray, place: FloatArray,
+    half: FloatArray, radius: FloatArray, pairs: IntArray, reach: float, rotation: FloatArray,
+    centre: FloatArray,
+) -> IntArray:  # fmt: skip
+    """Write `rotation` (s, 3, 3) and `centre` (s, 3) of solids in the world; return the near pairs (k,).
+
+    `turns` (j, 3, 3) and `places` (j, 3) are the joints', `carrier` (s,) each solid's among them, `turn` and
+    `place` its own in it; `half` (s, 3) and `radius` (s,) its core. Near are those of `pairs` (m, 2) whose
+    bounding boxes along the world's axes are closer than `reach`.
+    """
+    extent = np.empty(centre.shape)
+    for s in range(centre.shape[0]):
+        j = carrier[s]
+        for a in range(3):
+            centre[s, a] = places[j, a]
+            extent[s, a] = radius[s]
+            for b in range(3):
+                centre[s, a] += turns[j, a, b] * place[s, b]
+                total = 0.0
+                for c in range(3):
+                    total += turns[j, a, c] * turn[s, c, b]
+                rotation[s, a, b] = total
+                extent[s, a] += abs(total) * half[s, b]
+    near = np.empty(pairs.shape[0], dtype=np.int64)
+    count = 0
+    for i in range(pairs.shape[0]):
+        one, two = pairs[i, 0], pairs[i, 1]
+        close = True
+        for a in range(3):
+            close &= abs(centre[one, a] - centre[two, a]) - extent[one, a] - extent[two, a] < reach
+        if close:
+            near[count] = i
+            count += 1
+    return near[:count]
 
 
 def slots(one: Shape, two: Shape) -> int:

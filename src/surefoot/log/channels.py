@@ -107,6 +107,7 @@ _TABLE = (
     Channel("active", ("p",), flag=True, meaning="whether the controller lets a point push"),
     Channel("attained", (), flag=True, meaning="whether the command was possible within the cones"),
     Channel("saturated", (), flag=True, meaning="whether a torque was at its limit"),
+    Channel("other_forces", ("nv",), "N, N m", "base", meaning="generalised, of contacts that are no feet's"),
     Channel("push", (3,), "N", "world", meaning="external force on the base"),
     Channel("mu", (), "1", meaning="friction of the ground"),
     Channel("planned", ("n",), flag=True, meaning="whether the gait wants a foot on the ground"),

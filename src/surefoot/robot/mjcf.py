@@ -2,8 +2,9 @@
 
 MuJoCo is asked because defaults, includes, angles, references and inertias from shapes are its own language.
 A body's joints are put one after the other at their anchors; `ref` turns into the place of the joint, so that
-configurations are MuJoCo's own, but for the base's quaternion. Rotor inertia (armature), damping and friction
-of joints are left out, as for URDF files: joints are ideal torque sources.
+configurations are MuJoCo's own, but for the base's quaternion. Rotor inertia (armature), damping and
+friction of joints are left out, as for URDF files: joints are ideal torque sources. What would change how the
+robot rests (closed chains, springs, tendons that pull) is not left out but refused.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, ModelError
+from surefoot.robot.mjcf_beyond import beyond_a_tree
 from surefoot.robot.parser_output import parser_output
 from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
 
@@ -72,7 +74,8 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
     MissingExtra
         If MuJoCo or Pinocchio is not installed.
     ModelError
-        For a file that MuJoCo cannot read, or a robot that is not one tree of hinges and slides.
+        For a file that MuJoCo cannot read, or a robot that is not one tree of hinges and slides: closed
+        chains, joints with springs, tendons that pull.
     """
     try:
         import mujoco
@@ -88,14 +91,35 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
         except (ValueError, OSError) as error:
             told = " ".join(str(error).split()).removeprefix("Error: ")
             raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told}") from error
-    free = compiled.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)
+    beyond = beyond_a_tree(mujoco, compiled)
+    if beyond:
+        raise ModelError(
+            f"{path} is more than a tree of hinges and slides with motors, and would not move without it as "
+            f"it does: {'; '.join(beyond)}. A copy of the file without it can be loaded"
+        )
+    root = _root(compiled, path)
+    kinds = mujoco.mjtJoint
+    free = int(compiled.body_jntnum[root]) > 0 and (
+        int(compiled.jnt_type[compiled.body_jntadr[root]]) == int(kinds.mjJNT_FREE)
+    )
+    floating = bool(free) if fixed_base is None else not fixed_base
+    return _Builder(mujoco, pinocchio, compiled, root, floating, path).build()
+
+
+def _root(compiled: Any, path: Path) -> int:
+    """Return the body from which the robot's tree grows.
+
+    Trees without any shape are left aside if another one has some: files of robots with fewer motors keep
+    joints of the full robot's on bodies of their own, out of sight.
+    """
     trees = [b for b in range(1, compiled.nbody) if compiled.body_parentid[b] == 0]
     moving = [b for b in trees if (compiled.body_treeid[compiled.body_rootid == b] >= 0).any()] or trees
+    shaped = [b for b in moving if compiled.body_geomnum[compiled.body_rootid == b].any()]
+    moving = shaped if len(shaped) == 1 else moving
     if len(moving) != 1:
         names = ", ".join(compiled.body(b).name or f"body {b}" for b in moving) or "none"
         raise ModelError(f"{path} must hold one robot, it has {len(moving)} that move: {names}")
-    floating = bool(free.any()) if fixed_base is None else not fixed_base
-    return _Builder(mujoco, pinocchio, compiled, moving[0], floating, path).build()
+    return moving[0]
 
 
 class _Builder:
@@ -135,12 +159,11 @@ class _Builder:
         base = np.zeros(0)
         if self.floating:
             base = np.array(self.pin.neutral(self.model))[:7]
-            if self._has_free():
-                base = np.concatenate([qpos[:3], quaternion_xyzw(qpos[3:7])])
+            first = int(self.compiled.body_jntadr[self.root])
+            if first >= 0 and self._is_free(first):
+                at = int(self.compiled.jnt_qposadr[first])
+                base = np.concatenate([qpos[at : at + 3], quaternion_xyzw(qpos[at + 3 : at + 7])])
         return np.concatenate([base, qpos[self.source]])
-
-    def _has_free(self) -> bool:
-        return int(self.compiled.jnt_type[0]) == int(self.mujoco.mjtJoint.mjJNT_FREE)
 
     def _add(self, body: int) -> None:
         """Add a body with its joints, or weld it to its parent."""
@@ -195,7 +218,8 @@ class _Builder:
     def _effort(self, joint: int) -> float:
         """Return the largest torque of the actuators on a joint [N m]; infinite where nothing limits it."""
         c, total, found = self.compiled, 0.0, False
-        on_joints = c.actuator_trntype == int(self.mujoco.mjtTrn.mjTRN_JOINT)
+        kinds = self.mujoco.mjtTrn
+        on_joints = np.isin(c.actuator_trntype, [int(kinds.mjTRN_JOINT), int(kinds.mjTRN_JOINTINPARENT)])
         for k in np.flatnonzero(on_joints & (c.actuator_trnid[:, 0] == joint)).tolist():
             found = True
             limit = np.inf
@@ -242,6 +266,8 @@ class _Builder:
     def _site_at(self, body: int, joint: int, place: Any, geom: int) -> int | None:
         """Return the frame of a site in the middle of a nameless shape: a foot's name, most often."""
         c, reach = self.compiled, float(self.compiled.geom_size[geom, 0])
+        if int(c.geom_type[geom]) == int(self.mujoco.mjtGeom.mjGEOM_MESH):
+            return None  # it is the shape of the body, not of a place on it
         for site in range(c.nsite):
             if int(c.site_bodyid[site]) == body and c.site(site).name:
                 frame = self.model.getFrameId(c.site(site).name)
@@ -260,9 +286,23 @@ class _Builder:
             int(kinds.mjGEOM_CYLINDER): lambda: coal.Cylinder(size[0], 2.0 * size[1]),
             int(kinds.mjGEOM_BOX): lambda: coal.Box(*(2.0 * size)),
             int(kinds.mjGEOM_ELLIPSOID): lambda: coal.Ellipsoid(*size),
+            int(kinds.mjGEOM_MESH): lambda: self._mesh(coal, int(self.compiled.geom_dataid[geom])),
         }
         maker = makers.get(int(self.compiled.geom_type[geom]))
         return maker() if maker else None
+
+    def _mesh(self, coal: Any, mesh: int) -> Any:
+        """Return a mesh as its triangles, as readers of URDF files have it."""
+        c = self.compiled
+        first, faces = int(c.mesh_vertadr[mesh]), int(c.mesh_faceadr[mesh])
+        vertices = np.array(c.mesh_vert[first : first + int(c.mesh_vertnum[mesh])], dtype=np.float64)
+        triangles = np.array(c.mesh_face[faces : faces + int(c.mesh_facenum[mesh])], dtype=np.int64)
+        shape = coal.BVHModelOBBRSS()
+        shape.beginModel(len(triangles), len(vertices))
+        shape.addVertices(vertices)
+        shape.addTriangles(triangles)
+        shape.endModel()
+        return shape
 
     def _is_free(self, joint: int) -> bool:
         return int(self.compiled.jnt_type[joint]) == int(self.mujoco.mjtJoint.mjJNT_FREE)

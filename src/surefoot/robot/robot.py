@@ -365,7 +365,8 @@ def _nominal(
     if fixed:
         low, high = model.lowerPositionLimit, model.upperPositionLimit
         usable = np.isfinite(low) & np.isfinite(high) & ((q < low) | (q > high))
-        return np.where(usable, 0.5 * (low + high), q)
+        with np.errstate(invalid="ignore"):  # joints without limits have no middle
+            return np.where(usable, 0.5 * (low + high), q)
     q[3:7] = entry.upright
     if shapes:
         flat = [len(shape.centres) >= 3 for shape in shapes]

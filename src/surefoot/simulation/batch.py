@@ -98,7 +98,7 @@ class RigidBatch:
     ) -> None:
         self.robot, self.count = robot, whole_number("count", count, low=1)
         self.options = options or StepOptions()
-        loads = _per_robot("payload", payload, self.count)
+        loads = per_robot("payload", payload, self.count)
         workers = min(whole_number("workers", workers, low=1), self.count)
         model, points = robot.model, len(robot.contact_points)
         shapes = {"q": (model.nq,), "v": (model.nv,), "torques": (robot.joints,), "push": (3,), "mu": (),
@@ -108,7 +108,7 @@ class RigidBatch:
             name: context.RawArray("d", self.count * int(np.prod(shape))) for name, shape in shapes.items()
         }
         self._arrays = {name: _view(raw[name], (self.count, *shapes[name])) for name in FIELDS}
-        self._arrays["mu"][:] = _per_robot("mu", mu, self.count)
+        self._arrays["mu"][:] = per_robot("mu", mu, self.count)
         self._arrays["q"][:] = robot.nominal
         edges = np.linspace(0, self.count, workers + 1).astype(int).tolist()
         self._own = Crew(robot, terrain, self.options, loads, self._arrays, 0, edges[1])
@@ -131,8 +131,8 @@ class RigidBatch:
             raise ProblemError(
                 f"which must be a mask of shape ({self.count},), got {chosen.dtype} {chosen.shape}"
             )
-        new_q = _rows("q", q, self.count, a["q"].shape[1])
-        new_v = np.zeros_like(a["v"]) if v is None else _rows("v", v, self.count, a["v"].shape[1])
+        new_q = rows_per_robot("q", q, self.count, a["q"].shape[1])
+        new_v = np.zeros_like(a["v"]) if v is None else rows_per_robot("v", v, self.count, a["v"].shape[1])
         for k in np.flatnonzero(chosen).tolist():
             a["q"][k], a["v"][k] = self.robot.configuration(new_q[k]), new_v[k]
         a["counts"][chosen] = 0.0
@@ -144,7 +144,7 @@ class RigidBatch:
 
     def set_friction(self, mu: ArrayLike) -> None:
         """Change the friction of the ground, a number or (count,), from the next step on."""
-        self._arrays["mu"][:] = _per_robot("mu", mu, self.count)
+        self._arrays["mu"][:] = per_robot("mu", mu, self.count)
 
     def step(self, torques: ArrayLike, push: ArrayLike | None = None, repeat: int = 1) -> BatchStep:
         """Advance all robots by `repeat` steps under (count, joints) torques [N m] and (count, 3) pushes [N].
@@ -272,7 +272,7 @@ def _view(raw: Any, shape: tuple[int, ...]) -> FloatArray:
     return np.frombuffer(raw, dtype=np.float64).reshape(shape)
 
 
-def _per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
+def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
     """Return a number or (count,) as (count,), finite and not negative."""
     array = real_array(name, value)
     if array.shape not in ((), (count,)) or not np.isfinite(array).all() or (array < 0.0).any():
@@ -280,7 +280,7 @@ def _per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
     return np.broadcast_to(array, (count,)).copy()
 
 
-def _rows(name: str, value: ArrayLike, count: int, width: int) -> FloatArray:
+def rows_per_robot(name: str, value: ArrayLike, count: int, width: int) -> FloatArray:
     """Return (width,) or (count, width) as the latter."""
     array = finite_array(name, value)
     if array.shape not in ((width,), (count, width)):

@@ -44,8 +44,18 @@ def import_mjx() -> Any:
     return jax, mjx
 
 
-_STATE = ("qpos", "qvel", "qacc_warmstart", "time")
+STATE = ("qpos", "qvel", "qacc_warmstart", "time")
 """What a step hands on."""
+
+
+def left_behind(data: Any) -> dict[str, Any]:
+    """Return what contacts are read from after a step."""
+    contact = data._impl.contact
+    return {
+        "geom_xpos": data.geom_xpos, "cvel": data.cvel, "subtree_com": data.subtree_com,
+        "geom": contact.geom, "efc_address": contact.efc_address, "frame": contact.frame,
+        "efc_force": data._impl.efc_force,
+    }  # fmt: skip
 
 
 @cache
@@ -91,7 +101,7 @@ class MjxWorld(MujocoWorld):
         super().reset(q, v)
         if self._put is not None:
             self._still = self._mjx.put_data(self.model, self.data)
-            self._moving = {name: np.array(getattr(self.data, name)) for name in _STATE}
+            self._moving = {name: np.array(getattr(self.data, name)) for name in STATE}
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
         """Advance by `dt`; see `MujocoWorld.step`."""
@@ -104,7 +114,7 @@ class MjxWorld(MujocoWorld):
         # the same kinds of arrays every time, or JAX would compile again
         given = {**self._moving, "qfrc_applied": applied, "xfrc_applied": external}
         state = _compiled()(self._put, self._still.replace(**given))
-        moving = {name: np.asarray(getattr(state, name)) for name in _STATE}
+        moving = {name: np.asarray(getattr(state, name)) for name in STATE}
         if not np.abs(moving["qvel"]).max(initial=0.0) < LARGEST:
             raise self._lost()
         self._moving, self._after = moving, state
@@ -121,18 +131,20 @@ class MjxWorld(MujocoWorld):
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
         if float(self._moving["time"]) == 0.0:
             return super().contacts()
-        after = self._after
-        impl, centres = after._impl, np.asarray(after.geom_xpos)[self._geoms]
-        contact = impl.contact
+        read = {name: np.asarray(value) for name, value in left_behind(self._after).items()}
+        return self.reading(read)
+
+    def reading(self, read: dict[str, FloatArray]) -> ContactReading:
+        """Return forces, gaps and velocities at the feet's spheres from what a step `left_behind`."""
+        centres = read["geom_xpos"][self._geoms]
         normals = self.terrain.normal(centres[:, :2])
         if not self.terrain.planar:
             surface_frames(normals, self._frames)
         gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
         forces, velocities, positions = read_contacts(
-            centres, self._frames, self._radii, np.asarray(after.cvel)[self._bodies],
-            np.asarray(after.subtree_com)[self._roots], np.asarray(contact.geom, dtype=np.int32),
-            np.asarray(contact.efc_address, dtype=np.int32), np.asarray(contact.frame).reshape(-1, 9),
-            np.asarray(impl.efc_force), self._geoms,
+            centres, self._frames, self._radii, read["cvel"][self._bodies], read["subtree_com"][self._roots],
+            read["geom"].astype(np.int32), read["efc_address"].astype(np.int32),
+            read["frame"].reshape(-1, 9), read["efc_force"], self._geoms,
         )  # fmt: skip
         return ContactReading(forces, gaps, velocities, positions)
 

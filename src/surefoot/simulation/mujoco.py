@@ -23,7 +23,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
 from surefoot.simulation.record_softness import world_softness
-from surefoot.simulation.world import ContactReading
+from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.spatial import (
     quaternion_from_rotation,
     quaternion_wxyz,
@@ -31,7 +31,7 @@ from surefoot.spatial import (
     rotation_from_quaternion,
 )
 from surefoot.stepping.bodies import finite_vector
-from surefoot.terrain import FlatTerrain, Terrain
+from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
 
 CONTACT_TIME = 0.004
@@ -42,6 +42,9 @@ FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
+
+HEAVIEST = 1e9
+"""Largest payload [kg]: MuJoCo's numbers end at 1e10."""
 
 _AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
@@ -112,8 +115,8 @@ class MujocoWorld:
     ) -> None:
         mujoco = import_mujoco()
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
-        self.terrain = FlatTerrain() if terrain is None else terrain
-        self.payload = real_number("payload", payload, low=0.0)
+        self.terrain = ground_of(terrain)
+        self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         spec = robot_spec(robot, self.payload)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         spec.option.timestep = self.dt

@@ -22,11 +22,16 @@ def add_shapes(mujoco: Any, spec: Any, terrain: Terrain, common: dict[str, Any])
     Raises
     ------
     ProblemError
-        If the terrain has no shapes, or a grid is too large.
+        If the terrain has no shapes, or others than these, or a grid is too large.
     """
     shapes = terrain.shapes()
     for k, shape in enumerate(shapes):
         name = f"ground:{k}" if len(shapes) > 1 else "ground"
+        if type(shape) not in _GEOMS:
+            raise ProblemError(
+                f"the MuJoCo world takes planes, boxes and grids, a {type(terrain).__name__} is made of a "
+                f"{type(shape).__name__}"
+            )
         geom = _GEOMS[type(shape)](mujoco, spec, name, shape)
         spec.worldbody.add_geom(name=name, **geom, **common)
 

@@ -214,7 +214,9 @@ class RigidWorld:
             warnings.warn(StiffContactWarning(self.dt, stable), stacklevel=3)
 
     def contacts(self) -> ContactReading:
-        """Return what the ground did to the feet during the last step; all else is in `touches`.
+        """Return what the ground did to the feet during the last step, and the sum of all else.
+
+        All contacts one by one are in `touches`.
 
         Forces are impulses over dt; velocities are the means until the next impulses, which the contact laws
         tie to the forces; gaps and positions are those at the impulses, the middle of the step. For a step
@@ -224,14 +226,26 @@ class RigidWorld:
         if self.last is None:
             start, velocities = self._start, self._start.velocities(self._state.v)
             forces = np.zeros(velocities.shape)
-            return ContactReading(forces[:p], start.gaps[:p], velocities[:p], start.positions[:p])
+            return ContactReading(
+                forces[:p], start.gaps[:p], velocities[:p], start.positions[:p], self._others()
+            )
         step = self.last
         gaps, velocities, positions = (
             step.gaps[:p].copy(),
             step.velocities[:p].copy(),
             step.positions[:p].copy(),
         )
-        return ContactReading(step.forces[:p], gaps, velocities, positions)
+        return ContactReading(step.forces[:p], gaps, velocities, positions, self._others())
+
+    def _others(self) -> FloatArray | None:
+        """Return the generalised force (nv,) of contacts that are not feet on the ground [N, N m]."""
+        step, p = self.last, len(self.contact_foot)
+        if self.stepper.geometry is None:
+            return None
+        if step is None or step.impact is None or not step.impulses[p:].any():
+            return np.zeros(self.model.nv)
+        J = self.stepper.contacts(State(step.impact.q, step.impact.after)).J[3 * p :]
+        return np.asarray(J.T @ step.forces[p:].ravel())
 
     def touches(self) -> list[Touch]:
         """Return every contact that carried a force in the last step: feet, other links, bodies."""

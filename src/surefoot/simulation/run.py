@@ -93,7 +93,7 @@ def felt_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least:
 def _recorder(world: World, controller: Controller, scenario: Scenario, folder: Path | None) -> Recorder:
     """Return a recorder for what every run has, and what the controller adds."""
     robot = world.robot
-    clash = [c.name for c in controller.channels if c.name in _SHARED]
+    clash = [c.name for c in controller.channels if c.name in (*_SHARED, "other_forces")]
     if clash:
         raise ProblemError(
             f"the controller's channel {clash[0]!r} is one that every log has; take another name"
@@ -114,7 +114,8 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
     }
-    channels = (*(CHANNELS[name] for name in _SHARED), *controller.channels)
+    shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
+    channels = (*(CHANNELS[name] for name in shared), *controller.channels)
     return Recorder(
         scenario.steps(world.dt), channels, folder, facts,
         nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
@@ -198,6 +199,8 @@ class _Run:
         rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
         rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
         rows["normals"][i] = self.world.terrain.normal(reading.positions[:, :2])
+        if reading.others is not None:
+            rows["other_forces"][i] = reading.others
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
         rows["attained"][i], rows["saturated"][i] = (
             command.attained,

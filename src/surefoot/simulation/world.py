@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.terrain import Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 
 @dataclass(frozen=True)
@@ -28,12 +29,16 @@ class ContactReading:
         (p, 3) velocity of the foot's material at the contact [m/s].
     positions
         (p, 3) contact points in world axes [m].
+    others
+        (nv,) generalised force of all other contacts: of other links, bodies, the robot with itself
+        [N, N m]; None in a world that has the feet's alone.
     """
 
     forces: FloatArray
     gaps: FloatArray
     velocities: FloatArray
     positions: FloatArray
+    others: FloatArray | None = None
 
 
 class World(Protocol):
@@ -77,3 +82,18 @@ class World(Protocol):
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground everywhere, from the next step on."""
+
+
+def ground_of(terrain: Terrain | None) -> Terrain:
+    """Return the terrain that a world is given, flat ground for None.
+
+    Raises
+    ------
+    ProblemError
+        For what is no terrain, as the name of one.
+    """
+    if terrain is None:
+        return FlatTerrain()
+    if not isinstance(terrain, Terrain):
+        raise ProblemError(f"terrain must be a Terrain, as sf.SlopeTerrain(10.0) is one, got {terrain!r:.80}")
+    return terrain

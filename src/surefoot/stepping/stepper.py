@@ -58,7 +58,7 @@ REACH = 1e-3
 """Contacts that free motion brings closer than this enter the contact problem [m]."""
 SLOP = 1e-6
 """Penetration that the projection leaves alone [m]."""
-PROJECTIONS = 3
+PROJECTIONS = 10
 """Most projections of one step; each is a Newton step on the gaps."""
 
 

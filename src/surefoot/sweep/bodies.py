@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import copy
+from typing import Any
 
 import numpy as np
 
 from surefoot.contact.laws.soft import ExactFriction, SpringDamper
+from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.sweep.space import Sample
+from surefoot.sweep.space import Sample, Space
 from surefoot.terrain import FlatTerrain, SlopeTerrain, Terrain, read_terrain, rough_ground
 
 GROUNDS = ("slope", "roughness", "terrain")
+OWN = {
+    "rigid": ("restitution", "stiffness", "damping"),
+    "mujoco": ("time_constant", "damping_ratio"),
+}
+"""World to the parameters of the ground that only it has."""
+SOFT_DEFAULTS = (0.004, 1.0)
+"""Time constant [s] and damping ratio of MuJoCo's ground where one of the two is drawn."""
 BODY = ("mass", "inertia", "com_x", "com_y", "com_z")
 
 
@@ -54,3 +63,27 @@ def soft_law(sample: Sample) -> SpringDamper | None:
         return None
     friction = ExactFriction(sample.number("mu", 0.6))
     return SpringDamper(sample.number("stiffness", 0.0), sample.number("damping", 0.0), friction=friction)
+
+
+def ground_options(world: str, sample: Sample) -> dict[str, Any]:
+    """Return a world's options for a sample's ground; none where the sample leaves the world its own."""
+    names = ("time_constant", "damping_ratio")
+    if world == "rigid":
+        return {"law": soft_law(sample), "restitution": sample.number("restitution", 0.0)}
+    if not set(names) & set(sample.values):
+        return {}
+    return {"solref": tuple(sample.number(n, d) for n, d in zip(names, SOFT_DEFAULTS, strict=True))}
+
+
+def check_ground(world: str, space: Space) -> None:
+    """Refuse parameters of the ground that a world does not have.
+
+    Raises
+    ------
+    ProblemError
+        Naming the parameter and whose it is.
+    """
+    for owner, own in OWN.items():
+        for name in own:
+            if name in space.names and owner != world:
+                raise ProblemError(f"{name} is of world {owner}, the settings say world {world}")

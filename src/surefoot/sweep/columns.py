@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from surefoot import __version__
 from surefoot.errors import MissingExtra, ProblemError
 from surefoot.sweep.config import SweepConfig
 
 MARK = b"surefoot.sweep"
-"""Key of the fingerprint in a file's metadata."""
+"""Key of the fingerprint in a file's metadata ..."""
+MADE_BY = b"surefoot.version"
+"""... and of the version that its rows were made by."""
 
 
 def import_pyarrow() -> Any:
@@ -54,4 +57,5 @@ def schema(config: SweepConfig) -> Any:
         raise ProblemError(
             f"experiment {config.name} has a result named as another column: {', '.join(twice)}"
         )
-    return pyarrow.schema(columns, metadata={MARK: config.fingerprint().encode()})
+    marks = {MARK: config.fingerprint().encode(), MADE_BY: __version__.encode()}
+    return pyarrow.schema(columns, metadata=marks)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from surefoot import __version__
 from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.sweep.experiments import Experiment, make_experiment
@@ -17,6 +18,8 @@ from surefoot.sweep.ranges import read_range
 from surefoot.sweep.space import MOST, Space
 
 _KEYS = ("experiment", "samples", "seed", "settings", "ranges", "maps")
+VERSION = "surefoot"
+"""Key of the version in a sweep's identity: another version may come to other results."""
 SAMPLES = 1000
 """Samples of a file that does not say how many."""
 
@@ -58,6 +61,7 @@ class SweepConfig:
     def identity(self) -> dict[str, Any]:
         """Return what decides about every sample's results: all but how many, and what is drawn of them."""
         return {
+            VERSION: __version__,
             "experiment": self.name,
             "seed": self.space.seed,
             "settings": self.experiment.as_dict(),

@@ -73,6 +73,10 @@ class Space:
         intervals = ((n, r) for n in self.names if isinstance(r := self.ranges[n], Interval))
         return tuple(name for name, r in intervals if r.low < r.high)
 
+    def varying(self) -> tuple[str, ...]:
+        """Return all parameters that are not constant: the drawn numbers, then the texts."""
+        return (*self.drawn(), *(name for name in self.names if self.kind(name) == "text"))
+
     def sample(self, indices: Iterable[int]) -> list[Sample]:
         """Return the samples of some indices, in their order."""
         wanted = list(indices)

@@ -2,26 +2,30 @@
 
 ``sweep.json`` says what the folder is of. Rows go to ``parts/part-000000.parquet``, ... ; when all are there
 they are merged into ``samples.parquet``, sorted by index, and the parts are removed. Every file is written
-under a temporary name in its own folder and renamed, so that a file with its final name is whole; only the
-process that holds the folder's lock writes.
+under a temporary name in its own folder and renamed, file and name brought to the disk, so that a file with
+its final name is whole; only the process that holds the folder's lock writes.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO, Any
 
+from surefoot import __version__
 from surefoot.errors import ProblemError, WriteError
 from surefoot.sweep.columns import MARK, import_pyarrow, schema
-from surefoot.sweep.config import SweepConfig
+from surefoot.sweep.config import VERSION, SweepConfig
 from surefoot.sweep.worker import Row
 
 TABLE, IDENTITY, PARTS, LOCK = "samples.parquet", "sweep.json", "parts", ".lock"
 TEMPORARY, UNREADABLE = ".tmp", ".unreadable"
+_NO_FOLDERS = (errno.EINVAL, errno.ENOTSUP, errno.EACCES, errno.EPERM)
+"""Of systems, and of folders above a sweep's, that cannot be asked to bring a folder to the disk."""
 
 
 class Store:
@@ -119,6 +123,8 @@ class Store:
             if self.folder.is_dir() and not (self.folder / IDENTITY).exists() and self._strange():
                 raise ProblemError(f"{self.folder} is not empty and no sweep's folder; name another one")
             self._parts.mkdir(parents=True, exist_ok=True)
+            for folder in (self.folder, *self.folder.resolve().parents[:1]):
+                _keep_names(folder)
             lock = (self.folder / LOCK).open("w")
         except OSError as error:
             raise ProblemError(f"cannot write to {self.folder}: {error.strerror}") from error
@@ -147,6 +153,7 @@ class Store:
             except (OSError, ValueError) as error:
                 raise ProblemError(f"{path} cannot be read: {error}") from error
             if found != json.loads(json.dumps(own)):
+                self._refuse_version(found)
                 raise ProblemError(
                     f"{self.folder} holds another sweep ({_difference(found, own)}); name another folder"
                 )
@@ -155,6 +162,15 @@ class Store:
             self._put(path, lambda name: name.write_text(text + "\n", encoding="utf-8"))
         for left in (*self.folder.glob("*" + TEMPORARY), *self._parts.glob("*" + TEMPORARY)):
             left.unlink()
+
+    def _refuse_version(self, found: Any) -> None:
+        """Refuse a folder of another version of Surefoot, whose rows may differ from this one's."""
+        there = found.get(VERSION, "no version") if isinstance(found, dict) else __version__
+        if there != __version__:
+            raise ProblemError(
+                f"{self.folder} was begun by Surefoot {there}, this is {__version__}, whose results may "
+                "differ; name another folder, or go on with that version"
+            )
 
     def _part_files(self) -> list[Path]:
         return sorted(p for p in self._parts.glob("part-*.parquet") if p.stem[5:].isdigit())
@@ -215,10 +231,24 @@ class Store:
             with name.open("rb") as stream:
                 os.fsync(stream.fileno())
             os.replace(name, path)
+            _keep_names(path.parent)
         except OSError as error:
             with contextlib.suppress(OSError):
                 name.unlink()
             raise WriteError(path, error) from error
+
+
+def _keep_names(folder: Path) -> None:
+    """Have a folder's names on the disk: a renamed file could else be gone after a power cut."""
+    try:
+        opened = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(opened)
+        finally:
+            os.close(opened)
+    except OSError as error:
+        if error.errno not in _NO_FOLDERS:
+            raise
 
 
 def _difference(found: Any, own: dict[str, Any], where: str = "") -> str:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.errors import ProblemError, unknown_name
 from surefoot.sweep.config import SweepConfig
 from surefoot.sweep.ranges import Interval
 from surefoot.sweep.worker import CRASHED, DONE, ERROR
@@ -83,9 +84,39 @@ def wilson(hits: int, count: int) -> Share:
 def margins(config: SweepConfig, table: Any) -> list[Margin]:
     """Return survival over each parameter that is drawn, in the order of the columns."""
     rows = _done(config, table)
-    out = [_number_margin(config, rows, name) for name in config.space.drawn()]
-    texts = [n for n in config.space.names if config.space.kind(n) == "text"]
-    return out + [_text_margin(config, rows, name) for name in texts]
+    return [_margin(config, rows, name) for name in config.space.varying()]
+
+
+def medians(config: SweepConfig, table: Any, name: str) -> list[dict[str, float | None]]:
+    """Return, for each bin of `margins`, the median of each numeric result by name; None without samples.
+
+    Raises
+    ------
+    ProblemError
+        See `check_varying`.
+    """
+    check_varying(config, name)
+    results = [column for column, kind in config.experiment.columns.items() if kind == "float"]
+    rows = _done(config, table, *results)
+    place, labels = _place(config, rows, name)[1:]
+    return [{column: _median(rows[column][place == k]) for column in results} for k in range(len(labels))]
+
+
+def check_varying(config: SweepConfig, name: str) -> None:
+    """Refuse a name that is not a parameter, or has the same value in all samples.
+
+    Raises
+    ------
+    ProblemError
+        Listing those that vary.
+    """
+    if name not in config.space.varying():
+        raise ProblemError(unknown_name("parameter that varies", name, config.space.varying()))
+
+
+def _median(values: Any) -> float | None:
+    numbers = [value for value in values if value is not None]
+    return float(np.median(numbers)) if numbers else None
 
 
 def counts(config: SweepConfig, table: Any) -> dict[str, int]:
@@ -115,10 +146,10 @@ def survival_grid(
     return *edges, number, survived
 
 
-def _done(config: SweepConfig, table: Any) -> dict[str, Any]:
-    """Return parameters and goal of the samples that are done, as arrays."""
+def _done(config: SweepConfig, table: Any, *results: str) -> dict[str, Any]:
+    """Return parameters, goal and more results of the samples that are done, as arrays."""
     done = np.array([status == DONE for status in table["status"].to_pylist()], dtype=np.bool_)
-    names = (*config.space.names, config.experiment.goal)
+    names = (*config.space.names, config.experiment.goal, *results)
     return {name: np.array(table[name].to_pylist(), dtype=object)[done] for name in names}
 
 
@@ -128,27 +159,20 @@ def _bin(edges: FloatArray, values: Any) -> IntArray:
     return np.clip(np.searchsorted(edges, numbers, side="right") - 1, 0, len(edges) - 2)
 
 
-def _number_margin(config: SweepConfig, rows: dict[str, Any], name: str) -> Margin:
+def _place(
+    config: SweepConfig, rows: dict[str, Any], name: str
+) -> tuple[FloatArray, IntArray, tuple[str, ...]]:
+    """Return a parameter's edges, the bin of each row, and a label for each bin."""
+    if config.space.kind(name) == "text":
+        texts = tuple(dict.fromkeys(config.space.ranges[name].as_dict()["choices"]))
+        place = np.array([texts.index(text) for text in rows[name]], dtype=np.int64)
+        return np.arange(len(texts) + 1, dtype=np.float64), place, texts
     edges = bins_of(config, name)
-    place = _bin(edges, rows[name])
-    labels = tuple(f"{a:.3g} to {b:.3g}" for a, b in pairwise(edges))
-    return _margin(config, rows, name, edges, labels, place)
+    return edges, _bin(edges, rows[name]), tuple(f"{a:.3g} to {b:.3g}" for a, b in pairwise(edges))
 
 
-def _text_margin(config: SweepConfig, rows: dict[str, Any], name: str) -> Margin:
-    labels = tuple(dict.fromkeys(config.space.ranges[name].as_dict()["choices"]))
-    place = np.array([labels.index(text) for text in rows[name]], dtype=np.int64)
-    return _margin(config, rows, name, np.arange(len(labels) + 1, dtype=np.float64), labels, place)
-
-
-def _margin(
-    config: SweepConfig,
-    rows: dict[str, Any],
-    name: str,
-    edges: FloatArray,
-    labels: tuple[str, ...],
-    place: IntArray,
-) -> Margin:
+def _margin(config: SweepConfig, rows: dict[str, Any], name: str) -> Margin:
+    edges, place, labels = _place(config, rows, name)
     number, good = len(labels), rows[config.experiment.goal].astype(np.bool_)
     every, survivors = np.bincount(place, minlength=number), np.bincount(place[good], minlength=number)
     return Margin(name, edges, labels, every.astype(np.int64), survivors.astype(np.int64))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import signal
 import threading
 import time as clock
@@ -11,7 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from surefoot.errors import SurefootError
+from surefoot import __version__
+from surefoot.errors import ProblemError, SurefootError
 from surefoot.sweep.experiments import Experiment
 from surefoot.sweep.space import Sample, Space
 
@@ -22,14 +24,26 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Task:
-    """What every worker needs to run any sample."""
+    """What every worker needs to run any sample; `version` is the driver's Surefoot."""
 
     experiment: Experiment
     space: Space
+    version: str = __version__
 
 
 def run_chunk(task: Task, indices: Sequence[int]) -> list[Row]:
-    """Return the rows of some samples."""
+    """Return the rows of some samples.
+
+    Raises
+    ------
+    ProblemError
+        On a worker whose Surefoot is not the driver's: rows of two versions do not belong together.
+    """
+    if task.version != __version__:
+        raise ProblemError(
+            f"worker {platform.node()} has Surefoot {__version__}, the driver {task.version}: install the "
+            "same"
+        )
     return [_row(task.experiment, sample) for sample in task.space.sample(indices)]
 
 

@@ -18,7 +18,7 @@ from surefoot.errors import ModelError, ProblemError, SimulationError, unknown_n
 from surefoot.robot import Robot
 from surefoot.simulation.drake.scene import scene_of
 from surefoot.simulation.drake_python import Worker
-from surefoot.simulation.world import ContactReading
+from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.stepping import Stepper
 from surefoot.stepping.bodies import finite_vector
@@ -32,6 +32,10 @@ SLIP = 0.1
 """Speed below which friction counts as sticking, over the step [m/s²]; Drake's own, 1e-4 m/s, at 1 ms."""
 STICTION = 1e-4
 """Drake's stiction tolerance [m/s]."""
+MATERIAL = ("point_contact_stiffness", "hunt_crossley_dissipation", "relaxation_time")
+"""Drake's proximity properties that its point contact reads."""
+HIGHEST = 1e9
+"""Largest friction, and largest payload [kg]."""
 LARGEST = 1e10
 """Speed from which a motion counts as lost [rad/s, m/s]."""
 
@@ -92,13 +96,13 @@ class DrakeWorld:
         *,
         contact: Mapping[str, Any] | None = None,
     ) -> None:
-        self._worker = Worker(WORKER)
+        self._worker, self._closed = Worker(WORKER), False
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
-        payload = real_number("payload", payload, low=0.0)
-        self._stepper = Stepper(robot, terrain, payload=payload)  # for its contact detection
+        payload = real_number("payload", payload, low=0.0, high=HIGHEST)
+        self._stepper = Stepper(robot, ground_of(terrain), payload=payload)  # for its contact detection
         self.terrain, self.contact_foot = self._stepper.terrain, robot.contact_points.foot
-        self.mu = real_number("mu", mu, low=0.0)
-        chosen = near_rigid(robot.mass + payload, self.dt) if contact is None else dict(contact)
+        self.mu = real_number("mu", mu, low=0.0, high=HIGHEST)
+        chosen = near_rigid(robot.mass + payload, self.dt) if contact is None else contact
         scene = scene_of(robot, self.terrain, payload)
         scene |= {"dt": self.dt, "mu": self.mu, **_contact_words(chosen)}
         scene["near_rigid"] = None if contact is None else 0.0
@@ -111,8 +115,15 @@ class DrakeWorld:
         return self._steps * self.dt
 
     def close(self) -> None:
-        """End Drake's process."""
+        """End Drake's process; the world can be asked where it is, but takes no further step."""
+        self._closed = True
         self._worker.close()
+
+    def _ask(self, task: list[Any]) -> dict[str, Any]:
+        """Return Drake's answer."""
+        if self._closed:
+            raise ModelError("this drake world is closed; make another one")
+        return self._worker.ask(task)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
@@ -120,7 +131,7 @@ class DrakeWorld:
         self._seen = self._stepper.contacts(state)
         self._q, self._v, self._steps = state.q, state.v, 0
         self._forces = np.zeros((len(self.contact_foot), 3))
-        self._worker.ask(["reset", *self._drakes()])
+        self._ask(["reset", *self._drakes()])
 
     def _drakes(self) -> tuple[list[float], list[float]]:
         """Return the state in Drake's order."""
@@ -163,8 +174,10 @@ class DrakeWorld:
             lever = rotation_from_quaternion(self._q[3:7]) @ self._stepper.bodies.lever
             effort[:3], effort[3:6] = np.cross(lever, force), force
         try:
-            answer = self._worker.ask(["step", effort.tolist()])
+            answer = self._ask(["step", effort.tolist()])
         except ModelError as error:
+            if self._closed:
+                raise
             raise self._lost() from error
         q, v = self._ours(answer)
         if not np.abs(v).max(initial=0.0) < LARGEST:
@@ -194,9 +207,9 @@ class DrakeWorld:
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground everywhere, from the next step on."""
-        wanted = real_number("mu", mu, low=0.0)
+        wanted = real_number("mu", mu, low=0.0, high=HIGHEST)
         if wanted != self.mu:
-            self._worker.ask(["friction", wanted])
+            self._ask(["friction", wanted])
             self.mu = wanted
 
     def contacts(self) -> ContactReading:
@@ -212,12 +225,19 @@ class DrakeWorld:
 
 def _contact_words(contact: Mapping[str, Any]) -> dict[str, Any]:
     """Return a contact's approximation and material as the worker takes them."""
-    approximation, material = contact.get("discrete_contact_approximation"), contact.get("each_body")
-    if approximation not in APPROXIMATIONS or not isinstance(material, Mapping):
-        raise ProblemError(
-            "contact must have each_body and "
-            + unknown_name("discrete_contact_approximation", str(approximation), APPROXIMATIONS)
-        )
+    if not isinstance(contact, Mapping) or not isinstance(contact.get("each_body"), Mapping):
+        raise ProblemError(f"contact must be a mapping with one named each_body, got {contact!r:.80}")
+    approximation = str(contact.get("discrete_contact_approximation"))
+    if approximation not in APPROXIMATIONS:
+        raise ProblemError(unknown_name("discrete_contact_approximation", approximation, APPROXIMATIONS))
+    material = contact["each_body"]
+    for name in material:
+        if name not in MATERIAL:  # Drake would take it, and never look at it
+            raise ProblemError(unknown_name("proximity property", str(name), MATERIAL))
     numbers = {name: real_number(name, value, low=0.0) for name, value in material.items()}
+    if not 0.0 < numbers.get("point_contact_stiffness", 1.0) < np.inf:
+        raise ProblemError(
+            f"point_contact_stiffness must be positive and finite, got {numbers['point_contact_stiffness']:g}"
+        )
     slip = real_number("stiction_tolerance", contact.get("stiction_tolerance", STICTION), low=1e-12)
     return {"approximation": approximation, "material": numbers, "stiction": slip}

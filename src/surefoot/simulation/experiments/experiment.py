@@ -166,12 +166,15 @@ class Outcome:
         World to its measurement at the step asked for.
     failures
         World to what stopped it.
+    left_out
+        Worlds that were asked for and cannot do it.
     """
 
     experiment: Experiment
     rows: list[Row] = field(default_factory=list)
     seen: dict[str, Measurement] = field(default_factory=dict)
     failures: dict[str, str] = field(default_factory=dict)
+    left_out: list[str] = field(default_factory=list)
 
     @property
     def agrees(self) -> bool:
@@ -179,8 +182,12 @@ class Outcome:
         return not self.failures and all(row.verdict == "agrees" for row in self.rows)
 
 
-def compare(experiment: Experiment, world: str, dt: float = 1e-3) -> tuple[list[Row], Measurement]:
+def compare(
+    experiment: Experiment, world: str, dt: float = 1e-3, tell: Callable[[str], object] | None = None
+) -> tuple[list[Row], Measurement]:
     """Return what an experiment gives in a world at a step of `dt` [s]: quantity by quantity, and all of it.
+
+    `tell` is called before each of the three runs with a phrase that says which.
 
     Raises
     ------
@@ -190,15 +197,27 @@ def compare(experiment: Experiment, world: str, dt: float = 1e-3) -> tuple[list[
         What the world raises.
     """
     step = real_number("dt", dt, low=1e-5, high=0.02)
-    coarse, here, fine = (experiment.measure(world, h) for h in (2.0 * step, step, 0.5 * step))
+    runs = []
+    for h in (2.0 * step, step, 0.5 * step):
+        if tell is not None:
+            tell(f"{experiment.name} in {world}, step {h:g} s")
+        runs.append(experiment.measure(world, h))
+    coarse, here, fine = runs
     rows = []
     for k, quantity in enumerate(here.quantities):
         rows.append(_row(experiment, world, quantity, [run.values[k] for run in (coarse, here, fine)]))
     return rows, here
 
 
-def carry_out(experiment: Experiment, worlds: Sequence[str], dt: float = 1e-3) -> Outcome:
+def carry_out(
+    experiment: Experiment,
+    worlds: Sequence[str],
+    dt: float = 1e-3,
+    tell: Callable[[str], object] | None = None,
+) -> Outcome:
     """Return an experiment in those of the worlds that can do it; what stops one is kept, not raised.
+
+    `tell` is called before each run with a phrase that says which.
 
     Raises
     ------
@@ -206,10 +225,10 @@ def carry_out(experiment: Experiment, worlds: Sequence[str], dt: float = 1e-3) -
         For a step that is no step.
     """
     real_number("dt", dt, low=1e-5, high=0.02)
-    outcome = Outcome(experiment)
+    outcome = Outcome(experiment, left_out=[world for world in worlds if not experiment.takes(world)])
     for world in filter(experiment.takes, worlds):
         try:
-            rows, outcome.seen[world] = compare(experiment, world, dt)
+            rows, outcome.seen[world] = compare(experiment, world, dt, tell)
         except SurefootError as error:
             outcome.failures[world] = str(error)
         else:

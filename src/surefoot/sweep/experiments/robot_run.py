@@ -13,7 +13,7 @@ import numpy as np
 from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS, make_world
-from surefoot.sweep.bodies import BODY, GROUNDS, altered, soft_law
+from surefoot.sweep.bodies import BODY, GROUNDS, altered, check_ground, ground_options
 from surefoot.sweep.experiments.experiment import Experiment
 from surefoot.sweep.space import Sample, Space
 from surefoot.terrain import Terrain
@@ -27,13 +27,6 @@ if TYPE_CHECKING:
     from surefoot.simulation.scenario import Push, Scenario
     from surefoot.simulation.world import World
 
-OWN = {
-    "rigid": ("restitution", "stiffness", "damping"),
-    "mujoco": ("time_constant", "damping_ratio"),
-}
-"""World to the parameters of the ground that only it has."""
-SOFT_DEFAULTS = (0.004, 1.0)
-"""Time constant [s] and damping ratio of MuJoCo's ground where one of the two is drawn."""
 PUSH_LENGTH = 0.2
 """Length of a push [s]."""
 
@@ -96,10 +89,7 @@ class RobotRun(Experiment):
     def check(self, space: Space) -> None:
         """Refuse what the world does not have, and robots that are not known."""
         super().check(space)
-        for world, own in OWN.items():
-            for name in own:
-                if name in space.names and world != self.world:
-                    raise ProblemError(f"{name} is of world {world}, the settings say world {self.world}")
+        check_ground(self.world, space)
         if {"push_x", "push_y"} & set(space.names) and self.push_time >= self.duration:
             raise ProblemError(f"push_time {self.push_time:g} s is after the end, {self.duration:g} s")
         known_robot(self.robot)
@@ -123,16 +113,10 @@ class RobotRun(Experiment):
 
     def build_world(self, sample: Sample, robot: Robot, terrain: Terrain) -> World:
         """Return the world with what a sample changes in it."""
-        told: dict[str, Any] = {}
-        if self.world == "rigid":
-            told = {"law": soft_law(sample), "restitution": sample.number("restitution", 0.0)}
-        elif {"time_constant", "damping_ratio"} & set(sample.values):
-            names = ("time_constant", "damping_ratio")
-            told["solref"] = tuple(sample.number(n, d) for n, d in zip(names, SOFT_DEFAULTS, strict=True))
-        load = sample.number("payload", 0.0)
         return make_world(
-            self.world, altered(robot, sample), terrain, sample.number("mu", self.mu), payload=load, **told
-        )
+            self.world, altered(robot, sample), terrain, sample.number("mu", self.mu),
+            payload=sample.number("payload", 0.0), **ground_options(self.world, sample),
+        )  # fmt: skip
 
     def measured(self, log: Log, summary: RunSummary, tilt: float) -> dict[str, Any]:
         """Return the results of a run."""

@@ -13,6 +13,7 @@ EXPERIMENTS: dict[str, str | type[Experiment]] = {
     "drop": "surefoot.sweep.experiments.drop:Drop",
     "stand": "surefoot.sweep.experiments.stand:Stand",
     "walk": "surefoot.sweep.experiments.walk:Walk",
+    "worlds": "surefoot.sweep.experiments.worlds:Worlds",
 }
 """Name to the class, or "module:class", imported when asked for."""
 
