@@ -31,6 +31,8 @@ EXCEPTED = {
     ("parameters", "surefoot/contact/problem.py", "__init__"),
     # where a user's words, or a file's, become a law
     ("isinstance", "surefoot/contact/laws/__init__.py", "Law"),
+    # where what a user gives as ground is refused if it is none
+    ("isinstance", "surefoot/simulation/world.py", "Terrain"),
     # a solver's law is a word or, for the stepper, a soft law: the one place that tells them apart
     ("isinstance", "surefoot/stepping/options.py", "SoftLaw"),
 }

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 from surefoot.compilation import Kernel
 
@@ -57,3 +59,54 @@ def _compiled(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, 
         function.py_func = function  # type: ignore[attr-defined]
         return function
     return cast("Callable[P, R]", Kernel(function, {}, options))
+
+
+def _borrowed(typing: Any, array: Any) -> Any:
+    """Return the same array uncounted."""
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        out = context.make_array(array)(context, builder, value=given[0])
+        out.meminfo, out.parent = (cgutils.get_null_value(part.type) for part in (out.meminfo, out.parent))
+        return out._getvalue()
+
+    return array(array), code
+
+
+def _window(typing: Any, array: Any, start: Any, rows: Any, columns: Any) -> Any:
+    """Return a part of an array's memory as a matrix, uncounted."""
+    kind = numba.types.Array(array.dtype, 2, "C")
+    from numba.np.arrayobj import populate_array  # takes 0.1 s: only where something is compiled
+
+    def code(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        memory = context.make_array(array)(context, builder, value=given[0])
+        out, size = context.make_array(kind)(context, builder), memory.itemsize
+        populate_array(
+            out, data=builder.gep(memory.data, [given[1]]), shape=given[2:], itemsize=size, meminfo=None,
+            strides=[builder.mul(given[3], size), size],
+        )  # fmt: skip
+        return out._getvalue()
+
+    return kind(array, INTEGER, INTEGER, INTEGER), code
+
+
+def _keep(typing: Any, array: Any) -> Any:
+    """Do nothing."""
+    return numba.types.none(array), lambda context, *_: context.get_dummy_value()
+
+
+if COMPILING:
+    borrowed: Any = intrinsic(_borrowed)
+    """borrowed(array): the same array uncounted; whoever owns it must outlive the last use (`keep`).
+
+    Numba counts references to every array that a variable holds, 10 ns each; kernels of a microsecond notice.
+    """
+    window: Any = intrinsic(_window)
+    """window(array, start, rows, columns): entries of an array's memory as a matrix, uncounted likewise."""
+    keep: Any = intrinsic(_keep)
+    """keep(array): to be called after the last use of what was borrowed from a local array."""
+else:
+    borrowed, keep = (lambda array: array), (lambda array: None)
+
+    def window(array: Any, start: int, rows: int, columns: int) -> Any:
+        """Return entries of an array's memory as a matrix."""
+        return array.reshape(-1)[start : start + rows * columns].reshape(rows, columns)

@@ -36,7 +36,12 @@ batch.central_path       path_blocks          batch/test_central_path.py::test_t
 batch.kernel             contact_blocks       batch/test_batch.py::test_dense_blocks_are_those_of_the_derivative
 batch.kernel             contact_jvp          batch/test_batch.py::test_kernels_match_their_numpy_twin
 batch.kernel             contact_vjp          batch/test_batch.py::test_kernels_match_their_numpy_twin
+batch.kernel             jvp_within           batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_jvp
+batch.kernel             slope_memory         batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.kernel             solve_contacts       batch/test_batch.py::test_the_kernel_runs_in_a_callers_own_code
+batch.kernel             solve_within_memory  batch/test_batch.py::test_the_kernel_runs_in_a_callers_own_code by solve_contacts
+batch.kernel             solving_memory       batch/test_batch.py::test_the_kernel_runs_in_a_callers_own_code by solve_contacts
+batch.kernel             vjp_within           batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.loops              derive_range         batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
 batch.loops              measure_range        batch/test_batch.py::test_kinks_in_a_batch_are_one_sided by solve_batch
 batch.loops              solve_range          batch/test_batch.py::test_a_batch_is_its_problems by solve_batch
@@ -49,6 +54,7 @@ contact.admissible       length               contact/test_contact_residuals.py:
 contact.admissible       nearest              contact/test_contact_residuals.py::test_velocity_error_is_its_definition by residuals
 contact.blocks           block_determinant    conformance/test_small_kernels.py::test_block_determinant
 contact.blocks           block_product        solvers/test_solver_kernels.py::test_block_kernels
+contact.blocks           checked_copy         solvers/test_solver_kernels.py::test_a_checked_copy_says_what_the_checked_mirror_says
 contact.blocks           checked_mirror       solvers/test_solver_kernels.py::test_block_kernels
 contact.blocks           dense_blocks         solvers/test_solver_kernels.py::test_block_kernels by blocks
 contact.blocks           vectors_fit          conformance/test_small_kernels.py::test_vectors_fit
@@ -146,6 +152,7 @@ simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_co
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
+solvers.compiled         solve_within         conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one
 solvers.dual_newton.horizon newton            solvers/test_dual_newton_horizon.py::test_the_answer_is_a_fixed_point_of_projected_gradients
 solvers.dual_newton.method descend            solvers/test_dual_newton_method.py::test_newton_finds_the_root_and_the_points_are_those_of_it
@@ -172,6 +179,7 @@ solvers.newton_step      classify             solvers/test_solver_kernels.py::te
 solvers.newton_step      newton_dense         solvers/test_solver_kernels.py::test_newton_step_solves_the_linearised_equations
 solvers.newton_step      run_dense            conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.newton_step      spread               solvers/test_solver_kernels.py::test_newton_step_solves_the_linearised_equations by newton_dense
+solvers.nsgs             fill_dense           solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks by prepare_dense
 solvers.nsgs             prepare_blocks       solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks
 solvers.nsgs             prepare_dense        solvers/test_solver_kernels.py::test_sweeps_dense_and_blocks
 solvers.nsgs             refresh_dense        solvers/test_solver_kernels.py::test_block_kernels

@@ -116,6 +116,32 @@ def test_block_kernels() -> None:
     assert not np.isfinite(blocks.checked_mirror(np.array([[1.0, np.nan], [np.nan, 1.0]]), 1e-8)[0])
 
 
+def test_a_checked_copy_says_what_the_checked_mirror_says() -> None:
+    """On sound matrices, rank-deficient and scaled ones, and such as break one of the signs."""
+    rng, verdicts = np.random.default_rng(4), []
+    for turn in range(400):
+        n = int(rng.integers(1, 5))
+        J = rng.normal(size=(3 * n, int(rng.integers(1, 3 * n + 2))))
+        G = J @ J.T * 10.0 ** rng.uniform(-100, 100)
+        i, j = rng.integers(0, 3 * n, 2)
+        top = np.abs(G).max()
+        if turn % 4 == 1:
+            G[i, j] += top * 10.0 ** rng.uniform(-10, 0)
+        elif turn % 4 == 2:
+            G[i, i] -= 3.0 * top * rng.integers(0, 2)
+        elif turn % 4 == 3:
+            G[i, j] = rng.choice([np.nan, np.inf, -np.inf, 0.0])
+        mirror, copy = G.copy(), np.empty_like(G)
+        scale, gap, _, _ = blocks.checked_mirror(mirror, 1e-8)
+        finite, sound = blocks.checked_copy(G, 1e-8, copy)
+        assert finite == np.isfinite(G).all() == (scale < np.inf)
+        if finite:
+            assert sound == (0.0 <= gap <= 1e-8 * scale)
+            assert np.array_equal(copy, 0.5 * (G + G.T))
+        verdicts.append((finite, sound and finite))
+    assert set(verdicts) == {(True, True), (True, False), (False, False)}
+
+
 @pytest.mark.parametrize("law", ["coulomb", "convex"])
 def test_sweeps_dense_and_blocks(law: str) -> None:
     """One sweep in NumPy: each contact solved with the others held, velocities recomputed from scratch."""

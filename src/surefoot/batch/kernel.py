@@ -28,10 +28,10 @@ from surefoot.batch.active import (
     unknowns,
     unscale,
 )
-from surefoot.contact.blocks import checked_mirror
-from surefoot.kernels import kernel
+from surefoot.contact.blocks import checked_copy
+from surefoot.kernels import borrowed, inline_kernel, keep, kernel, window
 from surefoot.numerics.elimination import lu_solve, lu_solve_many
-from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, solve_compiled
+from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, WORK, solve_within
 
 NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
 """What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
@@ -62,24 +62,45 @@ def solve_contacts(
     buffer
         (2n + 3, 3) to be filled: forces, velocities, and the seven numbers of `Residuals`.
     """
+    memory = np.empty(solving_memory(g.size))
+    done = solve_within_memory(
+        borrowed(G), borrowed(g), borrowed(laws), convex, asymmetry, tol, most, warm, borrowed(buffer), memory
+    )
+    keep(memory)
+    return done
+
+
+@inline_kernel
+def solving_memory(m: int) -> int:
+    """Return how many numbers of memory a problem with m unknowns takes."""
+    return m * (m + 2) + WORK * (m // 3)
+
+
+@inline_kernel
+def solve_within_memory(
+    G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, asymmetry: float, tol: float, most: int,
+    warm: bool, buffer: FloatArray, memory: FloatArray,
+) -> int:  # fmt: skip
+    """Do what `solve_contacts` does with borrowed arrays in memory that is there."""
     m = g.size
-    matrix, vectors = np.empty((m, m)), np.empty((2, m))
+    matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
     total = 0.0
     for i in range(m):
-        for j in range(m):
-            matrix[i, j] = G[i, j]
         vectors[0, i] = g[i]
         total += g[i]
     for a in range(3):
         for k in range(m // 3):
             vectors[1, a * (m // 3) + k] = laws[a, k]
-    scale, gap, _, _ = checked_mirror(matrix, asymmetry)
-    if not abs(total) + scale < np.inf:
+    if not abs(total) < np.inf:
         return NOT_NUMBERS
-    if gap < 0.0 or gap > asymmetry * scale:
+    finite, sound = checked_copy(G, asymmetry, matrix)
+    if not finite:
+        return NOT_NUMBERS
+    if not sound:
         return DOUBTFUL
     mode = (CONVEX if convex else 0) | (WARM if warm else 0)
-    done = solve_compiled(matrix, vectors, tol, most if most >= 0 else UNBOUNDED, mode, buffer)
+    bound = most if most >= 0 else UNBOUNDED
+    done = solve_within(matrix, vectors, tol, bound, mode, buffer, memory, m * (m + 2))
     return ~(done - UNSOLVED) if done >= UNSOLVED else done
 
 
@@ -106,9 +127,29 @@ def contact_vjp(
         Whether the active system is regular; for redundant contacts the gradient is along perturbations
         that they can follow.
     """
+    memory = np.empty(slope_memory(laws.shape[1]))
+    regular = vjp_within(
+        borrowed(G), borrowed(laws), convex, borrowed(buffer), borrowed(weights), borrowed(out), memory
+    )
+    keep(memory)
+    return regular
+
+
+@inline_kernel
+def slope_memory(n: int) -> int:
+    """Return how many numbers of memory the gradient of a problem takes."""
+    return (3 * n + 5) * 3 * n + 8 * n
+
+
+@inline_kernel
+def vjp_within(
+    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, weights: FloatArray, out: FloatArray,
+    memory: FloatArray,
+) -> bool:  # fmt: skip
+    """Do what `contact_vjp` does with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
-    mode, work = np.empty((n, 8)), np.empty((m + 4, m))
+    work, mode = window(memory, 0, m + 4, m), window(memory, (m + 4) * m, n, 8)
     p, b, back = work[m], work[m + 1], work[m + 2]
     size = read_modes(G, laws, convex, buffer, mode)
     for k in range(n):
@@ -164,9 +205,23 @@ def contact_jvp(
     bool
         Whether the active system is regular, see `contact_vjp`.
     """
+    memory = np.empty(slope_memory(laws.shape[1]))
+    regular = jvp_within(
+        borrowed(G), borrowed(laws), convex, borrowed(buffer), borrowed(rates), borrowed(out), memory
+    )
+    keep(memory)
+    return regular
+
+
+@inline_kernel
+def jvp_within(
+    G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, rates: FloatArray, out: FloatArray,
+    memory: FloatArray,
+) -> bool:  # fmt: skip
+    """Do what `contact_jvp` does with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
-    mode, work = np.empty((n, 8)), np.empty((m + 5, m))
+    work, mode = window(memory, 0, m + 5, m), window(memory, (m + 5) * m, n, 8)
     v, b, jump, extra, moved = work[m], work[m + 1], work[m + 2], work[m + 3], work[m + 4]
     size = read_modes(G, laws, convex, buffer, mode)
     for k in range(n):

@@ -10,8 +10,14 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.batch.active import FREE, HELD, SLIDE, STICK, read_modes
-from surefoot.batch.kernel import contact_jvp, contact_vjp, solve_contacts
-from surefoot.kernels import inline_kernel, releasing_kernel
+from surefoot.batch.kernel import (
+    jvp_within,
+    slope_memory,
+    solve_within_memory,
+    solving_memory,
+    vjp_within,
+)
+from surefoot.kernels import borrowed, inline_kernel, keep, releasing_kernel, window
 
 
 @inline_kernel
@@ -71,6 +77,26 @@ def _put(mask: BoolArray, b: int, n: int, rows: int, few: int, part: FloatArray,
             i += 1 if mask[b, k] else 0
 
 
+@inline_kernel
+def _room(n: int) -> int:
+    """Return how many numbers of memory `_reduced` takes for problems of up to n contacts."""
+    return 9 * n * n + 30 * n + 9
+
+
+@inline_kernel
+def _reduced(memory: FloatArray, few: int) -> tuple[FloatArray, ...]:
+    """Return memory of a problem of few contacts: G, g, laws, buffer, and both ends of a derivative."""
+    m, at = 3 * few, 9 * few * few
+    return (
+        window(memory, 0, m, m),
+        window(memory, at, 1, m)[0],
+        window(memory, at + m, 3, few),
+        window(memory, at + 2 * m, 2 * few + 3, 3),
+        window(memory, at + 4 * m + 9, 2 * few, 3),
+        window(memory, at + 6 * m + 9, 2 * few, 3),
+    )
+
+
 @releasing_kernel
 def solve_range(
     G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, asymmetry: float,
@@ -78,25 +104,30 @@ def solve_range(
 ) -> None:  # fmt: skip
     """Solve problems start to stop - 1; see `solve_contacts` for buffers (B, 2n + 3, 3) and done (B,)."""
     n = laws.shape[2]
+    memory, room = np.empty(solving_memory(3 * n)), np.empty(_room(n))
     for b in range(start, stop):
-        own = laws[b if laws.shape[0] > 1 else 0]
+        A, a, buffer = borrowed(G)[b], borrowed(g)[b], borrowed(buffers)[b]
+        own = borrowed(laws)[b if laws.shape[0] > 1 else 0]
         few = _count(mask, b, n)
-        if few == n:
-            done[b] = solve_contacts(G[b], g[b], own, convex, asymmetry, tol, most, warm, buffers[b])
-            continue
         if few == 0:
             buffers[b, :, :] = 0.0
             done[b] = 0
             continue
-        A, a, rest = np.empty((3 * few, 3 * few)), np.empty(3 * few), np.empty((3, few))
-        part = np.empty((2 * few + 3, 3))
-        _contract(G[b], g[b], own, mask, b, few, A, a, rest)
-        _pick(mask, b, n, 1, buffers[b], part[:few])
-        done[b] = solve_contacts(A, a, rest, convex, asymmetry, tol, most, warm, part)
-        _put(mask, b, n, 2, few, part, buffers[b])
-        for r in range(3):
-            for x in range(3):
-                buffers[b, 2 * n + r, x] = part[2 * few + r, x]
+        if few < n:
+            A, a, own, buffer, _, _ = _reduced(room, few)
+            _contract(
+                borrowed(G)[b], borrowed(g)[b], borrowed(laws)[b if laws.shape[0] > 1 else 0], mask, b, few,
+                A, a, own,
+            )  # fmt: skip
+            _pick(mask, b, n, 1, borrowed(buffers)[b], buffer[:few])
+        done[b] = solve_within_memory(A, a, own, convex, asymmetry, tol, most, warm, buffer, memory)
+        if few < n:
+            _put(mask, b, n, 2, few, buffer, borrowed(buffers)[b])
+            for r in range(3):
+                for x in range(3):
+                    buffers[b, 2 * n + r, x] = buffer[2 * few + r, x]
+    keep(memory)
+    keep(room)
 
 
 @releasing_kernel
@@ -106,31 +137,30 @@ def derive_range(
 ) -> None:  # fmt: skip
     """Fill the jvp (forward) or vjp (B, 2n, 3) of problems start to stop - 1; zero where not valid."""
     n = laws.shape[2]
+    memory, room = np.empty(slope_memory(n)), np.empty(_room(n))
     for b in range(start, stop):
-        if not valid[b]:
-            out[b, :, :] = 0.0
-            continue
-        own = laws[b if laws.shape[0] > 1 else 0]
-        few = _count(mask, b, n)
-        if few == n:
-            if forward:
-                regular[b] = contact_jvp(G[b], own, convex, buffers[b], given[b], out[b])
-            else:
-                regular[b] = contact_vjp(G[b], own, convex, buffers[b], given[b], out[b])
-            continue
+        few = _count(mask, b, n) if valid[b] else 0
         if few == 0:
             out[b, :, :] = 0.0
             continue
-        A, a, rest = np.empty((3 * few, 3 * few)), np.empty(3 * few), np.empty((3, few))
-        part, ends = np.empty((2 * few + 3, 3)), np.empty((2, 2 * few, 3))
-        _contract(G[b], G[b, 0], own, mask, b, few, A, a, rest)
-        _pick(mask, b, n, 2, buffers[b], part[: 2 * few])
-        _pick(mask, b, n, 2, given[b], ends[0])
+        A, buffer, ends, found = borrowed(G)[b], borrowed(buffers)[b], borrowed(given)[b], borrowed(out)[b]
+        own = borrowed(laws)[b if laws.shape[0] > 1 else 0]
+        if few < n:
+            A, a, own, buffer, ends, found = _reduced(room, few)
+            _contract(
+                borrowed(G)[b], borrowed(G)[b, 0], borrowed(laws)[b if laws.shape[0] > 1 else 0], mask, b,
+                few, A, a, own,
+            )  # fmt: skip
+            _pick(mask, b, n, 2, borrowed(buffers)[b], buffer[: 2 * few])
+            _pick(mask, b, n, 2, borrowed(given)[b], ends)
         if forward:
-            regular[b] = contact_jvp(A, rest, convex, part, ends[0], ends[1])
+            regular[b] = jvp_within(A, own, convex, buffer, ends, found, memory)
         else:
-            regular[b] = contact_vjp(A, rest, convex, part, ends[0], ends[1])
-        _put(mask, b, n, 2, few, ends[1], out[b])
+            regular[b] = vjp_within(A, own, convex, buffer, ends, found, memory)
+        if few < n:
+            _put(mask, b, n, 2, few, found, borrowed(out)[b])
+    keep(memory)
+    keep(room)
 
 
 @releasing_kernel

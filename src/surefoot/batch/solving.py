@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -154,14 +155,14 @@ def solve_batch(
         ),
         B, threads,
     )  # fmt: skip
-    status = np.full(B, Status.SOLVED, dtype=object)
+    status, valid = np.full(B, Status.SOLVED, dtype=object), done >= 0
     for b in np.flatnonzero(done < 0).tolist():
         own = laws[b if len(laws) > 1 else 0]
         here = present[b] if len(present) else np.ones(n, dtype=np.bool_)
         status[b] = _solve_rest(b, matrices[b], free[b], own, here, named, tol, most, done, buffers[b])
+        valid[b] = status[b] is Status.SOLVED
     found = None
     if derivative:
-        valid = np.asarray(status == Status.SOLVED, dtype=np.bool_)
         found = BatchDerivative(matrices, free, laws, present, named, buffers, valid, threads, in_ranges)
     return BatchSolution(
         buffers[:, :n], buffers[:, n : 2 * n], status, buffers[:, 2 * n, 0], np.abs(done), found
@@ -205,9 +206,21 @@ def in_ranges(work: Callable[[int, int], None], count: int, threads: int) -> Non
         work(0, count)
         return
     edges = np.linspace(0, count, min(threads * SHARES, count // 16) + 1).astype(int).tolist()
-    with ThreadPoolExecutor(threads) as pool:
-        for future in [pool.submit(work, a, b) for a, b in pairwise(edges)]:
-            future.result()
+    pieces = deque(pairwise(edges))
+
+    def take() -> None:
+        while True:
+            try:
+                start, stop = pieces.popleft()  # safe among threads
+            except IndexError:
+                return
+            work(start, stop)
+
+    with ThreadPoolExecutor(threads - 1) as pool:
+        others = [pool.submit(take) for _ in range(threads - 1)]
+        take()  # this thread works, too
+        for other in others:
+            other.result()
 
 
 def _cores() -> int:

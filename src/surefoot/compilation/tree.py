@@ -12,6 +12,7 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core.registry import CPUDispatcher
+from numba.extending import _Intrinsic
 
 from surefoot.compilation.parts import WHOLE_TREES
 
@@ -67,6 +68,12 @@ class Tree:
             if value not in self.functions:
                 self.functions.append(value)
                 yield from self._of_function(value)
+        elif isinstance(value, _Intrinsic):  # its own code; what Numba has below it goes with Numba's version
+            for code in _codes(value._defn.__code__):
+                yield code.co_code
+                yield repr(
+                    (code.co_names, [c for c in code.co_consts if not isinstance(c, CodeType)])
+                ).encode()
         elif isinstance(value, ModuleType):
             yield value.__name__.encode()
             if value.__name__.partition(".")[0] == PACKAGE:

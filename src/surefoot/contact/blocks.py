@@ -81,6 +81,40 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
     return scale, gap, row, column
 
 
+@inline_kernel
+def checked_copy(G: FloatArray, slack: float, out: FloatArray) -> tuple[bool, bool]:
+    """Fill out with the symmetric part of G; return whether it is finite, and passes `checked_mirror`.
+
+    The largest entry of a semidefinite matrix is on its diagonal, so tests against that one are stricter;
+    what they doubt (and what is not a number: it passes none) goes through `checked_mirror` itself.
+    """
+    top = 0.0
+    for i in range(G.shape[0]):
+        out[i, i] = G[i, i]
+        top = max(top, G[i, i])
+    add = slack * top
+    bad = not top < np.inf
+    for i in range(G.shape[0]):
+        own = G[i, i] + add
+        bad |= not own >= 0.0
+        for j in range(i):
+            a, b = G[i, j], G[j, i]
+            half = 0.5 * (a + b)
+            out[i, j] = out[j, i] = half
+            bad |= not abs(a - b) <= add
+            bad |= not half * half <= own * (out[j, j] + add)
+    for i in range(0, G.shape[0] - 2, 3):
+        trace = out[i, i] + out[i + 1, i + 1] + out[i + 2, i + 2]
+        bad |= not block_determinant(out, i, add) >= -1e-14 * trace * trace * trace
+    if not bad:
+        return True, True
+    for i in range(G.shape[0]):
+        for j in range(G.shape[0]):
+            out[i, j] = G[i, j]
+    scale, gap, _, _ = checked_mirror(out, slack)
+    return scale < np.inf, 0.0 <= gap <= slack * scale
+
+
 @kernel
 def vectors_fit(vectors: FloatArray) -> bool:
     """Tell whether the vectors of a problem, (2, 3n), are finite and in range."""

@@ -260,7 +260,7 @@ def _rounding_blocks(
     return ROUNDING * worst
 
 
-@kernel
+@inline_kernel
 def certify_dense(
     G: FloatArray, free: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray,
     facets: int, inner: bool, coulomb: bool, forces: FloatArray, velocities: FloatArray,

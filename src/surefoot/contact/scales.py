@@ -20,6 +20,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.blocks import dense_blocks
 from surefoot.kernels import inline_kernel, kernel
 
+THIRD = 1.0 / 3.0
 NOISE = 1.5e-14
 """Share of sqrt(trace G_kk trace G_jj) up to which the entries of G_kj are rounding."""
 ROUNDING = 2.3e-16
@@ -37,22 +38,41 @@ def symmetric_norm(a: float, b: float, c: float, d: float, e: float, f: float) -
     The largest root x = 2 cos(acos(y) / 3) of x³ - 3 x = 2 y (O. K. Smith, CACM 4(4), 1961), of the matrix
     less its mean and in units of its radius; as a polynomial in sqrt((1 + y) / 2), where it is analytic.
     """
-    top = max(max(abs(a), abs(b)), max(abs(c), max(abs(d), max(abs(e), abs(f)))))
-    if not top > 0.0:
-        return top
-    unit = 1.0 / top
-    mean = (a + b + c) * unit / 3.0
-    p, q, r = a * unit - mean, b * unit - mean, c * unit - mean
-    x, y, z = d * unit, e * unit, f * unit
-    half = (p * p + q * q + r * r) / 6.0 + (x * x + y * y + z * z) / 3.0
-    if not half > 0.0:
-        return abs(mean) * top
+    mean = THIRD * (a + b + c)
+    p, q, r = a - mean, b - mean, c - mean
+    half = THIRD * (0.5 * (p * p + q * q + r * r) + d * d + e * e + f * f)
+    if not 1e-60 < half < 1e60:  # cubes of it would overflow or vanish
+        return _scaled_norm(a, b, c, d, e, f)
+    return _norm_about(mean, half, p, q, r, d, e, f)
+
+
+@inline_kernel
+def _norm_about(
+    mean: float, half: float, p: float, q: float, r: float, x: float, y: float, z: float
+) -> float:
+    """Return the norm from the diagonal's mean, the radius squared and the matrix less the mean."""
     radius = math.sqrt(half)
     cosine = (p * (q * r - z * z) - x * (x * r - z * y) + y * (x * z - q * y)) / (2.0 * half * radius)
     largest = mean + radius * _largest_root(cosine)
     if mean < 0.5 * radius:  # not semidefinite, perhaps: the other end may be farther out
         largest = max(largest, radius * _largest_root(-cosine) - mean)
-    return largest * top
+    return largest
+
+
+@inline_kernel
+def _scaled_norm(a: float, b: float, c: float, d: float, e: float, f: float) -> float:
+    """Return the norm of a matrix of any size, or of one that is all but a multiple of the identity."""
+    top = max(max(abs(a), abs(b)), max(abs(c), max(abs(d), max(abs(e), abs(f)))))
+    if not 0.0 < top < np.inf:
+        return top
+    unit = 1.0 / top
+    a, b, c, d, e, f = a * unit, b * unit, c * unit, d * unit, e * unit, f * unit
+    mean = THIRD * (a + b + c)
+    p, q, r = a - mean, b - mean, c - mean
+    half = THIRD * (0.5 * (p * p + q * q + r * r) + d * d + e * e + f * f)
+    if not half > 0.0:
+        return abs(mean) * top
+    return _norm_about(mean, half, p, q, r, d, e, f) * top
 
 
 @inline_kernel
@@ -170,12 +190,13 @@ def _scales_of_one_part(g: FloatArray, scales: FloatArray) -> bool:
         energy += 1.0 / scales[0, k] if scales[0, k] > 0.0 else 0.0
     if not 1e-250 < most < 1e250:
         return False
+    speed = math.sqrt(most)
     for k in range(n):
-        scales[1, k], scales[3, k] = math.sqrt(most), energy * most
+        scales[1, k], scales[3, k] = speed, energy * most
     return True
 
 
-@kernel
+@inline_kernel
 def scales_dense(G: FloatArray, g: FloatArray, low: FloatArray, high: FloatArray, scales: FloatArray) -> None:
     """Fill the rows of `scales` (4, n) for a dense G: w, s, trace G_kk, and Σ s_j² / w_j of the part.
 

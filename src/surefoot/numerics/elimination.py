@@ -12,11 +12,11 @@ PAIRED = 24
 @inline_kernel
 def _back_substitute(A: FloatArray, b: FloatArray, m: int) -> None:
     """Solve with the upper triangle of A in place."""
-    for k in range(m - 1, -1, -1):
-        total = b[k]
-        for j in range(k + 1, m):
-            total -= A[k, j] * b[j]
-        b[k] = total / A[k, k]
+    for k in range(m - 1, -1, -1):  # column by column: what waits for an unknown is one product, not a sum
+        x = b[k] / A[k, k]
+        b[k] = x
+        for i in range(k):
+            b[i] -= A[i, k] * x
 
 
 @kernel

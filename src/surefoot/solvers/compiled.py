@@ -16,8 +16,20 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import certify_dense
 from surefoot.contact.scales import scales_dense
-from surefoot.kernels import INTEGER, MATRIX, REAL, entry_point, kernel
+from surefoot.kernels import (
+    INTEGER,
+    MATRIX,
+    REAL,
+    borrowed,
+    entry_point,
+    inline_kernel,
+    keep,
+    kernel,
+    window,
+)
 from surefoot.solvers.newton_step import FEW, run_dense
+from surefoot.solvers.nsgs import fill_dense
+from surefoot.solvers.one_contact import WIDTH
 from surefoot.solvers.stopping import settle
 
 COMPILED_CONTACTS = 45
@@ -30,6 +42,8 @@ ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations, and sweeps before the first Newton step (then twice as many each time), of few contacts and
 of many."""
 UNBOUNDED = 1 << 40
+WORK = 10 + WIDTH
+"""Numbers of scratch memory per contact."""
 ITERATION = 2e-7
 """Seconds that an iteration takes per contact, sweeps and Newton steps as they come."""
 _empty, _INFINITY = np.empty, math.inf
@@ -46,21 +60,33 @@ def solve_compiled(
     record: FloatArray,
 ) -> int:  # fmt: skip
     """Fill the record (2n + 3, 3) of `ContactSolution` in at most so many iterations; return their number."""
+    memory = np.empty(WORK * (vectors.shape[1] // 3))
+    done = solve_within(borrowed(G), borrowed(vectors), tol, most, mode, borrowed(record), memory, 0)
+    keep(memory)
+    return done
+
+
+@inline_kernel
+def solve_within(
+    G: FloatArray, vectors: FloatArray, tol: float, most: int, mode: int, record: FloatArray,
+    memory: FloatArray, at: int,
+) -> int:  # fmt: skip
+    """Do what `solve_compiled` does with borrowed arrays, in `WORK` n numbers of memory from a place on."""
     m = vectors.shape[1]
     n = m // 3
     g, mu, low, high = vectors[0], vectors[1, :n], vectors[1, n : 2 * n], vectors[1, 2 * n :]
     convex = mode & CONVEX != 0
-    forces, velocities, scales = np.zeros(m), np.empty(m), np.empty((4, n))
+    forces, velocities = window(memory, at, 1, m)[0], window(memory, at + m, 1, m)[0]
+    scales, local = window(memory, at + 2 * m, 4, n), window(memory, at + 2 * m + 4 * n, n, WIDTH)
     scales_dense(G, g, low, high, scales)
-    if mode & WARM:
-        for k in range(n):
-            for a in range(3):
-                forces[3 * k + a] = record[k, a]
+    for i in range(m):
+        forces[i] = record[i // 3, i % 3] if mode & WARM else 0.0
     burst = BURST if n <= FEW else BURST_MANY
     if mode & SOON:
         burst = 1
     settle(low, scales, forces)
-    done, _ = run_dense(G, g, mu, low, high, convex, scales, tol, ROUNDS, burst, most, forces, velocities)
+    fill_dense(G, scales, local)
+    done, _ = run_dense(G, g, mu, low, high, convex, local, tol, ROUNDS, burst, most, forces, velocities)
     settle(low, scales, forces)
     numbers = certify_dense(G, g, mu, low, high, scales, 0, True, not convex, forces, velocities)
     for k in range(n):

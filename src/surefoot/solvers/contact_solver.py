@@ -15,21 +15,32 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number, whole_number
-from surefoot.contact.blocks import checked_mirror
+from surefoot.contact.blocks import checked_copy
 from surefoot.contact.matrix import ASYMMETRY
 from surefoot.contact.problem import ContactOptions, ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
 from surefoot.contact.residuals import Residuals
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError
-from surefoot.kernels import BOOLEAN, INTEGER, MATRIX, REAL, VECTOR, entry_point, releasing_kernel
+from surefoot.kernels import (
+    BOOLEAN,
+    INTEGER,
+    MATRIX,
+    REAL,
+    VECTOR,
+    borrowed,
+    entry_point,
+    releasing_kernel,
+    window,
+)
 from surefoot.solvers.compiled import (
     COMPILED_CONTACTS,
     CONVEX,
     UNBOUNDED,
     UNSOLVED,
     WARM,
-    solve_compiled,
+    WORK,
+    solve_within,
 )
 from surefoot.solvers.solver import solve
 
@@ -47,22 +58,24 @@ def _solve_raw(
 ) -> int:
     """Solve with a new G (m, m) and g (m,); return what `solve_compiled` does.
 
-    The rows of memory (m + 5, m): room for G and g, the parameters (mu, low, high), the mode of the law and
-    whether the last row holds forces, the compliance, and the last forces. The buffer is `solve_compiled`'s.
+    The rows of memory (at least m + 5, m): room for G and g, the parameters (mu, low, high), the mode of the
+    law and whether the last row holds forces, the compliance, the last forces, and the scratch memory of
+    `solve_within`. The buffer is `solve_compiled`'s.
     """
     m = g.size
     total = 0.0
     for i in range(m):
-        for j in range(m):
-            memory[i, j] = G[i, j]
         memory[m, i] = g[i]
         total += g[i]
     start = warm and memory[m + FLAGS, 1] != 0.0
     memory[m + FLAGS, 1] = 0.0
-    scale, gap, _, _ = checked_mirror(memory[:m], ASYMMETRY)
-    if not abs(total) + scale < np.inf:
+    if not abs(total) < np.inf:
         return NOT_NUMBERS
-    if gap < 0.0 or gap > ASYMMETRY * scale:
+    matrix = window(memory, 0, m, m)
+    finite, sound = checked_copy(borrowed(G), ASYMMETRY, matrix)
+    if not finite:
+        return NOT_NUMBERS
+    if not sound:
         return DOUBTFUL
     for i in range(m):
         memory[i, i] += memory[m + COMPLIANCE, i]
@@ -73,7 +86,8 @@ def _solve_raw(
     mode = int(memory[m + FLAGS, 0])
     if start:
         mode |= WARM
-    done = solve_compiled(memory[:m], memory[m : m + 2], tol, most, mode, buffer)
+    vectors = window(memory, m * m, 2, m)
+    done = solve_within(matrix, vectors, tol, most, mode, borrowed(buffer), memory, (m + LAST + 1) * m)
     if done < UNSOLVED:
         for k in range(m // 3):
             for a in range(3):
@@ -205,7 +219,7 @@ class ContactSolver:
         # the problem's own checks; a zero matrix with the compliance on its diagonal
         self._laws = ContactProblem(np.zeros((m, m)), np.zeros(m), mu, normal_min, normal_max, law, **options)
         self.law = self._laws.law
-        self._memory = np.zeros((m + 5, max(m, 2)))
+        self._memory = np.zeros((m + LAST + 1 + -(-WORK // 3), max(m, 2)))
         self._shapes = (m, m), (m,)
         self._most = UNBOUNDED if self.max_iterations is None else self.max_iterations
         self._compiled = not self._laws.general and self._laws.facets is None and 0 < n <= COMPILED_CONTACTS
@@ -218,7 +232,7 @@ class ContactSolver:
 
     def reset(self) -> None:
         """Forget the last forces: the next call starts from zero."""
-        self._memory[-5 + FLAGS, 1] = 0.0
+        self._memory[3 * self.contacts + FLAGS, 1] = 0.0
 
     def solve(self, G: FloatArray, g: FloatArray, out: FloatArray | None = None) -> ContactForces:
         """Solve for a new matrix and free velocity.

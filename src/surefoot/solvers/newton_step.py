@@ -24,13 +24,13 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel
 from surefoot.numerics.elimination import lu_solve, symmetric_solve
-from surefoot.solvers.nsgs import prepare_dense, refresh_dense, sweep_dense
+from surefoot.solvers.nsgs import refresh_dense, sweep_dense
 from surefoot.solvers.stopping import velocity_error
 
 PATIENCE = 10
 """Newton steps that may pass without a better velocity error."""
-WORTH = 4.0
-"""Sweeps that a Newton step is worth, plus one for two contacts."""
+WORTH = 4
+"""Sweeps that a Newton step is worth, plus half a sweep a contact."""
 PROXIMAL, PROXIMAL_FAR, PROXIMAL_SHARES = 1e-9, 1e-2, (1e-3, 0.1, 1.0)
 """The proximal term, relative to the trace of a contact's block: a share of the velocity error, within
 bounds.
@@ -239,18 +239,29 @@ def newton_dense(
 
 
 @inline_kernel
+def _root_power(base: float, halves: int) -> float:
+    """Return base to the power of halves / 2; `pow` would take as long as half a sweep."""
+    out = math.sqrt(base) if halves % 2 else 1.0
+    for _ in range(halves // 2):
+        out *= base
+    return out
+
+
+@inline_kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
-    scales: FloatArray, tol: float, rounds: int, burst: int, most: int, forces: FloatArray,
+    local: FloatArray, tol: float, rounds: int, burst: int, most: int, forces: FloatArray,
     velocities: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
-    """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error."""
-    local = prepare_dense(G, scales)
+    """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error.
+
+    `local` is what `nsgs.fill_dense` filled.
+    """
     refresh_dense(G, g, forces, velocities)
     done = 0
     relative = last = np.inf
     relax = 1.0
-    patience = WORTH + 0.5 * mu.size
+    patience = 2 * WORTH + mu.size
     for attempt in range(rounds):
         count, before = 0, np.inf
         while done < most:
@@ -265,7 +276,7 @@ def run_dense(
             if relative <= tol:
                 break
             # a Newton step costs as much as so many sweeps: go on where these will do
-            if count >= burst and not tol > relative * rate**patience:
+            if count >= burst and not tol > relative * _root_power(rate, patience):
                 break
             if count >= burst + 30:
                 break

@@ -34,15 +34,20 @@ SPARSE_BELOW = 0.4
 @inline_kernel
 def prepare_dense(G: FloatArray, scales: FloatArray) -> FloatArray:
     """Return the local data of every contact of a dense G: (n, WIDTH), see `one_contact.prepare`."""
-    n = G.shape[0] // 3
-    local = np.empty((n, WIDTH))
-    for k in range(n):
+    local = np.empty((G.shape[0] // 3, WIDTH))
+    fill_dense(G, scales, local)
+    return local
+
+
+@inline_kernel
+def fill_dense(G: FloatArray, scales: FloatArray, local: FloatArray) -> None:
+    """Fill what `prepare_dense` returns."""
+    for k in range(local.shape[0]):
         i = 3 * k
         prepare(
             G[i, i], G[i, i + 1], G[i, i + 2], G[i + 1, i + 1], G[i + 1, i + 2], G[i + 2, i + 2], local, k
         )
     fill_measure(scales, local)
-    return local
 
 
 @inline_kernel

@@ -229,7 +229,7 @@ def _turn(
     return False, ex, ey, 0.0
 
 
-@kernel
+@inline_kernel
 def slide_one(
     W: Block, q0: float, q1: float, q2: float, mu: float, low: float, high: float, convex: bool,
     x: float, y: float, ex: float, ey: float,
