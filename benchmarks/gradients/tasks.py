@@ -136,7 +136,7 @@ class Slide:
     masses: FloatArray = field(default_factory=lambda: np.array([1.0, 1.0]))
     dt: float = 0.01
     steps: int = 60
-    low: float = 0.02
+    low: float = 0.15
     high: float = 0.9
     truth: float = 0.25
 
