@@ -146,3 +146,31 @@ def test_a_world_cannot_declare_everything_away(fact: str) -> None:
     report = sf.audit_log(log)
     assert report.verdict == "cannot tell"
     assert f"declares a {fact} of 1e+09" in report.reason
+
+
+DROP = """<mujoco><option timestep='0.002' cone='{cone}'/><worldbody>
+<geom type='plane' size='9 9 1' friction='0.7'/>
+<body pos='0 0 {height}' quat='{turn}'><freejoint/>
+ <geom type='box' size='.1 .15 .08' mass='3' friction='.7'/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_box_that_tumbles_down_is_lawful_and_one_that_sticks_beyond_its_cone_is_not(
+    cone: str, seed: int
+) -> None:
+    random = np.random.default_rng(seed)
+    turn = " ".join(f"{x:.6f}" for x in random.normal(size=4))
+    model = mujoco.MjModel.from_xml_string(DROP.format(cone=cone, height=0.3 + 0.1 * seed, turn=turn))
+    data = mujoco.MjData(model)
+    data.qvel[:] = [0.5, -0.3, 0.0, 1.0, 2.0, -1.0]
+    with sf.record(model, data) as log:
+        mujoco.mj_step(model, data, 600)
+    report = sf.audit_log(log)
+    assert report.verdict == "lawful"
+    assert any("after a hard touchdown" in note for note in report.notes)
+    forces = log["forces"].copy()
+    forces[500:550, :, 0] = 2.0 * forces[500:550, :, 2]
+    spoilt = sf.Log(dict(log.arrays) | {"forces": forces}, log.facts, channels=log.channels)
+    assert sf.audit_log(spoilt).verdict == "broken"

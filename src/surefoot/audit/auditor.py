@@ -153,6 +153,7 @@ def _slide(rows: Rows, state: FloatArray) -> None:
     if rows.setting.creep > 0.0:  # what is declared is no way
         speed = np.hypot(v[..., 0], v[..., 1])
         v = v * np.maximum(1.0 - rows.setting.creep / np.maximum(speed, 1e-300), 0.0)[..., None]
+    v = np.where(rows.swinging[core][keep][..., None], 0.0, v)
     slide_on(state, f, v, mu, rows.dt[core][keep], rows.setting.threshold, rows.setting.weight)
 
 

@@ -25,6 +25,8 @@ MOTION_LIMIT = 0.05
 """Force on a foot, or on the body, that the motion may leave unexplained, as a share of m g."""
 MOMENT_ARM = 0.02
 """The moment on the body that may be left unexplained is m g on this arm [m]."""
+SWING_DEPTH = 1.6
+"""A contact on a body that tumbles sinks deeper than on its own, by less than this factor (1.5 was seen)."""
 SLIDE_WINDOW = 0.05
 """Friction's work is added up over this time [s]."""
 CHATTER_WINDOW, CHATTER_SWITCHES = 0.1, 8.0
@@ -73,7 +75,9 @@ def _over(value: FloatArray, limit: FloatArray | float) -> Measured:
 
 
 def _penetration(rows: Rows) -> Measured:
-    return _over(-rows.gaps, max(PENETRATION_LIMIT, rows.setting.sinking))
+    """Depth [m]; while a body tumbles onto soft contacts they drive each other deeper."""
+    limit = max(PENETRATION_LIMIT, rows.setting.sinking)
+    return _over(-rows.gaps, np.where(rows.swinging, max(limit, SWING_DEPTH * rows.setting.sinking), limit))
 
 
 def _pull(rows: Rows) -> Measured:
@@ -93,6 +97,12 @@ def _distance(rows: Rows) -> Measured:
     return _over(value, max(PENETRATION_LIMIT, rows.setting.sinking))
 
 
+def _settled(rows: Rows, value: FloatArray) -> FloatArray:
+    """Return (T, p) values of windows, zero for those in which soft contacts swing from a hard touchdown."""
+    hit = sliding_sum(rows.swinging.astype(np.float64), rows.window(SLIDE_WINDOW) + 2)
+    return np.where(hit > 0.0, 0.0, value)
+
+
 def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return way [m], friction's work [J] and the most that it could take [J], over windows: (T, p) each."""
     w = rows.window(SLIDE_WINDOW)
@@ -107,10 +117,11 @@ def _work(rows: Rows) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _driving(rows: Rows) -> Measured:
-    """Work that friction gave [J]: never positive."""
+    """Work that friction gave [J]: never positive, but regularised friction turns late."""
     _, work, most = _work(rows)
-    limit = np.maximum(0.05 * SLIDE_LIMIT * rows.setting.weight, 0.05 * most)
-    return _over(work, limit)
+    late = SLIDE_LIMIT + 2.0 * rows.setting.stopping
+    limit = np.maximum(0.05 * late * rows.setting.weight, 0.05 * most)
+    return _over(_settled(rows, work), limit)
 
 
 def _sliding(rows: Rows) -> Measured:
@@ -118,7 +129,7 @@ def _sliding(rows: Rows) -> Measured:
     way, work, most = _work(rows)
     share = np.clip((0.9 * most + work) / np.maximum(most, 1e-12), 0.0, 1.0)
     value = np.where(most > 0.0, way * share, 0.0)
-    return _over(value, rows.setting.slide_limit + rows.setting.creep * SLIDE_WINDOW)
+    return _over(_settled(rows, value), rows.setting.slide_limit + rows.setting.creep * SLIDE_WINDOW)
 
 
 def _motion(rows: Rows) -> Measured:

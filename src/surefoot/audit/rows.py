@@ -14,8 +14,10 @@ from surefoot.log import Log
 from surefoot.spatial import GRAVITY
 from surefoot.terrain.frames import surface_frames
 
-PAD = 0.12
+PAD = 0.15
 """Time before and after a piece that its windows may look at [s]."""
+HARD_TOUCHDOWN = 0.7
+"""Speed into the ground from which a landing sets a soft contact swinging [m/s]: a fall from 25 mm."""
 PIECE = 1 << 15
 """Rows of a piece."""
 FINITE = (*PER_POINT, "q", "v", "torques", "mu", "push", "other_forces")
@@ -162,6 +164,23 @@ class Rows:
             if self.setting.single(k):
                 foot = rest.feet[:, self.setting.owner[k]]
                 out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], foot)
+        return out
+
+    @cached_property
+    def swinging(self) -> BoolArray:
+        """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them.
+
+        On a body that lands corner after corner each landing drives the others in, and slides them on.
+        """
+        out = np.zeros((self.count, 1), dtype=bool)
+        if self.setting.settling <= 0.0 or not self.has("gaps", "contact_velocities"):
+            return out
+        landed = (self.gaps <= 0.0) & (self.velocities[..., 2] < -HARD_TOUCHDOWN)
+        hits = np.flatnonzero(landed.any(axis=1))
+        if hits.size:
+            last = np.searchsorted(self.time[hits], self.time, side="right") - 1
+            since = self.time - self.time[hits[np.maximum(last, 0)]]
+            out[:, 0] = (last >= 0) & (since <= self.setting.settling)
         return out
 
     def window(self, seconds: float) -> int:

@@ -19,7 +19,9 @@ BODY = "body"
 """Stands in a report where the whole robot is meant and no single contact."""
 DEEP = 5e-3
 """A world that lets feet sink deeper hides what the audit should find [m]."""
-SOFTEST = {"sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m")}
+SOFTEST = {
+    "sinking": (0.05, "m"), "creep": (0.1, "m/s"), "stopping": (0.1, "m"), "settling": (0.1, "s"),
+}  # fmt: skip
 """A world that declares more than this may hide anything: nothing is lawful there."""
 PER_POINT = ("forces", "gaps", "contact_velocities", "contact_positions", "normals", "contact_friction")
 """Channels with a row for each contact point."""
@@ -39,8 +41,8 @@ class Setting:
         m g [N].
     dt
         Usual time from row to row [s].
-    sinking, creep, stopping
-        What the world declares of its own softness [m], [m/s], [m].
+    sinking, creep, stopping, settling
+        What the world declares of its own softness [m], [m/s], [m], [s].
     payload
         Point mass at the base's origin, part of the weight [kg].
     robot
@@ -59,6 +61,7 @@ class Setting:
     sinking: float
     creep: float
     stopping: float
+    settling: float
     payload: float
     robot: Robot | None
     why_no_motion: str
@@ -107,7 +110,7 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     if told and good.size and abs(told - dt) > 0.02 * dt:
         doubts.append(f"the log says dt = {told:g} s, its time stamps {dt:g} s")
     soft = [_not_negative(log, name) for name in SOFTEST]
-    sinking, creep, stopping = soft
+    sinking, creep, stopping, settling = soft
     payload = _not_negative(log, "payload")
     for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
         if value > most:
@@ -117,16 +120,19 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     if any(soft):
         deep = "; that is soft: a stiffer contact would show more" if sinking > DEEP else ""
         held = f"and {1e3 * stopping:.2g} mm until a sliding foot is held"
+        swing = ""
+        if settling > 0.0:
+            swing = f"; for {1e3 * settling:.2g} ms after a hard touchdown friction's work is not judged"
         notes.append(
             f"the world declares itself soft: sinking to {1e3 * sinking:.2g} mm, creep to "
-            f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}"
+            f"{1e3 * creep:.2g} mm/s {held} count as lawful{deep}{swing}"
         )
     if "contact_centres" in log.facts and np.shape(log.fact("contact_centres"))[0] != count:
         raise ProblemError(f"the fact contact_centres must have a row for each of {count} contacts")
     model, why = _robot(log, robot, doubts)
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(
-        names, owner, feet, weight, dt, sinking, creep, stopping, payload, model, why, tuple(notes),
+        names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, model, why, tuple(notes),
         tuple(doubts)
     )  # fmt: skip
 

@@ -14,7 +14,6 @@ from surefoot.cli.console import plain_console
 from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.errors import MissingExtra, ProblemError, SurefootError
 from surefoot.simulation.worlds import WORLDS
-from surefoot.terrain.table import terrain_forms
 
 if TYPE_CHECKING:
     from surefoot.audit import AuditReport
@@ -44,7 +43,9 @@ def audit(
     ] = None,
     terrain: Annotated[
         str | None,
-        typer.Option(help=f"Ground of the replay, where the log does not tell it: {terrain_forms()}."),
+        typer.Option(
+            help="Ground of the replay where the log tells none: flat, slope:DEG, stairs:HEIGHT,DEPTH, ..."
+        ),
     ] = None,
     mu: Annotated[
         float | None, typer.Option(help="Friction: of the replay, where the log tells none, or under tosses.")

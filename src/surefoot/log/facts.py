@@ -59,6 +59,7 @@ FACTS: dict[str, Fact] = {
     "sinking": Fact("how deep the world's own contact lets a loaded foot sink [m]"),
     "creep": Fact("how fast it lets a sticking foot creep [m/s]"),
     "stopping": Fact("on which way its friction stops a foot that lands sliding [m]"),
+    "settling": Fact("how long after a hard touchdown its soft contacts swing [s]"),
     "terrain": Fact("the ground, as read_terrain reads it", text=True),
     "mass": Fact("of all that moves: the robot with what it carries [kg]", positive=True),
     "payload": Fact("point mass at the base's origin, part of `mass` [kg]"),

@@ -28,6 +28,8 @@ from surefoot.log import Log
 
 MOST_STEPS = 20_000
 """Of a landing."""
+SWING = 5.0
+"""Time constants of a critically damped contact after which a touchdown has died away: to one per cent."""
 ROUNDED = 1.0 + 1e-9
 """A contact on its own lands as deep as its law says, to the last bits."""
 
@@ -125,6 +127,12 @@ class SoftContact:
         _, R = self._regularisation(self._rest(load))
         return slide * (1.0 + self.friction_factor * R / self.guess) / self.friction_damping
 
+    @property
+    def settling(self) -> float:
+        """Time in which the swing of a touchdown dies away [s]; zero without damping."""
+        damping = self.law.stiffness_and_damping[1]
+        return SWING * 2.0 / damping if damping > 0.0 else 0.0
+
     def creep(self, load: float) -> float:
         """Return the speed of a contact that sticks with all its friction under a load [N]: [m/s]."""
         if self.friction_damping <= 0.0:
@@ -166,7 +174,7 @@ def soft_contact(mujoco: Any, model: Any, bodies: Iterable[int], contact: Any) -
 
 
 def declared(contacts: Sequence[SoftContact], load: float, landing: Landing | None) -> dict[str, float]:
-    """Return the facts `sinking`, `creep` and `stopping` of contacts; empty without any.
+    """Return the facts `sinking`, `creep`, `stopping` and `settling` of contacts; empty without any.
 
     Parameters
     ----------
@@ -184,6 +192,7 @@ def declared(contacts: Sequence[SoftContact], load: float, landing: Landing | No
         "sinking": ROUNDED * max(c.sinking(load, landing) for c in contacts),
         "creep": max(c.creep(load) for c in contacts),
         "stopping": max(c.stopping(load, slide) for c in contacts),
+        "settling": max(c.settling for c in contacts),
     }
 
 
@@ -249,7 +258,7 @@ def inverse_mass(
 def world_softness(
     mujoco: Any, model: Any, ground: int, bodies: IntArray, log: Log, load: float
 ) -> dict[str, float]:
-    """Return the facts `sinking`, `creep` and `stopping` of feet on a ground geom whose priority decides.
+    """Return what `declared` does for feet on a ground geom whose priority decides.
 
     Parameters
     ----------
