@@ -28,9 +28,9 @@ lint: setup ## ruff, mypy strict, import-linter
 test: lint ## lint, then every test
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -q
 
-test-extras: setup ## install the large extras (torch, warp, ray, dask: gigabytes) and run their tests
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp,scale]'
-	$(BIN)/python -m pytest -q tests/batch tests/sweep
+test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gigabytes) and run their tests
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp,mjx,scale]'
+	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py
 
 bench: setup ## every benchmark, one after the other
 	$(BIN)/surefoot bench forces --out runs

@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--out", type=Path, help="folder for the picture")
     given = parser.parse_args(arguments)
     chosen = tasks()[1:2] if given.quick else tasks()
-    fine, points, starts, iterations = (25, 5, 2, 4) if given.quick else (201, 25, 6, 30)
+    fine, points, starts, iterations = (25, 5, 2, 4) if given.quick else (151, 21, 4, 20)
     console, grids = Console(), []
     for task in chosen:
         with Progress(console=console, transient=True) as progress:

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.gradients.estimators import Grid, Task
 
-STEP, DECAY = 0.05, 0.93
+STEP, DECAY = 0.08, 0.88
 """First step of the descent, as a share of the range, and by how much it shrinks from one to the next."""
 SAMPLES = 4
 """Of randomised gradients."""

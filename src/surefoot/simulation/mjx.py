@@ -39,7 +39,7 @@ def import_mjx() -> Any:
         with contextlib.redirect_stdout(io.StringIO()):  # it prints that Warp is not here
             from mujoco import mjx
     except ImportError as error:
-        raise MissingExtra("mujoco-mjx", "jax") from error
+        raise MissingExtra("mujoco-mjx", "mjx") from error
     jax.config.update("jax_enable_x64", True)
     return jax, mjx
 
