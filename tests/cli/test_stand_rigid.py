@@ -34,4 +34,4 @@ def test_both_worlds_put_the_same_load_on_each_foot(capsys, tmp_path):
 
 def test_unknown_world_is_one_line(capsys):
     assert main(["stand", "go2", "--world", "moon"]) == 2
-    assert "unknown world 'moon'; valid names: mujoco, rigid" in capsys.readouterr().err
+    assert "unknown world 'moon'; valid names: drake, mjx, mujoco, rigid" in capsys.readouterr().err

@@ -13,8 +13,8 @@ from surefoot.estimation import Cube
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.simulation import drake_python
 from surefoot.simulation.drake_python import VARIABLE
-from surefoot.simulation.tosses import drake_cube
 from surefoot.simulation.tosses.drake_cube import DrakeCube
 from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
 
@@ -62,7 +62,7 @@ def test_a_flat_slide_is_the_same(name: str, slope: float) -> None:
 def test_unknown_and_missing_rivals_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ProblemError, match="unknown rival 'bullet'; valid names: drake, mujoco"):
         make_rival("bullet")
-    monkeypatch.setattr(drake_cube, "present", lambda: False)
+    monkeypatch.setattr(drake_python, "present", lambda: False)
     with pytest.raises(MissingExtra, match="drake"):
         DrakeCube()
 
