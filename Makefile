@@ -30,7 +30,7 @@ test: lint ## lint, then every test
 
 test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gigabytes) and run their tests
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp,mjx,scale]'
-	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py
+	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py tests/benchmarks/test_batch_bench.py
 
 bench: setup ## every benchmark, one after the other
 	$(BIN)/surefoot bench forces --out runs

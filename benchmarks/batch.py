@@ -17,6 +17,7 @@ import numpy as np
 
 import surefoot as sf
 from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
+from benchmarks.mjx_rival import mjx_present, mjx_row
 from surefoot.arrays import FloatArray
 from surefoot.batch.loops import derive_range, solve_range
 from surefoot.robot.dynamics import delassus_dense
@@ -201,4 +202,5 @@ def measure(quick: bool = False) -> dict[str, Any]:
     return {
         "problems": count, "modes": dict(modes), "times": times, "velocity_error": velocity,
         "gradient_error": gradient, "step": step, "step_ratio": rival / own, "robots": robots,
+        "mjx": mjx_row(64 if quick else 512, 3)._asdict() if mjx_present() else None,
     }  # fmt: skip
