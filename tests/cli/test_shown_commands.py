@@ -147,6 +147,9 @@ def test_shown_command_ends_as_the_page_says(
     absent = sorted(name for name in asked if missing(WORLDS[name][1]))
     if absent and code == 0:
         pytest.skip(f"{', '.join(absent)} is not here")
+    if words[0] == "sweep" and "--seed" in words and code == 2:  # another sweep must have begun there
+        at = words.index("--seed")
+        assert main(expanded(words[:at] + words[at + 2 :], folder)) == 0
     assert main(expanded(words, folder)) == code
 
 
