@@ -8,9 +8,7 @@ printed too, and the gradients' error against the polished derivative.
 from __future__ import annotations
 
 import importlib.util
-import time
 from collections import Counter
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,6 +16,7 @@ import numpy as np
 import surefoot as sf
 from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
 from benchmarks.mjx_rival import mjx_present, mjx_row
+from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
 from surefoot.batch.loops import derive_range, solve_range
 from surefoot.robot.dynamics import delassus_dense
@@ -40,16 +39,6 @@ def go2_problems(count: int, seed: int = 0) -> tuple[FloatArray, FloatArray]:
     return G, g
 
 
-def best(function: Callable[[], Any], repeats: int) -> float:
-    """Seconds of the fastest call."""
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - start)
-    return min(times)
-
-
 def compiled_loop(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> dict[str, float]:
     """Seconds per problem of the compiled loop on one thread."""
     count = len(G)
@@ -68,8 +57,8 @@ def compiled_loop(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: in
         pull()
 
     return {
-        "compiled loop, solve": best(solve, repeats) / count,
-        "compiled loop, solve and vjp": best(both, repeats) / count,
+        "compiled loop, solve": least_time(solve, repeats) / count,
+        "compiled loop, solve and vjp": least_time(both, repeats) / count,
     }
 
 
@@ -88,8 +77,8 @@ def through_python(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: i
             solver.vjp(A, solver.solve(A, a), f, u)
 
     return {
-        "Python, solve": best(solve, repeats) / len(G),
-        "Python, solve and vjp": best(both, repeats) / len(G),
+        "Python, solve": least_time(solve, repeats) / len(G),
+        "Python, solve and vjp": least_time(both, repeats) / len(G),
     }
 
 
@@ -108,8 +97,8 @@ def batches(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> 
             assert found is not None
             found.vjp(f, u)
 
-        out[name] = best(solve, repeats) / len(G)
-        out[f"{name}, with vjp"] = best(both, repeats) / len(G)
+        out[name] = least_time(solve, repeats) / len(G)
+        out[f"{name}, with vjp"] = least_time(both, repeats) / len(G)
     return out
 
 
@@ -143,7 +132,7 @@ def pinocchio_loop(G: FloatArray, g: FloatArray, repeats: int) -> tuple[float, f
         worst = max(sf.residuals(p, one(p.G, p.g)).velocity_error for p in problems)
         if worst <= TOL:
             break
-    return best(lambda: [one(A, a) for A, a in zip(G, g, strict=True)], repeats) / len(G), worst
+    return least_time(lambda: [one(A, a) for A, a in zip(G, g, strict=True)], repeats) / len(G), worst
 
 
 def gradient_error(G: FloatArray, g: FloatArray, weights: FloatArray) -> float:
@@ -171,7 +160,7 @@ def jax_gradients(
         wanted = d.vjp(weights[k, :4], weights[k, 4:]).g
         gap = float(np.abs(slopes[k] - wanted).max() / np.abs(wanted).max())
         off = max(off, gap) if gap == gap and off == off else np.nan
-    return best(call, repeats) / len(G), error, off
+    return least_time(call, repeats) / len(G), error, off
 
 
 def measure(quick: bool = False) -> dict[str, Any]:

@@ -8,11 +8,11 @@ its solver loops until it has converged, which JAX cannot differentiate backward
 from __future__ import annotations
 
 import importlib.util
-import time
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
 
 BOX = """<mujoco><option timestep="0.002" cone="pyramidal"/><worldbody>
@@ -74,8 +74,8 @@ def mjx_row(count: int, repeats: int) -> MjxRow:
     )
     off = np.abs(slopes - wanted).max(axis=(1, 2)) / np.abs(wanted).max(axis=(1, 2))
     return MjxRow(
-        _best(lambda: jax.block_until_ready(step(speeds)), repeats) / count,
-        _best(lambda: jax.block_until_ready(both(speeds)), repeats) / count,
+        least_time(lambda: jax.block_until_ready(step(speeds)), repeats) / count,
+        least_time(lambda: jax.block_until_ready(both(speeds)), repeats) / count,
         float(max(0.0, -_heights_rate(out).min())),
         float(np.nanmedian(off)),
         int(np.isnan(slopes).any(axis=(1, 2)).sum()),
@@ -86,12 +86,3 @@ def mjx_row(count: int, repeats: int) -> MjxRow:
 def _heights_rate(v: FloatArray) -> FloatArray:
     """Return (B, 4) how fast the corners of upright boxes rise [m/s]; turns are about the body's own axes."""
     return np.asarray(v[:, None, 2] + np.cross(v[:, None, 3:], CORNERS)[..., 2])
-
-
-def _best(call: Any, repeats: int) -> float:
-    times = []
-    for _ in range(repeats):
-        begin = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - begin)
-    return min(times)

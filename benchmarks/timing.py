@@ -73,6 +73,11 @@ def best_of(
     return seconds, answers
 
 
+def least_time(function: Callable[[], Any], repeats: int) -> float:
+    """Return the wall time of the fastest of so many calls [s]."""
+    return float(best_of(lambda _: function(), [None], repeats, warm_up=0)[0][0])
+
+
 def time_calls(function: Callable[[Any], Any], items: Sequence[Any], warm_up: int = 20) -> Timing:
     """Time `function(item)` for every item, after `warm_up` calls on the first items."""
     return Timing.of(best_of(function, items, warm_up=warm_up)[0])

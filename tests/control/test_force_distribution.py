@@ -16,30 +16,10 @@ from surefoot.problems.allocations import (
     four_feet,
     pushed_stance,
     random_instances,
-    random_rotation,
 )
 from surefoot.problems.allocations import grasp_map as grasp_map_of
 from surefoot.solvers.dual_newton import wrench as distribution_wrench
-
-SOLVED = sf.Status.SOLVED
-
-
-def distributor_of(instance, **options):
-    return sf.ForceDistributor(
-        instance.mu, instance.normal_min, instance.normal_max, WRENCH_WEIGHTS, FORCE_WEIGHT, **options
-    )
-
-
-def some_map(seed=0, n=4):
-    rng = np.random.default_rng(seed)
-    return grasp_map_of(
-        np.array([random_rotation(rng) for _ in range(n)]), rng.uniform(-0.3, 0.3, (n, 3)) - [0, 0, 0.3]
-    )
-
-
-def objective(A, w, f, weights, force_weight):
-    e = A @ f.ravel() - w
-    return e @ (weights * e) + force_weight * np.sum(f**2)
+from tests.control.distributors import SOLVED, distributor_of, some_map
 
 
 def test_agrees_with_clarabel_on_random_instances():

@@ -11,30 +11,9 @@ from surefoot.problems.allocations import (
     WRENCH_WEIGHTS,
     four_feet,
     pushed_stance,
-    random_rotation,
 )
-from surefoot.problems.allocations import grasp_map as grasp_map_of
 from surefoot.solvers.dual_newton import work as distribution_work
-
-SOLVED = sf.Status.SOLVED
-
-
-def distributor_of(instance, **options):
-    return sf.ForceDistributor(
-        instance.mu, instance.normal_min, instance.normal_max, WRENCH_WEIGHTS, FORCE_WEIGHT, **options
-    )
-
-
-def some_map(seed=0, n=4):
-    rng = np.random.default_rng(seed)
-    return grasp_map_of(
-        np.array([random_rotation(rng) for _ in range(n)]), rng.uniform(-0.3, 0.3, (n, 3)) - [0, 0, 0.3]
-    )
-
-
-def objective(A, w, f, weights, force_weight):
-    e = A @ f.ravel() - w
-    return e @ (weights * e) + force_weight * np.sum(f**2)
+from tests.control.distributors import SOLVED, distributor_of
 
 
 def test_contacts_switch_without_a_trace():
