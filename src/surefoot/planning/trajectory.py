@@ -73,7 +73,7 @@ class Trajectory:
     @property
     def times(self) -> FloatArray:
         """(N + 1,) of the states [s]."""
-        return self.dt * np.arange(len(self) + 1)
+        return np.asarray(self.dt * np.arange(len(self) + 1), dtype=np.float64)
 
     @property
     def lawful(self) -> bool:
