@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import BoolArray
 from surefoot.errors import MissingExtra
 from surefoot.robot.catalog import FootShape
 from surefoot.robot.robot import Robot
 
-BASE = 3
-"""Entries of q of the base: x, z, pitch."""
+BASE = ("base_x", "base_z", "base_pitch")
+"""Joints of the base: two slides and a hinge without motor."""
 RADIUS = 0.02
 """Of a foot [m]."""
 
@@ -48,10 +49,9 @@ def planar_biped() -> Robot:
     return _planar("planar-biped", 10.0, ("left", "right"), (0.15, -0.15))
 
 
-def passive_joints(robot: Robot) -> np.ndarray:
+def passive_joints(robot: Robot) -> BoolArray:
     """Return (joints,) which joints have no motor: the base of a planar robot, none of others."""
-    named = [name.startswith("base_") for name in robot.joint_names]
-    return np.array(named, dtype=np.bool_)
+    return np.array([name in BASE for name in robot.joint_names], dtype=np.bool_)
 
 
 def _planar(name: str, mass: float, feet: Sequence[str], apart: Sequence[float]) -> Robot:
@@ -63,11 +63,7 @@ def _planar(name: str, mass: float, feet: Sequence[str], apart: Sequence[float])
     model = pin.Model()
     model.name = name
     body = 0
-    for joint, title in (
-        (pin.JointModelPX(), "base_x"),
-        (pin.JointModelPZ(), "base_z"),
-        (pin.JointModelRY(), "base_pitch"),
-    ):
+    for joint, title in zip((pin.JointModelPX(), pin.JointModelPZ(), pin.JointModelRY()), BASE, strict=True):
         body = model.addJoint(body, joint, pin.SE3.Identity(), title)
     model.appendBodyToJoint(body, pin.Inertia.FromBox(mass, 0.3, 0.2, 0.15), pin.SE3.Identity())
     model.addFrame(pin.Frame("body", body, pin.SE3.Identity(), pin.FrameType.BODY))

@@ -78,7 +78,7 @@ class DirectPlan:
     open_departure
         That of its torques alone, without feedback: how far errors grow.
     products
-        Largest min(φ dt, λ_n) of the softened solution [m or N s]: how far from complementary it is.
+        Largest |min(φ dt, λ_n)| of the optimiser's motion [m or N s]: how far from complementary it is.
     miss
         How far outside its windows the exact motion is at worst: [m, rad], or in tenths of m/s.
     """
@@ -163,17 +163,16 @@ def plan_direct(
             tell(Iteration(total, found.cost, max(smoothing, found.violation), what))
 
     soft = _soften_less(search, search.pack(start.checked(problem)), smoothings, max_iterations, note)
-    closing, sliding = search.seen(soft.guess)
-    products = float(np.minimum(closing * problem.dt, soft.guess.impulses[..., 2]).max(initial=0.0))
-    hard = _with_modes(problem, soft.guess, closing, sliding, max_iterations)
+    hard = _with_modes(problem, soft.guess, *search.seen(soft.guess), max_iterations)
     note(0.0, hard)
     motion, trajectory = _better(problem, [g for g in (hard, soft) if np.isfinite(g.variables).all()])
+    products = np.minimum(search.seen(motion)[0] * problem.dt, motion.impulses[..., 2])
     open_loop = follow(problem, motion, feedback=False)
     miss = window_miss(problem, trajectory)
     return DirectPlan(
         _plan(problem, trajectory, task, stages, miss, time.perf_counter() - began),
         motion, trajectory, tuple(stages), departure(problem, motion, trajectory),
-        departure(problem, motion, open_loop), products, miss,
+        departure(problem, motion, open_loop), float(np.abs(products).max(initial=0.0)), miss,
     )  # fmt: skip
 
 
