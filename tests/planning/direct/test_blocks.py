@@ -29,7 +29,9 @@ def test_gradient_jacobian_and_hessian(law) -> None:
     at = rng.normal(size=x.shape[0]), np.abs(rng.normal(size=p.shape[0]))
     multipliers = 0.7, rng.normal(size=g.shape[0])
     wanted = [np.array(value) for value in whole(*at, *multipliers)]
-    found = [np.array(v) for v in (*own["grad_f"](*at), *own["jac_g"](*at), own["hess_lag"](*at, *multipliers))]
+    found = [
+        np.array(v) for v in (*own["grad_f"](*at), *own["jac_g"](*at), own["hess_lag"](*at, *multipliers))
+    ]
     for ours, theirs in zip(found, wanted, strict=True):
         assert np.abs(ours - theirs).max() <= 1e-11 * max(1.0, np.abs(theirs).max())
         assert np.abs(theirs).max() > 0.0

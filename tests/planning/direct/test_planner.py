@@ -1,4 +1,4 @@
-"""Motions that the direct method finds: exact, lawful to the audit, the same in the rigid world, warm-started."""
+"""Motions that the direct method finds: exact, lawful to the audit, the same in the rigid world."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from surefoot.planning.direct import (
     RoundCone,
     Weights,
     Window,
+    plan_direct,
     planar_biped,
     planar_hopper,
-    plan_direct,
 )
 from surefoot.planning.direct.planar import passive_joints
 from surefoot.robot import load_robot, place
 from surefoot.simulation.rigid import RigidWorld
-from surefoot.terrain import StairsTerrain, SlopeTerrain
+from surefoot.terrain import SlopeTerrain, StairsTerrain
 
 pytest.importorskip("casadi")
 
@@ -44,7 +44,7 @@ def hop():
 
 
 def test_the_hopper_hops_and_nobody_said_when(hop) -> None:
-    problem, found = hop
+    _, found = hop
     assert found.plan.raise_if_failed().law_residual < 1e-8
     assert found.departure < 1e-6
     assert found.miss <= 1e-3
@@ -82,7 +82,8 @@ def test_a_finer_plan_from_a_coarse_one_is_lawful_to_the_audit(hop) -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "smoothings"), [(Facets(2), (1.0, 1e-1, 1e-2, 1e-4, 1e-8)), (RoundCone(), (1e-2, 1e-4, 1e-6, 1e-8))]
+    ("law", "smoothings"),
+    [(Facets(2), (1.0, 1e-1, 1e-2, 1e-4, 1e-8)), (RoundCone(), (1e-2, 1e-4, 1e-6, 1e-8))],
 )
 def test_both_ways_to_write_friction_find_a_step_of_the_biped(law, smoothings) -> None:
     found = plan_direct(ahead(planar_biped(), 0.3), law=law, smoothings=smoothings)
@@ -116,7 +117,7 @@ def test_go2_shifts_its_weight_on_the_contacts_that_it_chooses() -> None:
     robot = load_robot("go2")
     q = place(robot)
     goal = np.full(19, np.nan)
-    goal[:3] = q[:3] + [0.02, 0.0, -0.04]
+    goal[:3] = q[:3] + np.array([0.02, 0.0, -0.04])
     problem = DirectProblem(
         robot, q, np.zeros(18), knots=8, dt=0.04, end=Window.at(goal, np.zeros(18), 2e-3, 2e-2),
         weights=Weights(torque=1e-4, change=1e-4),
@@ -164,7 +165,7 @@ def test_problems_that_are_none(settings, message) -> None:
 
 
 def test_windows_that_leave_nothing() -> None:
-    far = planar_hopper().nominal + [0.0, 0.0, 0.0, 9.0, 0.0]
+    far = planar_hopper().nominal + 9.0 * np.eye(5)[3]
     problem = ahead(planar_hopper(), 0.3, end=Window.at(far))
     with pytest.raises(ProblemError, match=r"q of the window at knot 24\[3\] leaves nothing"):
         plan_direct(problem)

@@ -103,7 +103,7 @@ def test_steps_are_pinocchios(name, model, points) -> None:
 
 @pytest.mark.parametrize(("name", "model", "points"), MODELS, ids=[m[0] for m in MODELS])
 def test_points_their_velocities_and_forces(name, model, points) -> None:
-    """Forces do on a virtual motion the work that the points' own velocities tell: Jᵀ f is what is taken off."""
+    """What forces take off the joints is Jᵀ f, with the J that gives the points' velocities."""
     body, rng = SymbolicBody(model, points), np.random.default_rng(3)
     q, v = casadi.SX.sym("q", model.nq), casadi.SX.sym("v", model.nv)
     forces = casadi.SX.sym("f", 3, len(points))
@@ -122,7 +122,9 @@ def test_points_their_velocities_and_forces(name, model, points) -> None:
         pin.forwardKinematics(model, data, at, speed)
         pin.computeJointJacobians(model, data, at)
         J = np.zeros((3 * len(points), model.nv))
-        for k, (joint, place, radius) in enumerate(zip(points.joints, points.places, points.radii, strict=True)):
+        for k, (joint, place, radius) in enumerate(
+            zip(points.joints, points.places, points.radii, strict=True)
+        ):
             pose = data.oMi[int(joint)]
             arm = pose.rotation @ place
             near(centres[:, k], pose.translation + arm)

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from surefoot.planning import rollout
-from surefoot.planning.direct import DirectProblem, Facets, GivenModes, Guess, RoundCone, planar_biped, planar_hopper
+from surefoot.planning.direct import (
+    DirectProblem,
+    Facets,
+    GivenModes,
+    Guess,
+    RoundCone,
+    planar_biped,
+    planar_hopper,
+)
 from surefoot.planning.direct.contact_rows import OPEN, SLIDE, STICK, read_modes
 from surefoot.planning.direct.search import DirectSearch
 from surefoot.robot import load_robot, place

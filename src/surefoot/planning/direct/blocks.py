@@ -1,8 +1,8 @@
 """An NLP of equal blocks in a row: its sparse derivatives from those of one block.
 
-The variables are z = (x_0, u_0, x_1, u_1, ..., x_N); block k sees (x_k, u_k, x_{k+1}). CasADi would colour the
-whole Jacobian and Hessian; here one block is differentiated once, evaluated N times, and its entries are put in
-their places.
+The variables are z = (x_0, u_0, x_1, u_1, ..., x_N); block k sees (x_k, u_k, x_{k+1}). CasADi would colour
+the whole Jacobian and Hessian; here one block is differentiated once, evaluated N times, and its entries are
+put in their places.
 """
 
 from __future__ import annotations
@@ -80,7 +80,9 @@ def build_nlp(block: Block, count: int) -> tuple[dict[str, Any], dict[str, Any]]
     f = ca.sum2(cost)
     # gradient: the blocks' own, added where they share variables
     slope = functions["slope"].map(count)(seen, *given)
-    gather = ca.DM(ca.Sparsity.triplet(total, places.size, places.T.ravel().tolist(), list(range(places.size))), 1.0)
+    gather = ca.DM(
+        ca.Sparsity.triplet(total, places.size, places.T.ravel().tolist(), list(range(places.size))), 1.0
+    )
     grad = ca.mtimes(gather, ca.reshape(slope, places.size, 1))
     # Jacobian: every entry has one place
     pattern = functions["jacobian"].sparsity_out(0)
@@ -121,7 +123,9 @@ def _functions(block: Block) -> dict[str, Any]:
     }
 
 
-def _placed(ca: Any, blocks: Expression, row: IntArray, column: IntArray, shape: tuple[int, int]) -> Expression:
+def _placed(
+    ca: Any, blocks: Expression, row: IntArray, column: IntArray, shape: tuple[int, int]
+) -> Expression:
     """Return the sparse matrix of blocks' nonzeros at (row, column), those of one place added."""
     code = column.astype(np.int64) * shape[0] + row  # column by column, as CasADi stores them
     unique, where = np.unique(code, return_inverse=True)
@@ -130,5 +134,3 @@ def _placed(ca: Any, blocks: Expression, row: IntArray, column: IntArray, shape:
     entries = blocks.nz[:]
     add = ca.DM(ca.Sparsity.triplet(len(unique), len(code), where.tolist(), list(range(len(code)))), 1.0)
     return ca.MX(pattern, ca.mtimes(add, entries))
-
-

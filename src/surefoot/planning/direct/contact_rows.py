@@ -1,7 +1,7 @@
 """The contact laws of a knot as rows of an NLP: softened complementarity, or the equations of given modes.
 
-All of them speak of velocities and impulses: the normal impulse stands against the velocity φ = gap / dt + u_n
-with which the gap would be closed at the knot's end, so that a product of a pair is an energy [J].
+All of them speak of velocities and impulses: the normal impulse stands against the velocity φ = gap / dt +
+u_n with which the gap would be closed at the knot's end, so that a product of a pair is an energy [J].
 
 `Facets` is the formulation of Posa, Cantu and Tedrake (IJRR 2014, eqs. 8-12, after Stewart and Trinkle): the
 friction impulse is D β with β >= 0, and with γ the sliding speed
@@ -9,13 +9,12 @@ friction impulse is D β with β >= 0, and with γ the sliding speed
     0 <= φ ⟂ λ_n >= 0,    0 <= γ + Dᵀu_t ⟂ β >= 0,    0 <= mu λ_n - Σβ ⟂ γ >= 0
 
 exact in the plane (two facets), an inner pyramid in space. `RoundCone` has the exact cone of space instead:
-||λ_t|| <= mu λ_n, γ >= ||u_t||, and maximum dissipation as one product, mu γ λ_n + λ_t·u_t <= eps, which those
+||λ_t|| <= mu λ_n, γ >= ||u_t||, and maximum dissipation as one product, mu γ λ_n + λ_t·u_t <= eps, which the
 two inequalities keep above zero. `GivenModes` has no softening left: each contact is open, sticks or slides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -201,9 +200,9 @@ class RoundCone:
 class GivenModes:
     """The laws where it is known which contacts are open, stick or slide: no softening is left.
 
-    Variables λ_t, λ_n, φ, u_t, with bounds by the mode (`bounds`). The rows: mu² λ_n² - ||λ_t||² >= 0, zero where
-    a contact slides; there friction lies along the slide, λ_t x u_t = 0 (nothing to ask in the plane), and
-    against it, λ_t·u_t <= 0.
+    Variables λ_t, λ_n, φ, u_t, with bounds by the mode (`bounds`). The rows: mu² λ_n² - ||λ_t||² >= 0, zero
+    where a contact slides; there friction lies along the slide, λ_t x u_t = 0 (nothing to ask in the plane),
+    and against it, λ_t·u_t <= 0.
     """
 
     def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
@@ -246,7 +245,8 @@ class GivenModes:
             SLIDE: [inf] * (d + 1) + [0.0] + [inf] * d,
         }
         return tuple(  # type: ignore[return-value]
-            np.array([[side[int(m)] for m in row] for row in modes]).reshape(len(modes), -1) for side in (low, high)
+            np.array([[side[int(m)] for m in row] for row in modes]).reshape(len(modes), -1)
+            for side in (low, high)
         )
 
     def row_bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
@@ -310,5 +310,3 @@ def _length(ca: Any, x: Expression, small: Expression) -> Expression:
 def _flat(values: FloatArray) -> FloatArray:
     """Return (N, p, m) as (N, p m)."""
     return values.reshape(len(values), -1)
-
-

@@ -42,7 +42,9 @@ class Guess:
         model, n = problem.robot.model, problem.knots
         goal = problem.references[-1] if q is None else finite_array("q", q, (model.nq,))
         way = pinocchio.difference(model, problem.q, goal)
-        states = np.array([pinocchio.integrate(model, problem.q, s * way) for s in np.linspace(0.0, 1.0, n + 1)])
+        states = np.array(
+            [pinocchio.integrate(model, problem.q, s * way) for s in np.linspace(0.0, 1.0, n + 1)]
+        )
         v = np.broadcast_to(way / (n * problem.dt), (n + 1, model.nv)).copy()
         v[0] = problem.v
         points = len(problem.robot.contact_points)
@@ -114,5 +116,7 @@ class Guess:
         }
         for name, shape in wanted.items():
             if getattr(self, name).shape != shape:
-                raise ProblemError(f"{name} of the guess must have shape {shape}, got {getattr(self, name).shape}")
+                raise ProblemError(
+                    f"{name} of the guess must have shape {shape}, got {getattr(self, name).shape}"
+                )
         return self

@@ -1,6 +1,7 @@
 """Small robots in the vertical plane, built joint by joint: a hopper and a biped with point feet.
 
-Their base hangs on two slides and a hinge (x, z, pitch) that carry no motor: a plan's torque limits are zero there.
+Their base hangs on two slides and a hinge (x, z, pitch) that carry no motor: a plan's torque limits are zero
+there.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The direct method: a motion and its contacts found together, softened less and less, and made exact in the end.
+"""The direct method: a motion and its contacts found together, softened less and less, made exact in the end.
 
 Posa, Cantu, Tedrake, "A direct method for trajectory optimization of rigid bodies through contact", IJRR 33
-(2014): states, torques and contact impulses of all knots are variables of one NLP, and the laws of contact are
-among its constraints. No contact is given. Here the step is that of `surefoot.stepping.Knot`, so that a solution
-is a motion of the exact step. The road:
+(2014): states, torques and contact impulses of all knots are variables of one NLP, and the laws of contact
+are among its constraints. No contact is given. Here the step is that of `surefoot.stepping.Knot`, so that a
+solution is a motion of the exact step. The road:
 
 1. Ipopt on the softened laws, a b <= eps, for eps falling from 1 J to 1e-8 J, each from the last;
 2. the modes of all contacts are read off, and Ipopt solves the equations of these modes: nothing is soft;
@@ -19,13 +19,25 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, whole_number
+from surefoot.arrays import FloatArray, IntArray, whole_number
 from surefoot.contact import Status
-from surefoot.planning.direct.contact_rows import ContactLaw, Facets, GivenModes, RoundCone, read_modes
+from surefoot.errors import ProblemError
+from surefoot.planning.direct.contact_rows import (
+    OPEN,
+    SLIDE,
+    STICK,
+    ContactLaw,
+    Facets,
+    GivenModes,
+    RoundCone,
+    read_modes,
+)
 from surefoot.planning.direct.follow import follow
 from surefoot.planning.direct.guess import Guess
+from surefoot.planning.direct.judge import REACH, departure, exact_cost, window_miss
 from surefoot.planning.direct.problem import DirectProblem
-from surefoot.planning.direct.search import DirectSearch, Iterate
+from surefoot.planning.direct.search import DirectSearch, Iterate, contact_motion
+from surefoot.planning.direct.transcribe import contact_velocities
 from surefoot.planning.plan import Plan, Search, plan_from
 from surefoot.planning.tasks.task import Iteration, Tell
 from surefoot.planning.trajectory import Trajectory
@@ -35,8 +47,6 @@ SMOOTHINGS = schedule(1.0, 1e-8)
 """Of the continuation [J]."""
 MAX_ITERATIONS = 300
 """Of Ipopt, at each smoothing."""
-REACH = 1e-3
-"""How far the exact motion may end outside a window that it was to reach [m, rad, and in ten times as many m/s]."""
 WARM: dict[str, Any] = {
     "warm_start_init_point": "yes",
     "warm_start_bound_push": 1e-8,
@@ -149,119 +159,136 @@ def plan_direct(
     ('solved', True, True)
     """
     began = time.perf_counter()
-    whole_number("max_iterations", max_iterations, low=1)
     law = (Facets(2) if problem.planar else RoundCone()) if law is None else law
-    start = Guess.between(problem) if guess is None else Guess.of(guess, problem)
-    search = DirectSearch(problem, law)
-    stages = list[Stage]()
+    most = whole_number("max_iterations", max_iterations, low=1)
+    search, stages = DirectSearch(problem, law), _Stages(tell)
+    soft = _soften_less(search, search.pack(_start(problem, guess)), smoothings, most, stages)
+    modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
+    hard = _with_modes(problem, soft.guess, modes, most, stages)
+    return _made_exact(problem, [hard, soft], (task, "direct"), stages, began)
 
-    def note(smoothing: float, found: Iterate) -> None:
-        stages.append(Stage(smoothing, found.iterations, found.cost, found.violation, found.said))
-        if tell is not None:
-            total = sum(s.iterations for s in stages)
+
+def plan_with_modes(
+    problem: DirectProblem,
+    modes: IntArray,
+    *,
+    guess: Guess | Trajectory | None = None,
+    max_iterations: int = 3 * MAX_ITERATIONS,
+    task: str = "direct",
+    tell: Tell | None = None,
+) -> DirectPlan:
+    """Return a motion over given modes: no complementarity is left, only equations and bounds.
+
+    Parameters
+    ----------
+    problem, guess, max_iterations, task, tell
+        See `plan_direct`.
+    modes
+        (knots, p) of every contact in every knot: 0 open, 1 sticks, 2 slides.
+
+    Raises
+    ------
+    ProblemError
+        For modes or a guess that do not fit.
+    """
+    began = time.perf_counter()
+    wanted, modes = (problem.knots, len(problem.robot.contact_points)), np.asarray(modes, dtype=np.int64)
+    if modes.shape != wanted or not np.isin(modes, (OPEN, STICK, SLIDE)).all():
+        said = (
+            f"got shape {modes.shape}"
+            if modes.shape != wanted
+            else f"got {sorted(set(modes.ravel().tolist()))}"
+        )
+        raise ProblemError(f"modes must have shape {wanted}, of 0 (open), 1 (sticks), 2 (slides), {said}")
+    stages = _Stages(tell)
+    found = _with_modes(problem, _start(problem, guess), modes, max_iterations, stages)
+    return _made_exact(problem, [found], (task, "given modes"), stages, began)
+
+
+class _Stages(list[Stage]):
+    """Ipopt's runs, told as they come."""
+
+    def __init__(self, tell: Tell | None) -> None:
+        super().__init__()
+        self._tell = tell
+
+    @property
+    def iterations(self) -> int:
+        """Of all runs."""
+        return sum(s.iterations for s in self)
+
+    def note(self, smoothing: float, found: Iterate) -> None:
+        """Keep a run, and tell of it."""
+        self.append(Stage(smoothing, found.iterations, found.cost, found.violation, found.said))
+        if self._tell is not None:
             what = f"eps {smoothing:g}" if smoothing else "modes"
-            tell(Iteration(total, found.cost, max(smoothing, found.violation), what))
+            self._tell(Iteration(self.iterations, found.cost, max(smoothing, found.violation), what))
 
-    soft = _soften_less(search, search.pack(start.checked(problem)), smoothings, max_iterations, note)
-    hard = _with_modes(problem, soft.guess, *search.seen(soft.guess), max_iterations)
-    note(0.0, hard)
-    motion, trajectory = _better(problem, [g for g in (hard, soft) if np.isfinite(g.variables).all()])
-    products = np.minimum(search.seen(motion)[0] * problem.dt, motion.impulses[..., 2])
-    open_loop = follow(problem, motion, feedback=False)
-    miss = window_miss(problem, trajectory)
-    return DirectPlan(
-        _plan(problem, trajectory, task, stages, miss, time.perf_counter() - began),
-        motion, trajectory, tuple(stages), departure(problem, motion, trajectory),
-        departure(problem, motion, open_loop), float(np.abs(products).max(initial=0.0)), miss,
-    )  # fmt: skip
+
+def _start(problem: DirectProblem, guess: Guess | Trajectory | None) -> Guess:
+    """Return what to start from, on the problem's knots."""
+    start = Guess.between(problem) if guess is None else Guess.of(guess, problem)
+    return start.checked(problem)
 
 
 def _soften_less(
-    search: DirectSearch, start: FloatArray, smoothings: Sequence[float], most: int, note: Any
+    search: DirectSearch, start: FloatArray, smoothings: Sequence[float], most: int, stages: _Stages
 ) -> Iterate:
     """Return what the continuation ends in: every smoothing from the solution of the one before."""
+    if not len(smoothings):
+        raise ProblemError("a continuation needs at least one smoothing")
     found: Iterate | None = None
     for eps in smoothings:
-        options = {"max_iter": most, "tol": min(1e-6, max(eps, 1e-8))}
+        options: dict[str, Any] = {"max_iter": most, "tol": min(1e-6, max(eps, 1e-8))}
         if found is not None:
             options |= {**WARM, "mu_init": min(1e-2, eps)}
         variables, multipliers = (start, None) if found is None else (found.variables, found.multipliers)
         found = search.solve(variables, eps, multipliers=multipliers, **options)
-        note(eps, found)
+        stages.note(eps, found)
     assert found is not None
     return found
 
 
 def _with_modes(
-    problem: DirectProblem, motion: Guess, closing: FloatArray, sliding: FloatArray, most: int
+    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages
 ) -> Iterate:
-    """Return the motion that obeys the equations of the modes that a softened one is in."""
+    """Return the motion that obeys the equations of modes (N, p), from one that need not."""
     law = GivenModes()
-    modes = read_modes(motion.impulses, closing, sliding, problem.mu)
     search, d = DirectSearch(problem, law), problem.tangents - 1
-    return search.solve(
+    found = search.solve(
         search.pack(motion), 0.0, contact_bounds=law.bounds(modes, d), row_bounds=law.row_bounds(modes, d),
         max_iter=most, tol=1e-9, mu_init=1e-4, bound_relax_factor=0.0, bound_push=1e-6, bound_frac=1e-6,
     )  # fmt: skip
+    stages.note(0.0, found)
+    return found
 
 
-def _better(problem: DirectProblem, candidates: Sequence[Iterate]) -> tuple[Guess, Trajectory]:
-    """Return the motion whose exact one reaches more, and that; the first where both do."""
-    best = None
-    for candidate in candidates:
+def _made_exact(
+    problem: DirectProblem, found: Sequence[Iterate], names: tuple[str, str], stages: _Stages, began: float
+) -> DirectPlan:
+    """Return the plan of the motion whose exact one comes nearest to the goal, the first if both arrive."""
+    best: tuple[float, Guess, Trajectory] | None = None
+    for candidate in found:
+        if not np.isfinite(candidate.variables).all():
+            continue
         trajectory = follow(problem, candidate.guess)
         miss = window_miss(problem, trajectory)
         if best is None or (miss < best[0] and best[0] > REACH):
             best = miss, candidate.guess, trajectory
-    assert best is not None
-    return best[1], best[2]
-
-
-def window_miss(problem: DirectProblem, trajectory: Trajectory) -> float:
-    """Return how far a trajectory is outside the windows of a problem: [m, rad], velocities in tenths of m/s."""
-    nq, nv = trajectory.q.shape[1], trajectory.v.shape[1]
-    worst = 0.0
-    scale = np.concatenate([np.ones(nq), np.full(nv, 0.1)])
-    for k, window in [*problem.windows.items(), (problem.knots, problem.end)]:
-        state = np.concatenate([trajectory.q[k], trajectory.v[k]])
-        sides = [(window.q_low, window.v_low, 1.0), (window.q_high, window.v_high, -1.0)]
-        for q, v, sign in sides:
-            free = -sign * np.inf
-            edge = np.concatenate([np.full(nq, free) if q is None else q, np.full(nv, free) if v is None else v])
-            beyond = scale * sign * (edge - state)
-            if not np.isfinite(state).all():
-                return np.inf
-            worst = max(worst, float(beyond.max()))
-    return worst
-
-
-def departure(problem: DirectProblem, motion: Guess, trajectory: Trajectory) -> float:
-    """Return the largest entry of q ⊖ q between a motion and a trajectory [m, rad]; infinite where it is lost."""
-    import pinocchio
-
-    if not np.isfinite(trajectory.q).all():
-        return np.inf
-    model = problem.robot.model
-    pairs = zip(motion.q, trajectory.q, strict=True)
-    return max(float(np.abs(pinocchio.difference(model, a, b)).max()) for a, b in pairs)
-
-
-def _plan(
-    problem: DirectProblem, trajectory: Trajectory, task: str, stages: Sequence[Stage], miss: float, seconds: float
-) -> Plan:
-    """Return the plan of a trajectory."""
-    iterations = sum(s.iterations for s in stages)
+    if best is None:  # Ipopt met an error: nothing but to stay
+        motion = _start(problem, None)
+        trajectory = follow(problem, motion, feedback=False)
+        best = window_miss(problem, trajectory), motion, trajectory
+    miss, motion, trajectory = best
+    closing, _ = contact_motion(contact_velocities(problem), motion)
+    products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
+    alone = follow(problem, motion, feedback=False)
+    cost, reached = exact_cost(problem, trajectory), miss <= REACH
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g})"
-    search = Search(
-        task, "direct", exact_cost(problem, trajectory), miss <= REACH, iterations, seconds, goal, Status.STALLED
-    )
-    return plan_from(trajectory, problem.robot, search, problem.terrain)
-
-
-def exact_cost(problem: DirectProblem, trajectory: Trajectory) -> float:
-    """Return the cost of a trajectory under a problem's weights."""
-    w, dt, t = problem.weights, problem.dt, trajectory
-    off, change = t.q[1:] - problem.references[1:], np.diff(t.v, axis=0)
-    running = w.torque * np.sum(t.torques**2) + w.velocity * np.sum(t.v[1:] ** 2) + w.posture * np.sum(off**2)
-    end = np.sum(off[-1] ** 2) + np.sum(t.v[-1] ** 2)
-    return float(dt * running + w.change / dt * np.sum(change**2) + w.end * end)
+    spent = time.perf_counter() - began
+    search = Search(*names, cost, reached, stages.iterations, spent, goal, Status.STALLED)
+    return DirectPlan(
+        plan_from(trajectory, problem.robot, search, problem.terrain), motion, trajectory, tuple(stages),
+        departure(problem, motion, trajectory), departure(problem, motion, alone),
+        float(np.abs(products).max(initial=0.0)), miss,
+    )  # fmt: skip

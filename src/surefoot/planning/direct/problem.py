@@ -1,4 +1,4 @@
-"""What the direct method is asked: a robot, where it starts, where it is to end, what costs, what is allowed."""
+"""What the direct method is asked: a robot, where it starts and is to end, what costs, what is allowed."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Window:
     def at(
         cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: float = 0.0, speed: float = 0.0
     ) -> Window:
-        """Return the window about a state, NaN entries left free: ± `within` [m, rad], ± `speed` [m/s, rad/s]."""
+        """Return the window about a state, NaN left free: ± `within` [m, rad], ± `speed` [m/s, rad/s]."""
         sides = list[FloatArray | None]()
         for value, reach in ((q, within), (v, speed)):
             if value is None:
@@ -181,7 +181,7 @@ class DirectProblem:
 
 
 def _moves_in_plane(robot: Robot) -> bool:
-    """Return whether no contact point can move across the plane y = 0, by the Jacobian at the nominal pose."""
+    """Return whether no contact point can move across the plane y = 0, by Jacobians at random poses."""
     import pinocchio
 
     model, points = robot.model, robot.contact_points
@@ -191,7 +191,9 @@ def _moves_in_plane(robot: Robot) -> bool:
         q = pinocchio.integrate(model, robot.nominal, rng.normal(size=model.nv))
         pinocchio.computeJointJacobians(model, data, q)
         for joint, place in zip(points.joints, points.places, strict=True):
-            J = pinocchio.getJointJacobian(model, data, int(joint), pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            J = pinocchio.getJointJacobian(
+                model, data, int(joint), pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
             arm = data.oMi[int(joint)].rotation @ place
             if np.abs(J[1] - (pinocchio.skew(arm) @ J[3:])[1]).max() > 1e-12:
                 return False

@@ -79,7 +79,9 @@ class DirectSearch:
         contacts = (t.contacts.low, t.contacts.high) if contact_bounds is None else contact_bounds
         out = []
         for sign, state, contact in zip((-1.0, 1.0), states, contacts, strict=True):
-            u = np.hstack([np.tile(sign * limits, (n, 1)), np.broadcast_to(contact, (n, np.shape(contact)[-1]))])
+            u = np.hstack(
+                [np.tile(sign * limits, (n, 1)), np.broadcast_to(contact, (n, np.shape(contact)[-1]))]
+            )
             out.append(np.concatenate([np.hstack([state[:-1], u]).ravel(), state[-1]]))
         return out[0], out[1]
 
@@ -103,12 +105,7 @@ class DirectSearch:
 
     def seen(self, guess: Guess) -> tuple[FloatArray, FloatArray]:
         """Return φ (N, p) and u_t (N, p, d - 1) of a motion [m/s]."""
-        closing, sliding = [], []
-        for q, v in zip(guess.q[:-1], guess.v[1:], strict=True):
-            phi, u = self._seen(q, v)
-            closing.append(np.array(phi).ravel())
-            sliding.append(np.array(u).T)
-        return np.array(closing), np.array(sliding)
+        return contact_motion(self._seen, guess)
 
     def solve(
         self,
@@ -155,6 +152,16 @@ class DirectSearch:
         violation = float(max(np.max(b, initial=0.0) for b in beyond))
         back = np.array(out["lam_x"]).ravel(), np.array(out["lam_g"]).ravel()
         return Iterate(
-            x, back, self.unpack(x), float(out["f"]), violation, int(said["iter_count"]), bool(said["success"]),
-            str(said["return_status"]),
+            x, back, self.unpack(x), float(out["f"]), violation, int(said["iter_count"]),
+            bool(said["success"]), str(said["return_status"]),
         )  # fmt: skip
+
+
+def contact_motion(seen: Any, guess: Guess) -> tuple[FloatArray, FloatArray]:
+    """Return φ (N, p) and u_t (N, p, d - 1) of a motion [m/s], by the function of `contact_velocities`."""
+    closing, sliding = [], []
+    for q, v in zip(guess.q[:-1], guess.v[1:], strict=True):
+        phi, u = seen(q, v)
+        closing.append(np.array(phi).ravel())
+        sliding.append(np.array(u).T)
+    return np.array(closing), np.array(sliding)

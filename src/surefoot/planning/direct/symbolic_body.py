@@ -1,8 +1,9 @@
-"""Rigid-body dynamics as CasADi expressions: what Pinocchio computes in numbers, for an optimiser to differentiate.
+"""Rigid-body dynamics as CasADi expressions: what Pinocchio computes in numbers, for an optimiser.
 
 Reads joints, placements and inertias of a Pinocchio model and writes out the recursive Newton-Euler algorithm
-(Featherstone, Rigid Body Dynamics Algorithms, 2008, section 5.3) in body axes, with forces at contact points, the
-points' motion, and q ⊕ step as Pinocchio integrates. Configurations and velocities are in Pinocchio's order.
+(Featherstone, Rigid Body Dynamics Algorithms, 2008, section 5.3) in body axes, with forces at contact points,
+the points' motion, and q ⊕ step as Pinocchio integrates. Configurations and velocities are in Pinocchio's
+order.
 """
 
 from __future__ import annotations
@@ -142,7 +143,8 @@ class SymbolicBody:
         poses = self._poses(q)
         return self._ca.horzcat(
             *(
-                poses[j - 1].translation_world + self._ca.mtimes(poses[j - 1].rotation_world, self._constant(place))
+                poses[j - 1].translation_world
+                + self._ca.mtimes(poses[j - 1].rotation_world, self._constant(place))
                 for j, place in zip(self._carriers, self._places, strict=True)
             )
         )
@@ -185,7 +187,7 @@ class SymbolicBody:
         return ca.vertcat(*out)
 
     def _moved_free(self, q: Expression, way: Expression) -> Expression:
-        """Return a free flyer's pose after a twist: the exponential of SE(3), then of the unit quaternions."""
+        """Return a free flyer's pose after a twist: the exponential of SE(3), then that of quaternions."""
         ca, (linear, angular) = self._ca, (way[:3], way[3:])
         square = ca.dot(angular, angular)
         arc, swing = _series(square, 2), _series(square, 3)  # (1 - cos t) / t², (t - sin t) / t³
@@ -220,12 +222,16 @@ class SymbolicBody:
         if joint.kind in SLIDES:
             return ca.DM.eye(3), self._constant(joint.axes[:3, 0]) * q[joint.q]
         angle = q[joint.q]
-        cosine, sine = (q[joint.q], q[joint.q + 1]) if joint.kind in ENDLESS else (ca.cos(angle), ca.sin(angle))
+        cosine, sine = (
+            (q[joint.q], q[joint.q + 1]) if joint.kind in ENDLESS else (ca.cos(angle), ca.sin(angle))
+        )
         axis = joint.axes[3:, 0]
         across = np.outer(axis, axis)
         # Rodrigues' formula, by its three constant parts
         flat = self._constant(np.eye(3) - across)
-        return self._constant(across) + cosine * flat + sine * self._constant(_cross_matrix(axis)), ca.DM.zeros(3)
+        return self._constant(across) + cosine * flat + sine * self._constant(
+            _cross_matrix(axis)
+        ), ca.DM.zeros(3)
 
     def _poses(self, q: Expression) -> list[_Pose]:
         """Return where every body is."""
@@ -264,7 +270,12 @@ class SymbolicBody:
         return own[:3], own[3:]
 
     def _body_forces(
-        self, poses: list[_Pose], spins: list[Expression], speeds: list[Expression], v: Expression, a: Expression
+        self,
+        poses: list[_Pose],
+        spins: list[Expression],
+        speeds: list[Expression],
+        v: Expression,
+        a: Expression,
     ) -> list[tuple[Expression, Expression]]:
         """Return the force and the moment about its origin that move every body, in body axes."""
         ca, out = self._ca, []
@@ -313,7 +324,7 @@ def _read_joint(model: Any, data: Any, index: int) -> _Joint:
     kind = str(joint.shortname())
     if kind not in (*HINGES, *ENDLESS, *SLIDES, FREE):
         raise ModelError(
-            f"joint {model.names[index]} is a {kind}; planning takes revolute, prismatic and free-flyer joints"
+            f"joint {model.names[index]} is a {kind}; planning takes revolute, prismatic, free-flyer joints"
         )
     placement, body = model.jointPlacements[index], model.inertias[index]
     return _Joint(
