@@ -11,15 +11,19 @@ from surefoot.planning import rollout
 from surefoot.planning.direct import (
     DirectProblem,
     Facets,
+    GivenModes,
     Guess,
     RoundCone,
     Weights,
     Window,
     plan_direct,
+    plan_with_modes,
     planar_biped,
     planar_hopper,
 )
+from surefoot.planning.direct.contact_rows import STICK, read_modes
 from surefoot.planning.direct.planar import passive_joints
+from surefoot.planning.direct.search import DirectSearch
 from surefoot.robot import load_robot, place
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.terrain import SlopeTerrain, StairsTerrain
@@ -79,6 +83,22 @@ def test_a_finer_plan_from_a_coarse_one_is_lawful_to_the_audit(hop) -> None:
     found = plan_direct(finer, guess=coarse.trajectory, smoothings=(1e-2, 1e-4, 1e-6, 1e-8))
     assert len(found.plan.raise_if_failed()) == 72
     assert sf.audit_log(found.plan, problem.robot).verdict == "lawful"
+
+
+def test_the_modes_of_a_plan_given_as_a_schedule_lead_to_it(hop) -> None:
+    """And a schedule in which the foot never leaves the ground leads nowhere."""
+    problem, found = hop
+    search = DirectSearch(problem, GivenModes())
+    modes = read_modes(found.motion.impulses, *search.seen(found.motion), problem.mu)
+    again = plan_with_modes(problem, modes)
+    assert again.plan.raise_if_failed().method == "given modes"
+    assert again.plan.cost == pytest.approx(found.plan.cost, rel=1e-3)
+    stuck = plan_with_modes(problem, np.full_like(modes, STICK), max_iterations=60)
+    assert stuck.plan.status.value == "stalled"
+    with pytest.raises(ProblemError, match=r"modes must have shape \(24, 1\), .* got \[3\]"):
+        plan_with_modes(problem, np.full_like(modes, 3))
+    with pytest.raises(ProblemError, match=r"got shape \(3, 1\)"):
+        plan_with_modes(problem, modes[:3])
 
 
 @pytest.mark.parametrize(
