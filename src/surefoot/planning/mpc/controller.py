@@ -29,6 +29,7 @@ from surefoot.log.channels import CHANNELS
 from surefoot.planning.mpc.cost import WalkWeights, walking_costs
 from surefoot.planning.mpc.receding import move_on, torques_between
 from surefoot.planning.shooting.engine import Engine
+from surefoot.planning.shooting.horizon import Policy
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot
 from surefoot.robot.placement import place
@@ -38,8 +39,12 @@ RAMP = 1.5
 """Largest change of the wanted velocity [m/s²], [rad/s²]."""
 LEAD = 0.3
 """The wanted heading is never further from the body's than this [rad]."""
-LEAST, MOST = 1e-3, 1e4
-"""Bounds on the damping, relative to the torques' mean weight."""
+ENOUGH = 1.02
+"""A motion that costs no more, in units of the last plan, is taken at once."""
+MOST = 1e4
+"""Largest damping, relative to the torques' mean weight."""
+STIFFNESS, DAMPING = 30.0, 1.0
+"""Of joints that follow a plan, or stand, where the plan's own gains fail [N m/rad], [N m s/rad]."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +65,9 @@ class MpcSettings:
         κ of the derivatives [N s m/s].
     shares
         Shares of a step that the line search tries.
-    trials
-        Dampings that an iteration tries.
+    damping
+        Least weight of ½ ||du||², relative to the torques' mean weight: with less the gains of feet on the
+        ground are too stiff for a leg that leaves it.
     mu
         Friction that the controller believes in.
     weights
@@ -77,8 +83,8 @@ class MpcSettings:
     iterations: int = 1
     first_iterations: int = 30
     smoothing: float = 0.33
-    shares: tuple[float, ...] = (1.0, 0.5, 0.25, 0.1, 0.03)
-    trials: int = 3
+    shares: tuple[float, ...] = (1.0, 0.5, 0.2)
+    damping: float = 1.0
     mu: float = 0.6
     weights: WalkWeights = field(default_factory=WalkWeights)
     seed: int = 0
@@ -156,19 +162,29 @@ class ContactImplicitMpc(Controller):
         self._limits = np.array([-robot.effort_limits, robot.effort_limits])
         self._hold = self.engine.tables.torque[1][0].copy()
         self._torques = np.zeros(robot.joints)
+        self._springs, self._still = self._fallbacks()
         self.facts = {
             "kind": "walk", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu,
             "gait": "contact-implicit", "notes": [], "knots": s.knots, "knot_length": s.dt, "interval": s.interval,
         }  # fmt: skip
         self.reset()
 
+    def _fallbacks(self) -> tuple[FloatArray, Policy]:
+        """Return gains of springs and dampers at the joints, and the policy that stands by them."""
+        N, m, n = self.settings.knots, self.robot.joints, int(self.robot.model.nv)
+        gains = np.zeros((N, m, 2 * n))
+        for i in range(m):
+            gains[:, i, n - m + i], gains[:, i, 2 * n - m + i] = -STIFFNESS, -DAMPING
+        q, hold = np.tile(self._pose, (N + 1, 1)), np.tile(self._hold, (N, 1))
+        return gains, Policy(q, np.zeros((N + 1, n)), hold, gains, np.zeros((N, m)), np.zeros((N, 2 * n)))
+
     def reset(self) -> None:
         """Forget the past: the next step is the first of a run."""
         self.planned_at = -math.inf
         self._velocity, self._yaw, self._last = np.zeros(3), math.nan, 0.0
         self._well = False
-        self.engine.gains[:] = self.engine.steps[:] = 0.0
-        self.engine.damping = 1e-2
+        self.engine.gains[:], self.engine.steps[:] = self._springs, 0.0
+        self.engine.damping = self.settings.damping
 
     def step(self, state: RobotState) -> MpcCommand:
         """Return the command for a state; a tick plans anew.
@@ -231,7 +247,7 @@ class ContactImplicitMpc(Controller):
             if not begun:
                 return False
             count = self.settings.first_iterations if first else self.settings.iterations
-            return max(self._iterate() for _ in range(count)) > 0.0
+            return all([self._iterate() for _ in range(count)])
         except SurefootError:  # a state that no step can be taken from
             return False
 
@@ -256,11 +272,11 @@ class ContactImplicitMpc(Controller):
 
     def _begin(self, state: RobotState) -> bool:
         """Start a plan from scratch: torques that hold the robot, and a little noise."""
-        s, now = self.settings, self.engine.now
-        noise = np.random.default_rng(s.seed).normal(size=now.torques.shape)
-        now.q[:], now.v[:], now.torques[:] = state.q, state.v, self._hold + s.noise * noise
-        self.engine.gains[:] = 0.0
-        return self.engine.restart(state.q, state.v)
+        s, still, engine = self.settings, self._standing(), self.engine
+        noise = np.random.default_rng(s.seed).normal(size=still.torques.shape)
+        engine.now.q[0], engine.now.v[0] = state.q, state.v
+        still.q[:, :7] = state.q[:7]
+        return engine.choose([(still._replace(steps=s.noise * noise), 1.0), (still, 0.0)], -math.inf) >= 0
 
     def _go_on(self, state: RobotState, passed: float) -> bool:
         """Move the last plan on in time, and let it begin where the robot is."""
@@ -273,18 +289,31 @@ class ContactImplicitMpc(Controller):
         engine.price = 0.0
         return engine.take(now.q, now.v, now.torques)
 
-    def _iterate(self) -> float:
-        """Take one step of the solver; return its share, 0 for none."""
-        engine = self.engine
-        if not engine.differentiate(self.settings.smoothing):
-            return 0.0
-        for _ in range(self.settings.trials):
-            share = engine.search(self.settings.shares) if engine.backward() else 0.0
-            if share > 0.0:
-                engine.damping = max(engine.damping * (0.3 if share >= 0.5 else 2.0), LEAST)
-                return share
-            engine.damping = min(5.0 * max(engine.damping, 1e-2), MOST)
-        return 0.0
+    def _iterate(self) -> bool:
+        """Take one step of the solver from the last plan, gaps and all; return whether there is a new one."""
+        engine, s = self.engine, self.settings
+        enough, policy = ENOUGH * engine.now.cost, engine.policy
+        candidates = [self._track(policy), (self._standing(), 0.0)]
+        if engine.differentiate(s.smoothing) and engine.backward():
+            candidates = [*((policy, share) for share in s.shares), *candidates]
+        best = engine.choose(candidates, enough)
+        if best < 0:
+            return False
+        if candidates[best][0] is policy and candidates[best][1] >= 0.5:
+            engine.damping = max(0.3 * engine.damping, s.damping)
+        else:
+            engine.damping = min(3.0 * engine.damping, MOST)
+        return True
+
+    def _track(self, policy: Policy) -> tuple[Policy, float]:
+        """Return the policy that follows a motion by springs and dampers at the joints."""
+        return policy._replace(gains=self._springs), 0.0
+
+    def _standing(self) -> Policy:
+        """Return the policy that holds the nominal pose where the robot is."""
+        now, still = self.engine.now, self._still
+        still.q[:, :7] = now.q[0, :7]
+        return still
 
 
 def _heading(q: FloatArray) -> float:

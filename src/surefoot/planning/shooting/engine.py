@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.cost_kernels import cost_slopes
-from surefoot.planning.shooting.horizon import Horizon
+from surefoot.planning.shooting.horizon import Horizon, Policy
 from surefoot.planning.shooting.problem import ShootingProblem, Times, TorqueLimits
 from surefoot.planning.shooting.riccati import backward_pass
 
@@ -49,6 +49,7 @@ class Engine:
         self.limits = p.limits or TorqueLimits.of(p.robot)
         self.now = Horizon(p.robot, N, p.dt, p.mu, p.terrain, tol)
         self._next = Horizon(p.robot, N, p.dt, p.mu, p.terrain, tol)
+        self._spare = Horizon(p.robot, N, p.dt, p.mu, p.terrain, tol)
         m, twice = p.robot.joints, 2 * int(p.robot.model.nv)
         self.gains, self.steps = np.zeros((N, m, twice)), np.zeros((N, m))
         self._slopes, self._predicted = np.zeros((N + 1, twice)), np.zeros(2)
@@ -73,8 +74,7 @@ class Engine:
         """
         start = time.process_time()
         self.limits.bounds(self.now.v, self._bounds)
-        policy = self.gains, np.zeros_like(self.steps)
-        done = self._next.run((q, v), self.now, policy, 0.0, self._bounds, close=True)
+        done = self._next.run((q, v), self.policy, 0.0, self._bounds, close=True)
         if done:
             self.now, self._next = self._next, self.now
         self.times.rollout += time.process_time() - start
@@ -119,11 +119,11 @@ class Engine:
         start, now = time.process_time(), self.now
         if now.defect > 0.0:
             self.price = max(self.price, PENALTY * float(np.abs(self._slopes).max()))
-        merit = now.cost + self.price * now.defect
+        merit, policy = now.cost + self.price * now.defect, self.policy
         taken = 0.0
         for share in shares:
             first = (now.q[0], now.v[0])
-            if not self._next.run(first, now, (self.gains, self.steps), share, self._bounds):
+            if not self._next.run(first, policy, share, self._bounds):
                 continue
             cost = self._next.price(self.tables)
             gain = -share * (self._predicted[0] + 0.5 * share * self._predicted[1])
@@ -134,6 +134,42 @@ class Engine:
                 break
         self.times.rollout += time.process_time() - start
         return taken
+
+    def choose(self, candidates: Sequence[tuple[Policy, float]], enough: float) -> int:
+        """Roll policies out without gaps and keep the cheapest motion; return its number, -1 for none.
+
+        Unlike `search` this may raise the cost, since the motion begins anew where the gaps are: what a
+        controller needs whose robot is not where the last plan was.
+
+        Parameters
+        ----------
+        candidates
+            Policies, each with the share of its step.
+        enough
+            The first motion that costs no more ends the search.
+        """
+        start, first = time.process_time(), (self.now.q[0].copy(), self.now.v[0].copy())
+        best, least = -1, np.inf
+        self.limits.bounds(self.now.v, self._bounds)
+        for number, (policy, share) in enumerate(candidates):
+            if not self._next.run(first, policy, share, self._bounds, close=True):
+                continue
+            cost = self._next.price(self.tables)
+            if cost < least:
+                best, least = number, cost
+                self._next, self._spare = self._spare, self._next
+            if least <= enough:
+                break
+        if best >= 0:
+            self.now, self._spare = self._spare, self.now
+        self.times.rollout += time.process_time() - start
+        return best
+
+    @property
+    def policy(self) -> Policy:
+        """The current motion with the gains and steps of the last backward pass."""
+        now = self.now
+        return Policy(now.q, now.v, now.torques, self.gains, self.steps, now.gaps)
 
     @property
     def expected(self) -> float:

@@ -6,6 +6,8 @@ without stepping again.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
@@ -21,6 +23,27 @@ from surefoot.terrain import Terrain
 
 SOFTER = (1.0, 10.0, 100.0)
 """Factors on the smoothing, tried in turn where the central path is not reached."""
+
+
+class Policy(NamedTuple):
+    """Torques u + a k + K (x ⊖ x̄) about a motion, for a share a.
+
+    Attributes
+    ----------
+    q, v, torques
+        (N + 1, nq), (N + 1, nv) and (N, m) x̄ and u.
+    gains, steps
+        (N, m, 2nv) K and (N, m) k.
+    gaps
+        (N, 2nv) of the motion.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    torques: FloatArray
+    gains: FloatArray
+    steps: FloatArray
+    gaps: FloatArray
 
 
 class Horizon:
@@ -86,28 +109,25 @@ class Horizon:
         self.A, self.B = np.zeros((knots, 2 * nv, 2 * nv)), np.zeros((knots, 2 * nv, m))
         self.moved = np.zeros((knots, 2, self.block, self.block))
         self.cost = self.defect = np.inf
-        self._none = np.zeros((m, 2 * nv)), np.zeros(m)
 
     def __len__(self) -> int:
         return len(self.torques)
 
     def run(
-        self, start: tuple[FloatArray, FloatArray], nominal: Horizon, policy: tuple[FloatArray, FloatArray],
-        share: float, limits: FloatArray, close: bool = False,
+        self, start: tuple[FloatArray, FloatArray], policy: Policy, share: float, limits: FloatArray,
+        close: bool = False,
     ) -> bool:  # fmt: skip
-        """Step from a state under the policy of another motion; return whether every step is solved.
+        """Step from a state under a policy; return whether every contact problem is solved.
 
-        The torques are u + share k + K (x ⊖ x_nominal), and of every gap of the nominal motion a part
-        1 - share stays open.
+        The torques are u + share k + K (x ⊖ x̄), and of every gap of the policy's motion a part 1 - share
+        stays open.
 
         Parameters
         ----------
         start
             (nq,) and (nv,).
-        nominal
-            The motion that the policy belongs to.
         policy
-            Gains K (N, m, 2nv) and steps k (N, m).
+            What to follow.
         share
             0 to 1.
         limits
@@ -117,12 +137,11 @@ class Horizon:
         """
         self.q[0], self.v[0] = start
         self.defect, left = 0.0, 0.0 if close else share - 1.0
-        gains, steps = policy
         for k, knot in enumerate(self._knots):
             here = self.q[k], self.v[k]
             feedback(
-                self.floating, here, (nominal.q[k], nominal.v[k]), nominal.torques[k], steps[k], share,
-                gains[k], limits[k], self.torques[k],
+                self.floating, here, (policy.q[k], policy.v[k]), policy.torques[k], policy.steps[k], share,
+                policy.gains[k], limits[k], self.torques[k],
             )  # fmt: skip
             if not (np.isfinite(self.torques[k]).all() and knot.step(*here, self.torques[k], self.mu)):
                 self.cost = np.inf
@@ -131,7 +150,7 @@ class Horizon:
             if left == 0.0:
                 self.q[k + 1], self.v[k + 1], self.gaps[k] = knot.q, knot.v, 0.0
                 continue
-            opened = left * nominal.gaps[k]
+            opened = left * policy.gaps[k]
             retract(self.floating, knot.q, opened[: len(knot.v)], self.q[k + 1])
             self.v[k + 1] = knot.v + opened[len(knot.v) :]
             self.defect += defect(
