@@ -16,6 +16,7 @@ from surefoot.cli import (
     cone,
     identify,
     model,
+    plan,
     region,
     solve,
     stand,
@@ -43,7 +44,7 @@ app = typer.Typer(
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds,
+    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan,
     warmup.warmup,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
