@@ -33,7 +33,7 @@ from surefoot.planning.shooting.horizon import Policy
 from surefoot.planning.shooting.problem import ShootingProblem
 from surefoot.robot import Robot
 from surefoot.robot.placement import place
-from surefoot.terrain import Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 RAMP = 1.5
 """Largest change of the wanted velocity [m/s²], [rad/s²]."""
@@ -79,8 +79,8 @@ class MpcSettings:
 
     knots: int = 20
     dt: float = 0.025
-    interval: float = 0.0125
-    iterations: int = 1
+    interval: float = 0.025
+    iterations: int = 2
     first_iterations: int = 30
     smoothing: float = 0.33
     shares: tuple[float, ...] = (1.0, 0.5, 0.2)
@@ -138,6 +138,13 @@ class ContactImplicitMpc(Controller):
     dt
         Time between steps [s].
 
+    Attributes
+    ----------
+    notes
+        How it plans, in one line.
+    engine
+        The solver, with the current plan.
+
     Raises
     ------
     ModelError
@@ -159,13 +166,18 @@ class ContactImplicitMpc(Controller):
         self._pose = place(robot)
         costs = walking_costs(robot, self._pose, s.weights)
         self.engine = Engine(ShootingProblem(robot, costs, s.knots, s.dt, s.mu, terrain))
+        self._terrain = FlatTerrain() if terrain is None else terrain
         self._limits = np.array([-robot.effort_limits, robot.effort_limits])
         self._hold = self.engine.tables.torque[1][0].copy()
         self._torques = np.zeros(robot.joints)
         self._springs, self._still = self._fallbacks()
+        self.notes = [
+            f"contact-implicit MPC: {s.knots} knots of {1e3 * s.dt:g} ms, {s.iterations} iteration(s) every "
+            f"{1e3 * s.interval:g} ms; no gait is given, the cost decides it"
+        ]
         self.facts = {
             "kind": "walk", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu,
-            "gait": "contact-implicit", "notes": [], "knots": s.knots, "knot_length": s.dt, "interval": s.interval,
+            "gait": "contact-implicit", "notes": list(self.notes), "knots": s.knots, "knot_length": s.dt, "interval": s.interval,
         }  # fmt: skip
         self.reset()
 
@@ -265,6 +277,7 @@ class ContactImplicitMpc(Controller):
         c, s = np.cos(yaw), np.sin(yaw)
         _, q, v = self.engine.tables.state
         q[:, :2] = state.q[:2]
+        q[:, 2] = self._pose[2] + float(self._terrain.height(state.q[:2]))
         q[:, 3:5], q[:, 5], q[:, 6] = 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw)
         v[:, 0] = c * self._velocity[0] - s * self._velocity[1]
         v[:, 1] = s * self._velocity[0] + c * self._velocity[1]

@@ -45,6 +45,8 @@ class WalkWeights:
         Tangential speed of a foot near the ground [s²/m²], and the gap over which that fades [m].
     lift
         Of a foot's height [1/m²].
+    landing
+        Of a foot's normal speed near the ground [s²/m²].
     torque
         Of torques less those that hold the robot [1/(N m)²].
     diagonal
@@ -56,18 +58,19 @@ class WalkWeights:
     """
 
     height: float = 335.0
-    tilt: float = 100.0
+    tilt: float = 125.0
     heading: float = 43.0
-    forward: float = 37.0
+    forward: float = 44.0
     vertical: float = 8.0
     spin: float = 3.0
-    hip: float = 23.0
-    knee: float = 1.3
-    joint_speed: float = 0.013
-    slip: float = 0.44
+    hip: float = 21.0
+    knee: float = 1.75
+    joint_speed: float = 0.011
+    slip: float = 0.4
     width: float = 0.025
     lift: float = 0.0
-    torque: float = 0.0018
+    landing: float = 0.1
+    torque: float = 0.0034
     diagonal: float = 0.0072
     diagonal_pose: float = 0.0
     diagonal_speed: float = 0.0044
@@ -94,7 +97,7 @@ def walking_costs(robot: Robot, q: FloatArray, weights: WalkWeights) -> Costs:
     return Costs(
         StateCost(state, w.terminal * state, q),
         TorqueCost(w.torque, w.diagonal * alike, holding_torques(robot, q)),
-        FootCost(w.slip, w.width, w.lift),
+        FootCost(w.slip, w.width, w.lift, landing=w.landing),
         JointCost(10.0, 0.1, coupling=coupling if coupling.any() else None),
     )
 

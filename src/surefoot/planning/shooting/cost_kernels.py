@@ -19,7 +19,7 @@ StateTable = tuple[FloatArray, FloatArray, FloatArray]
 TorqueTable = tuple[FloatArray, FloatArray]
 """R (m, m), and the wanted torques (N, m)."""
 FootTable = tuple[FloatArray, FloatArray, FloatArray]
-"""Weights of slip and height (N, 2, p), wanted heights (N, p), and (1,) the gap over which slip is free."""
+"""Weights of slip, height and landing (N, 3, p), wanted heights (N, p), (1,) the gap that counts as near."""
 JointTable = tuple[FloatArray, FloatArray, FloatArray]
 """Bounds (2, 2m) on joint positions and speeds, weights (2m,) of what is beyond, coupling (2m, 2m)."""
 
@@ -204,10 +204,10 @@ def _feet_cost(
     """Return the cost of feet that slip near the ground, and of their heights."""
     total = 0.0
     for c in range(gaps.size):
-        if weights[0, c] > 0.0:
+        if weights[0, c] > 0.0 or weights[2, c] > 0.0:
             near = _closeness(gaps[c], width)[0]
-            x, y = _speed(J, 3 * c, v), _speed(J, 3 * c + 1, v)
-            total += 0.5 * weights[0, c] * near * near * (x * x + y * y)
+            x, y, z = _speed(J, 3 * c, v), _speed(J, 3 * c + 1, v), _speed(J, 3 * c + 2, v)
+            total += 0.5 * near * near * (weights[0, c] * (x * x + y * y) + weights[2, c] * z * z)
         miss = gaps[c] - heights[c]
         total += 0.5 * weights[1, c] * miss * miss
     return total
@@ -235,14 +235,14 @@ def _add_feet(
     row = np.empty(2 * n)
     for c in range(gaps.size):
         normal = 3 * c + 2
-        if weights[0, c] > 0.0:
+        if weights[0, c] > 0.0 or weights[2, c] > 0.0:
             near, slope = _closeness(gaps[c], width)
-            for a in range(2):
+            for a in range(3):
                 speed = _speed(J, 3 * c + a, v)
                 for j in range(n):
                     row[j] = near * rates[3 * c + a, j] + slope * speed * J[normal, j]
                     row[n + j] = near * J[3 * c + a, j]
-                _add_row(weights[0, c], row, near * speed, lx, lxx)
+                _add_row(weights[2 if a == 2 else 0, c], row, near * speed, lx, lxx)
         if weights[1, c] > 0.0:
             for j in range(n):
                 row[j], row[n + j] = J[normal, j], 0.0

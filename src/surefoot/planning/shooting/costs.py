@@ -5,6 +5,7 @@ Every term is half a weighted sum of squares over the knots::
     state       ½ e(x)ᵀ diag(w) e(x)                   e: see `StateCost`; also at the last knot
     torques     ½ (u - u_w)ᵀ R (u - u_w)
     slip        ½ w c(gap)² ||v_t||²,                  c² = 1 / (1 + exp(gap / width))
+    landing     ½ w c(gap)² v_n²
     height      ½ w (gap - h)²
     bounds      ½ w max(0, q - q_max, q_min - q)²      and of the joints' speeds
     coupling    ½ zᵀ C z,                              z = (joints less the wanted ones, their speeds)
@@ -117,24 +118,28 @@ class FootCost:
     slip
         A number, (p,) or (N, p): weight of tangential speed near the ground [s²/m²].
     width
-        Gap over which the weight of a slip falls off [m].
+        Gap over which the weights of slip and landing fall off [m].
     lift
         A number, (p,) or (N, p): weight of the height [1/m²].
     heights
         A number, (p,) or (N, p): wanted height [m].
+    landing
+        A number, (p,) or (N, p): weight of normal speed near the ground [s²/m²].
     """
 
     slip: ArrayLike = 0.0
     width: float = 0.02
     lift: ArrayLike = 0.0
     heights: ArrayLike = 0.0
+    landing: ArrayLike = 0.0
 
     def table(self, robot: Robot, knots: int) -> FootTable:
         """Return weights, wanted heights and the width."""
         shape = knots, len(robot.contact_points)
-        weights = np.empty((knots, 2, shape[1]))
+        weights = np.empty((knots, 3, shape[1]))
         weights[:, 0] = _spread("slip", self.slip, shape, low=0.0)
         weights[:, 1] = _spread("lift", self.lift, shape, low=0.0)
+        weights[:, 2] = _spread("landing", self.landing, shape, low=0.0)
         width = real_number("width", self.width, low=1e-6)
         return weights, _spread("heights", self.heights, shape), np.array([width])
 
