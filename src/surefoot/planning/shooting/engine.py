@@ -38,7 +38,11 @@ class Engine:
     gains, steps
         K (N, m, 2nv) and k (N, m) of the last backward pass.
     damping
-        Weight of ½ ||du||².
+        Weight of ½ ||du||², relative to the torques' mean weight.
+    bounds
+        (N, 2, m) on the torques of the last rollout [N m].
+    spare
+        Knots that the next rollout may write to.
     times
         Processor time by part.
     """
@@ -47,22 +51,25 @@ class Engine:
         p, N = problem, problem.knots
         self.problem, self.tables = problem, problem.costs.tables(problem.robot, N)
         self.limits = p.limits or TorqueLimits.of(p.robot)
-        self.now = Horizon(p.robot, N, p.dt, p.mu, p.terrain, tol)
-        self._next = Horizon(p.robot, N, p.dt, p.mu, p.terrain, tol)
-        self._spare = Horizon(p.robot, N, p.dt, p.mu, p.terrain, tol)
+        self.now, self._next, self.spare = (self.horizon(tol) for _ in range(3))
         m, twice = p.robot.joints, 2 * int(p.robot.model.nv)
         self.gains, self.steps = np.zeros((N, m, twice)), np.zeros((N, m))
         self._slopes, self._predicted = np.zeros((N + 1, twice)), np.zeros(2)
         self._lx, self._lxx = np.zeros((N + 1, twice)), np.zeros((N + 1, twice, twice))
         self._lu, self._luu = np.zeros((N, m)), np.zeros((N, m, m))
-        self._bounds, self._low, self._high = np.zeros((N, 2, m)), np.zeros((N, m)), np.zeros((N, m))
+        self.bounds, self._low, self._high = np.zeros((N, 2, m)), np.zeros((N, m)), np.zeros((N, m))
         self.damping, self.price, self.times = 0.0, 0.0, Times()
         self._scale = float(np.trace(self.tables.torque[0])) / max(m, 1)
 
+    def horizon(self, tol: float) -> Horizon:
+        """Return knots for the problem."""
+        p = self.problem
+        return Horizon(p.robot, p.knots, p.dt, p.mu, p.terrain, tol)
+
     def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
         """Start from states and torques as they are, gaps and all; return whether every step is solved."""
-        self.limits.bounds(v, self._bounds)
-        torques = np.clip(torques, self._bounds[:, 0], self._bounds[:, 1])
+        self.limits.bounds(v, self.bounds)
+        torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
         done = self.now.take(q, v, torques)
         self._settle(done)
         return done
@@ -73,8 +80,8 @@ class Engine:
         Where one is not, the motion stays as it was.
         """
         start = time.process_time()
-        self.limits.bounds(self.now.v, self._bounds)
-        done = self._next.run((q, v), self.policy, 0.0, self._bounds, close=True)
+        self.limits.bounds(self.now.v, self.bounds)
+        done = self._next.run((q, v), self.policy, 0.0, self.bounds, close=True)
         if done:
             self.now, self._next = self._next, self.now
         self.times.rollout += time.process_time() - start
@@ -98,9 +105,9 @@ class Engine:
     def backward(self) -> bool:
         """Run the Riccati recursion; return whether every box program was solved."""
         start, now = time.process_time(), self.now
-        self.limits.bounds(now.v, self._bounds)
-        np.subtract(self._bounds[:, 0], now.torques, out=self._low)
-        np.subtract(self._bounds[:, 1], now.torques, out=self._high)
+        self.limits.bounds(now.v, self.bounds)
+        np.subtract(self.bounds[:, 0], now.torques, out=self._low)
+        np.subtract(self.bounds[:, 1], now.torques, out=self._high)
         np.minimum(self._low, 0.0, out=self._low)  # where a torque-speed line has moved below the torque
         np.maximum(self._high, 0.0, out=self._high)
         done = backward_pass(
@@ -123,7 +130,7 @@ class Engine:
         taken = 0.0
         for share in shares:
             first = (now.q[0], now.v[0])
-            if not self._next.run(first, policy, share, self._bounds):
+            if not self._next.run(first, policy, share, self.bounds):
                 continue
             cost = self._next.price(self.tables)
             gain = -share * (self._predicted[0] + 0.5 * share * self._predicted[1])
@@ -150,18 +157,18 @@ class Engine:
         """
         start, first = time.process_time(), (self.now.q[0].copy(), self.now.v[0].copy())
         best, least = -1, np.inf
-        self.limits.bounds(self.now.v, self._bounds)
+        self.limits.bounds(self.now.v, self.bounds)
         for number, (policy, share) in enumerate(candidates):
-            if not self._next.run(first, policy, share, self._bounds, close=True):
+            if not self._next.run(first, policy, share, self.bounds, close=True):
                 continue
             cost = self._next.price(self.tables)
             if cost < least:
                 best, least = number, cost
-                self._next, self._spare = self._spare, self._next
+                self._next, self.spare = self.spare, self._next
             if least <= enough:
                 break
         if best >= 0:
-            self.now, self._spare = self._spare, self.now
+            self.now, self.spare = self.spare, self.now
         self.times.rollout += time.process_time() - start
         return best
 
