@@ -148,6 +148,17 @@ numerics.six             times                numerics/test_six.py::test_six_dim
 numerics.vectors         advance              numerics/test_points.py::test_vectors
 numerics.vectors         cross                numerics/test_points.py::test_vectors
 numerics.vectors         dot                  numerics/test_points.py::test_vectors
+planning.shooting.cost_kernels cost_slopes planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals
+planning.shooting.cost_kernels motion_cost planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals by price
+planning.shooting.cost_kernels state_error planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals by price
+planning.shooting.riccati backward_pass planning/shooting/test_riccati.py::test_the_kernel_is_the_textbook_recursion_with_dense_matrices by run
+planning.shooting.riccati solve_box planning/shooting/test_riccati.py::test_box_programs_against_scipy
+planning.shooting.state_space defect planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
+planning.shooting.state_space difference planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
+planning.shooting.state_space feedback planning/shooting/test_costs.py::test_feedback_is_the_policy_within_its_limits
+planning.shooting.state_space retract planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
+planning.shooting.state_space rotation_of planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
+planning.shooting.state_space turn_between planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals

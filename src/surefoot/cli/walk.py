@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -31,6 +32,9 @@ def walk(
     ] = "trot",
     gait_file: Annotated[Path | None, typer.Option(help="Gaits in OCS2's format.")] = None,
     period: Annotated[float | None, typer.Option(help="Length of a cycle of the gait [s].")] = None,
+    planner: Annotated[
+        str, typer.Option(help="convex, which follows the gait, or contact-implicit, which takes none.")
+    ] = "convex",
     velocity: Annotated[
         str, typer.Option(help="VX,VY,WZ: forward, left [m/s], yaw rate [rad/s].")
     ] = "0.5,0,0",
@@ -85,14 +89,23 @@ def walk(
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))
     options.require(robot, urdf, WORLDS[world][1], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
-    schedule = _schedule(model, gait, gait_file, period)
-    _check_steps(model, schedule, command)
-    controller, q = _set_up(model, ground, schedule, command, mu, believed_mu)
+    believed = mu if believed_mu is None else believed_mu
+    given = gait, gait_file, period
+    controller = _planner(planner)(model, ground, given, command, believed)
+    q = _start(model, ground, mu)
     physics = worlds.build_world(world, model, ground, mu, payload, told, console)
     say(console, *controller.notes)
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
     return run.carry_out(physics, controller, replace(scenario, start=q), _account())
+
+
+def _planner(name: str) -> Callable[..., Any]:
+    """Return who makes the controller of a planner's name."""
+    planners = {"convex": _convex, "contact-implicit": _contact_implicit}
+    if name not in planners:
+        raise ProblemError(unknown_name("--planner", name, planners))
+    return planners[name]
 
 
 def _schedule(robot: Any, gait: str, file: Path | None, period: float | None) -> Any:
@@ -128,18 +141,35 @@ def _command(velocity: str, file: Path | None) -> Any:
     )
 
 
-def _set_up(
-    robot: Any, ground: Any, schedule: Any, command: Any, mu: float, believed: float | None
-) -> tuple[Any, Any]:
-    """Return controller and the configuration to start from."""
+Gaited = tuple[str, Path | None, float | None]
+"""What is said of the gait: its name, a file and a period."""
+
+
+def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float) -> Any:
+    """Return the controller that follows a gait."""
     from surefoot.control.walking import WalkingController, WalkSettings
+
+    schedule = _schedule(robot, *gait)
+    _check_steps(robot, schedule, command)
+    return WalkingController(robot, command, schedule, ground, WalkSettings(mu=mu))
+
+
+def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float) -> Any:
+    """Return the controller that takes no gait."""
+    from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+
+    if gait != ("trot", None, None):
+        raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
+    return ContactImplicitMpc(robot, command, ground, MpcSettings(mu=mu))
+
+
+def _start(robot: Any, ground: Any, mu: float) -> Any:
+    """Return the configuration to start from."""
     from surefoot.simulation.walk_terrain import check_ground, start_pose
 
-    settings = WalkSettings(mu=mu if believed is None else believed)
-    controller = WalkingController(robot, command, schedule, ground, settings)
     q = start_pose(robot, ground)
     check_ground(robot, ground, q, mu)
-    return controller, q
+    return q
 
 
 def _account() -> Any:

@@ -19,6 +19,7 @@ from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.derivative_contact import Response
 from surefoot.stepping.derivative_flow import ordered
 from surefoot.stepping.derivative_impact import Ground
+from surefoot.stepping.derivative_kernels import velocity_rates
 from surefoot.stepping.detection import Contacts, Detection
 from surefoot.stepping.impacts import LostMotion
 from surefoot.stepping.state import State
@@ -190,6 +191,25 @@ class Knot:
         """Velocity error of the contact problem, see `Residuals`."""
         record = self._problem[3]
         return float(record[len(record) - 3, 0])
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """(3p, nv) of the contact points at the step's start, contact axes; filled anew by the next step."""
+        return self._J
+
+    @property
+    def moved(self) -> tuple[FloatArray, FloatArray]:
+        """(nv, nv) derivatives of q ⊕ dt v⁺ by q and by dt v⁺, of the last call of `derivative`."""
+        return self._moved
+
+    def contact_rates(self) -> FloatArray:
+        """Return the derivative (3p, nv) of the contact velocities J(q) v at the step's start by q."""
+        if self._curved:
+            self._look_below()
+        return velocity_rates(
+            self._twists, self._first, self._support, self._positions, self._radii, self._frames, self._turns,
+            self._v,
+        )  # fmt: skip
 
     def _solve_again(self) -> None:
         """Take the step by all of `surefoot.solve`: the compiled solver failed, or another is asked for."""

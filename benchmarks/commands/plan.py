@@ -1,0 +1,79 @@
+"""`surefoot bench plan`: the shooting solver beside iLQR on MuJoCo, and contact-implicit MPC in a loop."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import to_json
+
+
+def plan(
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats, a short walk, one push.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Time a solver's iteration beside iLQR on MuJoCo's finite differences, and walk without a gait."""
+    from benchmarks.planning import iteration, walking
+    from surefoot.robot import load_robot
+
+    extras.require((*extras.robot_packages("go2"), "mujoco"))
+    robot = load_robot("go2")
+    found = {"solver": iteration.measure(robot, quick), "mpc": walking.measure(robot, quick)}
+    if json:
+        print(to_json(found))
+        return
+    console = plain_console()
+    _print_solver(console, found["solver"])
+    _print_walk(console, found["mpc"])
+
+
+def _print_solver(console: Console, found: dict[str, Any]) -> None:
+    knot = ", ".join(f"{name} {1e6 * seconds:.0f} µs" for name, seconds in found["knot"].items())
+    console.print(f"a knot of Go2 on four feet, processor time: {knot}")
+    table = Table("", "derivatives", "Riccati", "rollout", "iteration", title=f"N = {found['knots']}, ms")
+    rows = {
+        f"ours, {1e3 * found['dt']:g} ms knots": "ours",
+        f"ours, {1e3 * found['rival_dt']:g} ms knots, no feet in the cost": "same",
+        f"MuJoCo, {1e3 * found['rival_dt']:g} ms knots, mjd_transitionFD": "mujoco",
+    }
+    for name, key in rows.items():
+        parts = (found[key][part] for part in ("derivative", "riccati", "rollout", "iteration"))
+        table.add_row(name, *(f"{1e3 * seconds:.2f}" for seconds in parts))
+    console.print(table)
+    console.print(f"derivatives, MuJoCo / ours: {found['derivative_ratio']:.1f}")
+    for name, one in found["descent"].items():
+        costs = ", ".join(f"{cost:.4g}" for cost in one["costs"][:: len(one["costs"]) // 5])
+        console.print(f"{name}: cost {costs}; {1e3 * one['seconds']:.0f} ms")
+    console.print(
+        "wall time: " + ", ".join(f"{name} {1e3 * s:.0f} ms" for name, s in found["set_up"].items())
+    )
+
+
+def _print_walk(console: Console, found: dict[str, Any]) -> None:
+    console.print(
+        f"contact-implicit MPC: N = {found['knots']}, dt = {1e3 * found['dt']:g} ms, "
+        f"{found['iterations']} iteration(s) every {1e3 * found['interval']:g} ms"
+    )
+    table = Table("", "up", "s", "m/s", "lean", "duty", "diagonal", "front apart", "strides/s", "clearance")
+    walks = {f"{found['walk']['seconds']:.0f} s": found["walk"]}
+    walks |= {f"push {p['direction']} +{p['phase']:g} s": p for p in found["pushes"]}
+    for name, w in walks.items():
+        table.add_row(
+            name, "yes" if w["done"] else "NO", f"{w['seconds']:.1f}", f"{w['speed']:.3f}",
+            f"{w['tilt']:.1f}°", f"{w['duty']:.2f}", f"{w['together']:.2f}", f"{w['apart']:.2f}",
+            f"{w['stride']:.1f}", f"{1e3 * w['clearance']:.0f} mm",
+        )  # fmt: skip
+    console.print(table)
+    up = sum(p["done"] for p in found["pushes"])
+    console.print(f"pushes of 60 N for 0.1 s survived: {up} of {len(found['pushes'])}")
+    for name, tick in found["tick"].items():
+        console.print(
+            f"a whole tick, {name} time: median {1e3 * tick['median']:.2f} ms, 99th percentile "
+            f"{1e3 * tick['p99']:.2f} ms ({1.0 / tick['p99']:.0f} Hz)"
+        )
+    console.print(f"the first plan, from nothing: {1e3 * found['first_tick']:.0f} ms")

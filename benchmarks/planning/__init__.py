@@ -1,0 +1,1 @@
+"""What planning through contact costs, and what the contact-implicit controller does in a loop."""

@@ -1,0 +1,168 @@
+"""What one iteration of the shooting solver costs, beside iLQR on MuJoCo's finite differences."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from benchmarks.planning.mujoco_ilqr import MujocoEngine
+from surefoot.arrays import FloatArray
+from surefoot.planning.shooting.costs import Costs, FootCost, StateCost, TorqueCost
+from surefoot.planning.shooting.engine import Engine
+from surefoot.planning.shooting.guess import holding_torques
+from surefoot.planning.shooting.problem import ShootingProblem
+from surefoot.robot import Robot, place
+from surefoot.stepping import Knot, StepOptions, Stepper
+
+KNOTS, DT, MU = 20, 0.025, 0.6
+RIVAL_DT = 0.005
+"""Of the comparison with MuJoCo, whose stiff contacts lose the robot in steps of `DT` [s]."""
+SMOOTHING = 0.1
+ITERATIONS = 10
+"""Of both solvers."""
+PARTS = ("derivative", "riccati", "rollout")
+
+
+def problem(robot: Robot, feet: bool, dt: float) -> ShootingProblem:
+    """Return a quick squat to one side, with or without a price on slipping feet."""
+    q = place(robot)
+    q[:3] += [0.03, 0.02, -0.05]
+    weights = np.concatenate([np.full(6, 100.0), np.full(12, 1.0), np.full(6, 1.0), np.full(12, 0.02)])
+    slip = FootCost(slip=1.0) if feet else FootCost()
+    return ShootingProblem(
+        robot, Costs(StateCost(weights, 10.0 * weights, q), TorqueCost(1e-3), slip), KNOTS, dt, MU
+    )
+
+
+def least(call: Callable[[], Any], repeats: int) -> float:
+    """Return the least processor time of so many calls [s]: other work on the machine is kept out."""
+    best = np.inf
+    for _ in range(repeats):
+        start = time.process_time()
+        call()
+        best = min(best, time.process_time() - start)
+    return best
+
+
+def time_knot(robot: Robot, repeats: int) -> dict[str, float]:
+    """Return the processor time of a knot's step and derivatives, standing on four feet [s]."""
+    knot = Knot(Stepper(robot, options=StepOptions(dt=DT, order=1)))
+    q, v, torques = place(robot), np.zeros(robot.model.nv), holding_torques(robot, place(robot))
+    out = knot_arrays(robot)
+    block = 50  # the clock's own resolution is a microsecond
+
+    def many(call: Callable[[], Any]) -> float:
+        def loop() -> None:
+            for _ in range(block):
+                call()
+
+        loop()
+        return least(loop, repeats) / block
+
+    knot.step(q, v, torques, MU)
+    return {
+        "step": many(lambda: knot.step(q, v, torques, MU)),
+        "derivative": many(lambda: knot.derivative(0.0, out)),
+        "smoothed derivative": many(lambda: knot.derivative(SMOOTHING, out)),
+    }
+
+
+def knot_arrays(robot: Robot) -> tuple[FloatArray, FloatArray]:
+    """Return arrays for A and B."""
+    n = int(robot.model.nv)
+    return np.empty((2 * n, 2 * n)), np.empty((2 * n, robot.joints))
+
+
+def start(engine: Engine) -> float:
+    """Put the torques that hold the robot into an engine; return the motion's cost."""
+    robot = engine.problem.robot
+    q, v = place(robot), np.zeros(robot.model.nv)
+    engine.gains[:] = engine.steps[:] = 0.0
+    engine.damping = 1e-3
+    engine.now.q[:], engine.now.v[:], engine.now.torques[:] = q, v, holding_torques(robot, q)
+    engine.restart(q, v)
+    return engine.now.cost
+
+
+def iterate(engine: Engine) -> float:
+    """Take one iteration; return the share of the step."""
+    engine.differentiate(SMOOTHING)
+    for _ in range(20):
+        share = engine.search((1.0, 0.5, 0.25, 0.1)) if engine.backward() else 0.0
+        engine.damping = max(0.3 * engine.damping, 1e-6) if share else 10.0 * engine.damping
+        if share:
+            return share
+    return 0.0
+
+
+def time_iteration(engine: Engine, repeats: int) -> dict[str, float]:
+    """Return the least processor time of the parts of one iteration, and of a whole one [s]."""
+    start(engine)
+    iterate(engine)
+    parts = {
+        "derivative": least(lambda: engine.differentiate(SMOOTHING), repeats),
+        "riccati": least(engine.backward, repeats),
+    }
+    policy, bounds = engine.policy, engine.bounds
+    first = engine.now.q[0].copy(), engine.now.v[0].copy()
+
+    def roll() -> None:
+        engine.spare.run(first, policy, 1.0, bounds)
+        engine.spare.price(engine.tables)
+
+    parts["rollout"] = least(roll, repeats)
+
+    def whole() -> None:
+        engine.differentiate(SMOOTHING)
+        engine.backward()
+        roll()
+
+    return {**parts, "iteration": least(whole, repeats)}
+
+
+def descend(engine: Engine) -> dict[str, Any]:
+    """Return costs and the processor time of a solve of some iterations."""
+    begun = time.process_time()
+    costs = [start(engine)]
+    for _ in range(ITERATIONS):
+        iterate(engine)
+        costs.append(engine.now.cost)
+    return {"costs": costs, "seconds": time.process_time() - begun}
+
+
+def set_up(robot: Robot) -> dict[str, float]:
+    """Return wall times of making a solver and of its first iteration, kernels loaded from the disk [s]."""
+    clock = time.perf_counter
+    begun = clock()
+    engine = Engine(problem(robot, True, DT))
+    made = clock()
+    start(engine)
+    iterate(engine)
+    first = clock()
+    iterate(engine)
+    return {"set-up": made - begun, "first iteration": first - made, "second iteration": clock() - first}
+
+
+def measure(robot: Robot, quick: bool) -> dict[str, Any]:
+    """Return everything measured; times in seconds."""
+    repeats = 5 if quick else 40
+    first = set_up(robot)
+    ours = Engine(problem(robot, True, DT))
+    plain = Engine(problem(robot, False, RIVAL_DT))
+    rival = MujocoEngine(plain.problem)
+    found = {
+        "knots": KNOTS,
+        "dt": DT,
+        "knot": time_knot(robot, repeats),
+        "ours": time_iteration(ours, repeats),
+        "rival_dt": RIVAL_DT,
+        "same": time_iteration(plain, repeats),
+        "mujoco": time_iteration(rival, max(repeats // 8, 2)),
+        "set_up": first,
+        "descent": {"ours": descend(plain), "mujoco": descend(rival)},
+    }
+    found["derivative_ratio"] = found["mujoco"]["derivative"] / found["same"]["derivative"]
+    return found

@@ -1,0 +1,142 @@
+"""The contact-implicit controller in a loop with MuJoCo: its gait, its pushes, and what a tick costs."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.control.controller import Controller, RobotState
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.log import Ending, Log
+from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcCommand, MpcSettings
+from surefoot.robot import Robot, place
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Push, Scenario
+
+SPEED, PUSH, PUSH_TIME = 0.5, 60.0, 0.1
+"""Commanded [m/s]; force [N] and length [s] of a push."""
+SETTLED = 1.5
+"""When the gait is looked at, and the first push comes [s]."""
+PRESSED = 2.0
+"""Normal force from which a foot counts as on the ground [N]."""
+DIRECTIONS = {"left": (0.0, 1.0), "right": (0.0, -1.0), "forward": (1.0, 0.0), "back": (-1.0, 0.0)}
+
+
+class Timed(Controller):
+    """A controller whose ticks are timed: processor and wall time of every step that plans."""
+
+    def __init__(self, inner: ContactImplicitMpc) -> None:
+        self.inner, self.channels, self.facts = inner, inner.channels, inner.facts
+        self.ticks: list[tuple[float, float]] = []
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self.inner.reset()
+        self.ticks = []
+
+    def step(self, state: RobotState) -> MpcCommand:
+        """Return the command for a state."""
+        wall, cpu = time.perf_counter(), time.process_time()
+        command = self.inner.step(state)
+        if command.tick > 0.0:
+            self.ticks.append((time.process_time() - cpu, time.perf_counter() - wall))
+        return command
+
+
+@dataclass(frozen=True)
+class Walk:
+    """What a walk came to.
+
+    Attributes
+    ----------
+    done
+        Whether the robot was still up at the end.
+    seconds, speed, tilt
+        Simulated time [s], mean forward speed [m/s] and largest lean [deg] after `SETTLED`.
+    duty
+        Share of the time that a foot is on the ground, mean of the feet.
+    together, apart
+        Share of the time that both feet of a diagonal do the same, and that the two front feet do not: 1 and
+        1 in a trot.
+    stride
+        Touchdowns of a foot a second.
+    clearance
+        Highest point of a foot over the ground, mean of the feet [m].
+    planned
+        Share of the ticks that found a plan.
+    """
+
+    done: bool
+    seconds: float
+    speed: float
+    tilt: float
+    duty: float
+    together: float
+    apart: float
+    stride: float
+    clearance: float
+    planned: float
+
+
+def walk(
+    robot: Robot, seconds: float, pushes: list[Push], settings: MpcSettings
+) -> tuple[Walk, FloatArray, Log]:
+    """Return a walk, (ticks, 2) processor and wall times of its ticks [s], and its log."""
+    controller = Timed(ContactImplicitMpc(robot, VelocityCommand.constant(SPEED), None, settings))
+    scenario = Scenario(seconds, settings.mu, pushes=tuple(pushes), start=place(robot))
+    log = run(MujocoWorld(robot, mu=settings.mu), controller, scenario)
+    return account(log), np.array(controller.ticks), log
+
+
+def account(log: Log) -> Walk:
+    """Return what a log says of the gait."""
+    late = log["time"] >= min(SETTLED, 0.5 * log["time"][-1])
+    on, q, dt = log["forces"][late][:, :, 2] > PRESSED, log["q"], float(log.fact("dt"))
+    upright = 1.0 - 2.0 * (q[late, 3] ** 2 + q[late, 4] ** 2)
+    moved = q[late][-1, :2] - q[late][0, :2]
+    seconds = dt * (late.sum() - 1)
+    downs = (~on[:-1] & on[1:]).sum(axis=0).mean()
+    return Walk(
+        log.fact("outcome") == str(Ending.DONE),
+        float(log["time"][-1] + dt),
+        float(moved[0] / seconds),
+        float(np.degrees(np.arccos(np.clip(upright.min(), -1.0, 1.0)))),
+        float(on.mean()),
+        float(0.5 * ((on[:, 0] == on[:, 3]).mean() + (on[:, 1] == on[:, 2]).mean())),
+        float((on[:, 0] != on[:, 1]).mean()),
+        float(downs / seconds),
+        float(log["gaps"][late].max(axis=0).mean()),
+        float(log["attained"].mean()),
+    )
+
+
+def measure(robot: Robot, quick: bool) -> dict[str, Any]:
+    """Return the figures of a walk and of the pushes; times in seconds."""
+    settings = MpcSettings()
+    long, ticks, _ = walk(robot, 2.0 if quick else 10.0, [], settings)
+    times = ticks[1:]  # the first makes a plan from nothing
+    pushed = []
+    phases = (0.0,) if quick else (0.0, 0.1, 0.2)
+    for name, (x, y) in list(DIRECTIONS.items())[: 1 if quick else None]:
+        for phase in phases:
+            push = Push(SETTLED + phase, (PUSH * x, PUSH * y, 0.0), PUSH_TIME)
+            one, _, _ = walk(robot, SETTLED + 0.5 if quick else SETTLED + 2.5, [push], settings)
+            pushed.append({"direction": name, "phase": phase, **asdict(one)})
+    return {
+        "knots": settings.knots,
+        "dt": settings.dt,
+        "interval": settings.interval,
+        "iterations": settings.iterations,
+        "walk": asdict(long),
+        "first_tick": float(ticks[0, 0]),
+        "tick": {
+            name: {"median": float(np.median(times[:, i])), "p99": float(np.percentile(times[:, i], 99))}
+            for i, name in enumerate(("processor", "wall"))
+        },
+        "pushes": pushed,
+    }

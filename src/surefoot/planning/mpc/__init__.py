@@ -1,0 +1,1 @@
+"""Contact-implicit model predictive control: a robot walks without a gait."""

@@ -1,0 +1,335 @@
+"""Contact-implicit model predictive control: walking from a velocity command, no gait given.
+
+Every `interval` the last plan is moved on in time and begins where the robot is, which leaves a gap behind
+its first knot; one iteration of the shooting solver (exact contact forward, smoothed backward) makes the next
+plan. Between these ticks the plan's torques and the gains of its Riccati recursion go on at the rate of
+`step`. Which foot touches when, nobody says: see `cost`.
+
+Source: G. Kim, D. Kang, J.-H. Kim, S. Hong, H.-W. Park, "Contact-implicit model predictive control:
+controlling diverse quadruped motions without pre-planned contact modes or trajectories", IJRR 2024, arXiv
+2312.08961.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, real_number, whole_number
+from surefoot.contact import Status
+from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.damping import computable, damping_torques
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.errors import SurefootError
+from surefoot.log.channels import CHANNELS
+from surefoot.planning.mpc.cost import WalkWeights, walking_costs
+from surefoot.planning.mpc.receding import move_on, torques_between
+from surefoot.planning.shooting.engine import Engine
+from surefoot.planning.shooting.horizon import Policy
+from surefoot.planning.shooting.problem import ShootingProblem
+from surefoot.robot import Robot
+from surefoot.robot.placement import place
+from surefoot.terrain import FlatTerrain, Terrain
+
+RAMP = 1.5
+"""Largest change of the wanted velocity [m/s²], [rad/s²]."""
+LEAD = 0.3
+"""The wanted heading is never further from the body's than this [rad]."""
+ENOUGH = 1.02
+"""A motion that costs no more, in units of the last plan, is taken at once."""
+MOST = 1e4
+"""Largest damping, relative to the torques' mean weight."""
+STIFFNESS, DAMPING = 30.0, 1.0
+"""Of joints that follow a plan, or stand, where the plan's own gains fail [N m/rad], [N m s/rad]."""
+
+
+@dataclass(frozen=True)
+class MpcSettings:
+    """How the controller plans.
+
+    Attributes
+    ----------
+    knots, dt
+        N, and the length of a knot [s].
+    interval
+        Time between plans [s].
+    iterations
+        Of the solver at each.
+    first_iterations
+        Of the first plan.
+    smoothing
+        κ of the derivatives [N s m/s].
+    shares
+        Shares of a step that the line search tries.
+    damping
+        Least weight of ½ ||du||², relative to the torques' mean weight: with less the gains of feet on the
+        ground are too stiff for a leg that leaves it.
+    mu
+        Friction that the controller believes in.
+    weights
+        See `WalkWeights`.
+    seed, noise
+        Of the random torques that the first plan starts from [N m]: a robot that stands in a symmetric
+        pose has no reason to lift one foot before the other.
+    """
+
+    knots: int = 20
+    dt: float = 0.025
+    interval: float = 0.025
+    iterations: int = 2
+    first_iterations: int = 30
+    smoothing: float = 0.33
+    shares: tuple[float, ...] = (1.0, 0.5, 0.2)
+    damping: float = 1.0
+    mu: float = 0.6
+    weights: WalkWeights = field(default_factory=WalkWeights)
+    seed: int = 0
+    noise: float = 0.5
+
+    def __post_init__(self) -> None:
+        whole_number("knots", self.knots, low=2)
+        real_number("dt", self.dt, low=1e-4, high=0.2)
+        real_number("interval", self.interval, low=1e-4, high=self.dt)
+        whole_number("iterations", self.iterations, low=1)
+        real_number("smoothing", self.smoothing, low=0.0)
+        real_number("mu", self.mu, low=0.0)
+
+
+@dataclass(frozen=True)
+class MpcCommand(Command):
+    """What the controller asks for at one step.
+
+    Attributes
+    ----------
+    planned
+        (n,) which feet the plan wants on the ground now.
+    wanted
+        (3,) velocity command after the ramp: forward, left, yaw rate.
+    tick
+        Processor time of the plan that was made in this step [s]; 0 where none was.
+    """
+
+    planned: BoolArray
+    wanted: FloatArray
+    tick: float
+
+    def rows(self) -> dict[str, Any]:
+        """Return which feet are planned on the ground, and the wanted velocity."""
+        return {"planned": self.planned, "command": self.wanted}
+
+
+class ContactImplicitMpc(Controller):
+    """Walks a four-legged robot without a gait; call `step` at a fixed rate.
+
+    Parameters
+    ----------
+    robot
+        Four legs of three joints, with point feet.
+    command
+        Wanted velocity over time.
+    terrain
+        The ground that the controller believes in; None for flat.
+    settings
+        See `MpcSettings`.
+    dt
+        Time between steps [s].
+
+    Attributes
+    ----------
+    notes
+        How it plans, in one line.
+    engine
+        The solver, with the current plan.
+
+    Raises
+    ------
+    ModelError
+        For another robot.
+    """
+
+    channels = tuple(CHANNELS[name] for name in ("planned", "command"))
+
+    def __init__(
+        self,
+        robot: Robot,
+        command: VelocityCommand,
+        terrain: Terrain | None = None,
+        settings: MpcSettings | None = None,
+        dt: float = 1e-3,
+    ) -> None:
+        self.robot, self.command, self.dt = robot, command, real_number("dt", dt, low=1e-6)
+        self.settings = s = settings or MpcSettings()
+        self._pose = place(robot)
+        costs = walking_costs(robot, self._pose, s.weights)
+        self.engine = Engine(ShootingProblem(robot, costs, s.knots, s.dt, s.mu, terrain))
+        self._terrain = FlatTerrain() if terrain is None else terrain
+        self._limits = np.array([-robot.effort_limits, robot.effort_limits])
+        self._hold = self.engine.tables.torque[1][0].copy()
+        self._torques = np.zeros(robot.joints)
+        self._springs, self._still = self._fallbacks()
+        self.notes = [
+            f"contact-implicit MPC: {s.knots} knots of {1e3 * s.dt:g} ms, {s.iterations} iteration(s) every "
+            f"{1e3 * s.interval:g} ms; no gait is given, the cost decides it"
+        ]
+        self.facts = {
+            "kind": "walk", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu,
+            "gait": "contact-implicit", "notes": list(self.notes), "knots": s.knots, "knot_length": s.dt, "interval": s.interval,
+        }  # fmt: skip
+        self.reset()
+
+    def _fallbacks(self) -> tuple[FloatArray, Policy]:
+        """Return gains of springs and dampers at the joints, and the policy that stands by them."""
+        N, m, n = self.settings.knots, self.robot.joints, int(self.robot.model.nv)
+        gains = np.zeros((N, m, 2 * n))
+        for i in range(m):
+            gains[:, i, n - m + i], gains[:, i, 2 * n - m + i] = -STIFFNESS, -DAMPING
+        q, hold = np.tile(self._pose, (N + 1, 1)), np.tile(self._hold, (N, 1))
+        return gains, Policy(q, np.zeros((N + 1, n)), hold, gains, np.zeros((N, m)), np.zeros((N, 2 * n)))
+
+    def reset(self) -> None:
+        """Forget the past: the next step is the first of a run."""
+        self.planned_at = -math.inf
+        self._velocity, self._yaw, self._last = np.zeros(3), math.nan, 0.0
+        self._well = False
+        self.engine.gains[:], self.engine.steps[:] = self._springs, 0.0
+        self.engine.damping = self.settings.damping
+
+    def step(self, state: RobotState) -> MpcCommand:
+        """Return the command for a state; a tick plans anew.
+
+        Never raises on a hard instance: where no plan can be made the last one goes on, flagged. A state that
+        is not finite, or too large to compute with, gets a command that slows the joints, and changes
+        nothing else.
+        """
+        if not (computable(state.q, state.v) and 0.5 < np.linalg.norm(state.q[3:7]) < 2.0):
+            return self._blind(state.v)
+        tick = 0.0
+        if state.time - self.planned_at >= self.settings.interval - 0.5 * self.dt:
+            start = clock.process_time()
+            self._well = self._plan_again(state)
+            tick = clock.process_time() - start
+        return self._act(state, tick)
+
+    def _act(self, state: RobotState, tick: float) -> MpcCommand:
+        """Return the plan's torques and the feedback of its gains."""
+        now, dt = self.engine.now, self.settings.dt
+        late = max(state.time - self.planned_at, 0.0) / dt if math.isfinite(self.planned_at) else 0.0
+        knot = min(int(late), len(now) - 1)
+        here, share = (state.q, state.v), min(late - knot, 1.0)
+        torques_between(
+            now.floating, here, now.motion, self.engine.gains, knot, share, self._limits, self._torques
+        )
+        if not np.isfinite(self._torques).all():
+            return self._blind(state.v)
+        forces = now.impulses[knot] / dt
+        active = forces[:, 2] > 0.0
+        status = Status.SOLVED if self._well else Status.STALLED
+        return MpcCommand(
+            self._torques.copy(), forces, active, self._well, status, self._feet(active),
+            self._velocity.copy(), tick,
+        )  # fmt: skip
+
+    def _feet(self, active: BoolArray) -> BoolArray:
+        """Return which feet have an active contact point: (n,)."""
+        out = np.zeros(len(self.robot.feet), dtype=bool)
+        out[self.robot.contact_points.foot[active]] = True
+        return out
+
+    def _blind(self, v: FloatArray) -> MpcCommand:
+        """Return the command for a state that nothing can be computed for."""
+        torques = damping_torques(self.robot, v, self.robot.effort_limits)
+        p, n = len(self.robot.contact_points), len(self.robot.feet)
+        return MpcCommand(
+            torques, np.zeros((p, 3)), np.ones(p, dtype=bool), False, Status.INVALID, np.ones(n, dtype=bool),
+            self._velocity.copy(), 0.0,
+        )  # fmt: skip
+
+    def _plan_again(self, state: RobotState) -> bool:
+        """Make the next plan from a state; return whether one was found."""
+        first = not math.isfinite(self.planned_at)
+        passed = 0.0 if first else state.time - self.planned_at
+        self.planned_at = state.time
+        self._aim(state, passed)
+        try:
+            begun = self._begin(state) if first else self._go_on(state, passed)
+            if not begun:
+                return False
+            count = self.settings.first_iterations if first else self.settings.iterations
+            return all([self._iterate() for _ in range(count)])
+        except SurefootError:  # a state that no step can be taken from
+            return False
+
+    def _aim(self, state: RobotState, passed: float) -> None:
+        """Write the wanted motion into the cost: heading and velocities over the horizon."""
+        R = _heading(state.q)
+        if not math.isfinite(self._yaw):
+            self._yaw = R
+        most = RAMP * passed
+        wish = self.command.at(state.time)
+        self._velocity += np.clip(wish - self._velocity, -most, most)
+        ahead = self._yaw + passed * self._velocity[2] - R
+        self._yaw = R + min(max((ahead + math.pi) % (2.0 * math.pi) - math.pi, -LEAD), LEAD)
+        yaw = self._yaw + self.settings.dt * self._velocity[2] * np.arange(self.settings.knots + 1)
+        c, s = np.cos(yaw), np.sin(yaw)
+        _, q, v = self.engine.tables.state
+        q[:, :2] = state.q[:2]
+        q[:, 2] = self._pose[2] + float(self._terrain.height(state.q[:2]))
+        q[:, 3:5], q[:, 5], q[:, 6] = 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw)
+        v[:, 0] = c * self._velocity[0] - s * self._velocity[1]
+        v[:, 1] = s * self._velocity[0] + c * self._velocity[1]
+        v[:, 5] = self._velocity[2]
+
+    def _begin(self, state: RobotState) -> bool:
+        """Start a plan from scratch: torques that hold the robot, and a little noise."""
+        s, still, engine = self.settings, self._standing(), self.engine
+        noise = np.random.default_rng(s.seed).normal(size=still.torques.shape)
+        engine.now.q[0], engine.now.v[0] = state.q, state.v
+        still.q[:, :7] = state.q[:7]
+        return engine.choose([(still._replace(steps=s.noise * noise), 1.0), (still, 0.0)], -math.inf) >= 0
+
+    def _go_on(self, state: RobotState, passed: float) -> bool:
+        """Move the last plan on in time, and let it begin where the robot is."""
+        engine, dt = self.engine, self.settings.dt
+        now, left = engine.now, passed / dt
+        while left > 0.0:
+            move_on(now.floating, now.q, now.v, now.torques, min(left, 1.0), dt)
+            left -= 1.0
+        now.q[0], now.v[0] = state.q, state.v
+        engine.price = 0.0
+        return engine.take(now.q, now.v, now.torques)
+
+    def _iterate(self) -> bool:
+        """Take one step of the solver from the last plan, gaps and all; return whether there is a new one."""
+        engine, s = self.engine, self.settings
+        enough, policy = ENOUGH * engine.now.cost, engine.policy
+        candidates = [self._track(policy), (self._standing(), 0.0)]
+        if engine.differentiate(s.smoothing) and engine.backward():
+            candidates = [*((policy, share) for share in s.shares), *candidates]
+        best = engine.choose(candidates, enough)
+        if best < 0:
+            return False
+        if candidates[best][0] is policy and candidates[best][1] >= 0.5:
+            engine.damping = max(0.3 * engine.damping, s.damping)
+        else:
+            engine.damping = min(3.0 * engine.damping, MOST)
+        return True
+
+    def _track(self, policy: Policy) -> tuple[Policy, float]:
+        """Return the policy that follows a motion by springs and dampers at the joints."""
+        return policy._replace(gains=self._springs), 0.0
+
+    def _standing(self) -> Policy:
+        """Return the policy that holds the nominal pose where the robot is."""
+        now, still = self.engine.now, self._still
+        still.q[:, :7] = now.q[0, :7]
+        return still
+
+
+def _heading(q: FloatArray) -> float:
+    """Return the yaw of a free flyer [rad]."""
+    x, y, z, w = q[3:7]
+    return math.atan2(2.0 * (x * y + w * z), w * w + x * x - y * y - z * z)

@@ -1,0 +1,184 @@
+"""One iteration of the shooting solver: derivatives, Riccati recursion, line search on the exact cost."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.planning.shooting.cost_kernels import cost_slopes
+from surefoot.planning.shooting.horizon import Horizon, Policy
+from surefoot.planning.shooting.problem import ShootingProblem, Times, TorqueLimits
+from surefoot.planning.shooting.riccati import backward_pass
+
+ARMIJO = 1e-4
+"""Share of the predicted decrease that a step has to bring."""
+PENALTY = 1.2
+"""Price of an open gap over the largest slope of the value, with which closing it always pays."""
+
+
+class Engine:
+    """Keeps a motion and improves it, step by step.
+
+    Parameters
+    ----------
+    problem
+        What to minimise, over which horizon.
+    tol
+        Of the contact problems of the forward steps.
+
+    Attributes
+    ----------
+    now
+        The current motion.
+    tables
+        Its costs, which may be written to between iterations.
+    gains, steps
+        K (N, m, 2nv) and k (N, m) of the last backward pass.
+    damping
+        Weight of ½ ||du||², relative to the torques' mean weight.
+    bounds
+        (N, 2, m) on the torques of the last rollout [N m].
+    spare
+        Knots that the next rollout may write to.
+    times
+        Processor time by part.
+    """
+
+    def __init__(self, problem: ShootingProblem, tol: float = 1e-8) -> None:
+        p, N = problem, problem.knots
+        self.problem, self.tables = problem, problem.costs.tables(problem.robot, N)
+        self.limits = p.limits or TorqueLimits.of(p.robot)
+        self.now, self._next, self.spare = (self.horizon(tol) for _ in range(3))
+        m, twice = p.robot.joints, 2 * int(p.robot.model.nv)
+        self.gains, self.steps = np.zeros((N, m, twice)), np.zeros((N, m))
+        self._slopes, self._predicted = np.zeros((N + 1, twice)), np.zeros(2)
+        self._lx, self._lxx = np.zeros((N + 1, twice)), np.zeros((N + 1, twice, twice))
+        self._lu, self._luu = np.zeros((N, m)), np.zeros((N, m, m))
+        self.bounds, self._low, self._high = np.zeros((N, 2, m)), np.zeros((N, m)), np.zeros((N, m))
+        self.damping, self.price, self.times = 0.0, 0.0, Times()
+        self._scale = float(np.trace(self.tables.torque[0])) / max(m, 1)
+
+    def horizon(self, tol: float) -> Horizon:
+        """Return knots for the problem."""
+        p = self.problem
+        return Horizon(p.robot, p.knots, p.dt, p.mu, p.terrain, tol)
+
+    def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
+        """Start from states and torques as they are, gaps and all; return whether every step is solved."""
+        self.limits.bounds(v, self.bounds)
+        torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
+        done = self.now.take(q, v, torques)
+        self._settle(done)
+        return done
+
+    def restart(self, q: FloatArray, v: FloatArray) -> bool:
+        """Roll the current policy out from another state; return whether every step is solved.
+
+        Where one is not, the motion stays as it was.
+        """
+        start = time.process_time()
+        self.limits.bounds(self.now.v, self.bounds)
+        done = self._next.run((q, v), self.policy, 0.0, self.bounds, close=True)
+        if done:
+            self.now, self._next = self._next, self.now
+        self.times.rollout += time.process_time() - start
+        self._settle(done)
+        return done
+
+    def _settle(self, done: bool) -> None:
+        if done:
+            self.now.price(self.tables)
+
+    def differentiate(self, smoothing: float) -> bool:
+        """Differentiate the current motion and its cost; return whether the central paths were reached."""
+        start, now = time.process_time(), self.now
+        done = now.differentiate(smoothing)
+        cost_slopes(
+            now.floating, now.motion, now.feet, *self.tables, self._lx, self._lxx, self._lu, self._luu
+        )
+        self.times.derivative += time.process_time() - start
+        return done
+
+    def backward(self) -> bool:
+        """Run the Riccati recursion; return whether every box program was solved."""
+        start, now = time.process_time(), self.now
+        self.limits.bounds(now.v, self.bounds)
+        np.subtract(self.bounds[:, 0], now.torques, out=self._low)
+        np.subtract(self.bounds[:, 1], now.torques, out=self._high)
+        np.minimum(self._low, 0.0, out=self._low)  # where a torque-speed line has moved below the torque
+        np.maximum(self._high, 0.0, out=self._high)
+        done = backward_pass(
+            (now.A, now.B, now.moved, now.gaps), (self._lx, self._lxx, self._lu, self._luu),
+            (self._low, self._high), self.damping * self._scale, now.dt, self.gains, self.steps, self._slopes,
+            self._predicted,
+        )  # fmt: skip
+        self.times.riccati += time.process_time() - start
+        return bool(done)
+
+    def search(self, shares: Sequence[float]) -> float:
+        """Try shares of the step on the exact cost; return the one that was taken, 0 for none.
+
+        Gaps that are open have a price above the largest slope of the value: an exact penalty.
+        """
+        start, now = time.process_time(), self.now
+        if now.defect > 0.0:
+            self.price = max(self.price, PENALTY * float(np.abs(self._slopes).max()))
+        merit, policy = now.cost + self.price * now.defect, self.policy
+        taken = 0.0
+        for share in shares:
+            first = (now.q[0], now.v[0])
+            if not self._next.run(first, policy, share, self.bounds):
+                continue
+            cost = self._next.price(self.tables)
+            gain = -share * (self._predicted[0] + 0.5 * share * self._predicted[1])
+            least = ARMIJO * (max(gain, 0.0) + share * self.price * now.defect)
+            if cost + self.price * self._next.defect <= merit - least:
+                self.now, self._next = self._next, now
+                taken = share
+                break
+        self.times.rollout += time.process_time() - start
+        return taken
+
+    def choose(self, candidates: Sequence[tuple[Policy, float]], enough: float) -> int:
+        """Roll policies out without gaps and keep the cheapest motion; return its number, -1 for none.
+
+        Unlike `search` this may raise the cost, since the motion begins anew where the gaps are: what a
+        controller needs whose robot is not where the last plan was.
+
+        Parameters
+        ----------
+        candidates
+            Policies, each with the share of its step.
+        enough
+            The first motion that costs no more ends the search.
+        """
+        start, first = time.process_time(), (self.now.q[0].copy(), self.now.v[0].copy())
+        best, least = -1, np.inf
+        self.limits.bounds(self.now.v, self.bounds)
+        for number, (policy, share) in enumerate(candidates):
+            if not self._next.run(first, policy, share, self.bounds, close=True):
+                continue
+            cost = self._next.price(self.tables)
+            if cost < least:
+                best, least = number, cost
+                self._next, self.spare = self.spare, self._next
+            if least <= enough:
+                break
+        if best >= 0:
+            self.now, self.spare = self.spare, self.now
+        self.times.rollout += time.process_time() - start
+        return best
+
+    @property
+    def policy(self) -> Policy:
+        """The current motion with the gains and steps of the last backward pass."""
+        now = self.now
+        return Policy(now.q, now.v, now.torques, self.gains, self.steps, now.gaps)
+
+    @property
+    def expected(self) -> float:
+        """Decrease of the cost that the last backward pass predicts for its whole step."""
+        return -float(self._predicted[0] + 0.5 * self._predicted[1])

@@ -1,0 +1,213 @@
+"""The knots of a horizon: exact steps forward, smoothed derivatives of the same steps backward.
+
+Every knot keeps what its step has computed, so that a motion that a line search accepts is differentiated
+without stepping again.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import ModelError, NoSolution
+from surefoot.planning.shooting.cost_kernels import motion_cost
+from surefoot.planning.shooting.costs import Tables
+from surefoot.planning.shooting.state_space import defect, feedback, retract
+from surefoot.robot import Robot
+from surefoot.stepping.knot import Knot
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.stepper import Stepper
+from surefoot.terrain import Terrain
+
+SOFTER = (1.0, 10.0, 100.0)
+"""Factors on the smoothing, tried in turn where the central path is not reached."""
+
+
+class Policy(NamedTuple):
+    """Torques u + a k + K (x ⊖ x̄) about a motion, for a share a.
+
+    Attributes
+    ----------
+    q, v, torques
+        (N + 1, nq), (N + 1, nv) and (N, m) x̄ and u.
+    gains, steps
+        (N, m, 2nv) K and (N, m) k.
+    gaps
+        (N, 2nv) of the motion.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    torques: FloatArray
+    gains: FloatArray
+    steps: FloatArray
+    gaps: FloatArray
+
+
+class Horizon:
+    """N knots in a row and the motion through them.
+
+    Parameters
+    ----------
+    robot
+        With a free flyer or a fixed base, and joints of one degree of freedom.
+    knots
+        N.
+    dt, mu, terrain, tol
+        Length of a knot [s], friction, the ground, and the tolerance of the contact problems.
+
+    Attributes
+    ----------
+    q, v
+        (N + 1, nq), (N + 1, nv) where the knots start.
+    torques
+        (N, m) [N m].
+    gaps
+        (N, 2nv) where each step ends less where the next knot starts, as tangents at the latter; the last
+        knot's end is the last state.
+    J, rates, heights
+        Contact Jacobians (N, 3p, nv) in contact axes, the derivatives of J v by q, and distances to the
+        ground (N, p) at the knots' starts.
+    cost
+        Of the motion; infinite where a step failed.
+    defect
+        Sum of |gaps|.
+    A, B, moved
+        Derivatives (N, 2nv, 2nv) and (N, 2nv, m) of the steps, and (N, 2, b, b) of q ⊕ dt v⁺.
+
+    Raises
+    ------
+    ModelError
+        For a robot with other joints, or too few.
+    """
+
+    def __init__(
+        self, robot: Robot, knots: int, dt: float, mu: float, terrain: Terrain | None, tol: float = 1e-8
+    ) -> None:
+        model, p = robot.model, len(robot.contact_points)
+        nq, nv, m = int(model.nq), int(model.nv), robot.joints
+        if nq != nv + (1 if robot.floating else 0):
+            raise ModelError(f"{robot.name} has joints with more coordinates than degrees of freedom")
+        if nv < 2 or m < 1:
+            raise ModelError(
+                f"shooting is for robots with joints and at least two velocities, not {robot.name}"
+            )
+        self.floating, self.dt, self.mu = robot.floating, dt, mu
+        options = StepOptions(dt=dt, order=1, tol=tol)
+        self._knots = [Knot(Stepper(robot, terrain, options)) for _ in range(knots)]
+        self.q, self.v, self.torques = (
+            np.zeros((knots + 1, nq)),
+            np.zeros((knots + 1, nv)),
+            np.zeros((knots, m)),
+        )
+        self.q[:] = robot.nominal
+        self.gaps, self.block = np.zeros((knots, 2 * nv)), robot.base_dof
+        self.J, self.rates = np.zeros((knots, 3 * p, nv)), np.zeros((knots, 3 * p, nv))
+        self.heights, self.impulses = np.zeros((knots, p)), np.zeros((knots, p, 3))
+        self.A, self.B = np.zeros((knots, 2 * nv, 2 * nv)), np.zeros((knots, 2 * nv, m))
+        self.moved = np.zeros((knots, 2, self.block, self.block))
+        self.cost = self.defect = np.inf
+
+    def __len__(self) -> int:
+        return len(self.torques)
+
+    def run(
+        self, start: tuple[FloatArray, FloatArray], policy: Policy, share: float, limits: FloatArray,
+        close: bool = False,
+    ) -> bool:  # fmt: skip
+        """Step from a state under a policy; return whether every contact problem is solved.
+
+        The torques are u + share k + K (x ⊖ x̄), and of every gap of the policy's motion a part 1 - share
+        stays open.
+
+        Parameters
+        ----------
+        start
+            (nq,) and (nv,).
+        policy
+            What to follow.
+        share
+            0 to 1.
+        limits
+            (N, 2, m) bounds on the torques [N m].
+        close
+            Whether to leave no gap open.
+        """
+        self.q[0], self.v[0] = start
+        self.defect, left = 0.0, 0.0 if close else share - 1.0
+        for k, knot in enumerate(self._knots):
+            here = self.q[k], self.v[k]
+            feedback(
+                self.floating, here, (policy.q[k], policy.v[k]), policy.torques[k], policy.steps[k], share,
+                policy.gains[k], limits[k], self.torques[k],
+            )  # fmt: skip
+            if not (np.isfinite(self.torques[k]).all() and knot.step(*here, self.torques[k], self.mu)):
+                self.cost = np.inf
+                return False
+            self._keep(k, knot)
+            if left == 0.0:
+                self.q[k + 1], self.v[k + 1], self.gaps[k] = knot.q, knot.v, 0.0
+                continue
+            opened = left * policy.gaps[k]
+            retract(self.floating, knot.q, opened[: len(knot.v)], self.q[k + 1])
+            self.v[k + 1] = knot.v + opened[len(knot.v) :]
+            self.defect += defect(
+                self.floating, (self.q[k + 1], self.v[k + 1]), (knot.q, knot.v), self.gaps[k]
+            )
+        return True
+
+    def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
+        """Take states (N + 1, nq), (N + 1, nv) and torques (N, m) as they are, gaps and all."""
+        self.q[:], self.v[:], self.torques[:] = q, v, torques
+        self.defect = 0.0
+        for k, knot in enumerate(self._knots):
+            if not knot.step(q[k], v[k], torques[k], self.mu):
+                self.cost = np.inf
+                return False
+            self._keep(k, knot)
+            self.defect += defect(self.floating, (q[k + 1], v[k + 1]), (knot.q, knot.v), self.gaps[k])
+        return True
+
+    def _keep(self, k: int, knot: Knot) -> None:
+        """Copy what the costs and the result need of a step."""
+        self.J[k], self.heights[k], self.impulses[k] = knot.jacobian, knot.gaps, knot.impulses
+
+    @property
+    def motion(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """q, v and torques."""
+        return self.q, self.v, self.torques
+
+    @property
+    def feet(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """J, rates and heights of the contact points."""
+        return self.J, self.rates, self.heights
+
+    @property
+    def residuals(self) -> FloatArray:
+        """(N,) velocity errors of the contact problems."""
+        return np.array([knot.residual for knot in self._knots])
+
+    def price(self, tables: Tables) -> float:
+        """Return the cost of the motion, kept as `cost`."""
+        self.cost = motion_cost(self.floating, self.motion, self.feet, *tables)
+        return self.cost
+
+    def differentiate(self, smoothing: float) -> bool:
+        """Fill A, B, `moved` and `rates`; return whether the central path was reached at every knot."""
+        for k, knot in enumerate(self._knots):
+            for factor in SOFTER:
+                try:
+                    knot.derivative(factor * smoothing, (self.A[k], self.B[k]))
+                except NoSolution:
+                    continue
+                break
+            else:
+                return False
+            b = self.block
+            if b:
+                by_start, by_way = knot.moved
+                self.moved[k, 0], self.moved[k, 1] = by_start[:b, :b], by_way[:b, :b]
+            self.rates[k] = knot.contact_rates()
+        return True

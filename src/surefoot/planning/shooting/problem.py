@@ -1,0 +1,243 @@
+"""What a shooting solver is given, and what it returns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
+from surefoot.contact import Status
+from surefoot.errors import ProblemError
+from surefoot.planning.shooting.costs import Costs
+from surefoot.planning.trajectory import Trajectory
+from surefoot.robot import Robot
+from surefoot.terrain import Terrain
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a motion has to reach for its plan to count.
+
+    Attributes
+    ----------
+    distance
+        Of a trajectory from the goal, zero or more.
+    tolerance
+        Up to which it is reached.
+    """
+
+    distance: Callable[[Trajectory], float]
+    tolerance: float
+
+    @classmethod
+    def state(
+        cls, robot: Robot, q: ArrayLike, v: ArrayLike = 0.0, *, position: float = 0.02, speed: float = 0.1
+    ) -> Goal:
+        """Return the goal to end at a state.
+
+        Parameters
+        ----------
+        robot
+            Who moves.
+        q, v
+            (nq,) and (nv,) of the end.
+        position, speed
+            Largest entry of the difference that is allowed [m, rad] and [m/s, rad/s].
+        """
+        import pinocchio
+
+        q = robot.configuration(q)
+        v = np.broadcast_to(finite_array("v", v), (int(robot.model.nv),))
+
+        def distance(trajectory: Trajectory) -> float:
+            off = np.abs(pinocchio.difference(robot.model, q, trajectory.q[-1])).max()
+            late = np.abs(trajectory.v[-1] - v).max()
+            return float(max(off / position, late / speed))
+
+        return cls(distance, 1.0)
+
+
+@dataclass(frozen=True)
+class TorqueLimits:
+    """What the joints' drives can give.
+
+    Attributes
+    ----------
+    effort
+        (m,) largest torque [N m].
+    no_load
+        (m,) speed at which a drive gives no torque along its motion [rad/s]; None: the same torque at any
+        speed.
+    corner
+        (m,) speed up to which it gives all; None for half of `no_load`.
+    """
+
+    effort: FloatArray
+    no_load: FloatArray | None = None
+    corner: FloatArray | None = None
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        share: float = 1.0,
+        no_load: ArrayLike | None = None,
+        corner: ArrayLike | None = None,
+    ) -> TorqueLimits:
+        """Return a share of a robot's own limits, with a line from torque to speed where one is given.
+
+        Raises
+        ------
+        ProblemError
+            For numbers out of range, or a corner that is not below the no-load speed.
+        """
+        m = robot.joints
+        effort = real_number("share", share, low=0.0) * robot.effort_limits
+        if no_load is None:
+            return cls(effort)
+        fastest = np.broadcast_to(real_array("no_load", no_load), (m,))
+        bend = 0.5 * fastest if corner is None else np.broadcast_to(real_array("corner", corner), (m,))
+        if not ((bend >= 0.0) & (bend < fastest)).all():
+            raise ProblemError("corner speeds must be between 0 and the no-load speeds")
+        return cls(effort, fastest, bend)
+
+    def bounds(self, v: FloatArray, out: FloatArray) -> None:
+        """Fill out (N, 2, m) with the bounds at velocities (N, nv) [N m]."""
+        out[:, 0], out[:, 1] = -self.effort, self.effort
+        if self.no_load is not None and self.corner is not None:
+            speed = v[: len(out), v.shape[1] - len(self.effort) :]
+            for side, sign in ((0, -1.0), (1, 1.0)):
+                left = np.clip((self.no_load - sign * speed) / (self.no_load - self.corner), 0.0, 1.0)
+                out[:, side] *= left
+
+
+@dataclass(frozen=True)
+class ShootingProblem:
+    """A robot, a horizon and a cost.
+
+    Attributes
+    ----------
+    robot
+        With point contacts, or none.
+    costs
+        What to minimise.
+    knots, dt
+        N, and the length of a knot [s].
+    mu, terrain
+        Friction and shape of the ground; None for flat.
+    limits
+        Of the torques; None for the robot's effort limits.
+    goal
+        What has to be reached; None: any lawful motion counts.
+
+    Raises
+    ------
+    ProblemError
+        For numbers out of range.
+    """
+
+    robot: Robot
+    costs: Costs
+    knots: int
+    dt: float = 0.02
+    mu: float = 0.6
+    terrain: Terrain | None = None
+    limits: TorqueLimits | None = None
+    goal: Goal | None = None
+
+    def __post_init__(self) -> None:
+        whole_number("knots", self.knots, low=1)
+        real_number("dt", self.dt, low=1e-6, high=1.0)
+        real_number("mu", self.mu, low=0.0, high=1e6)
+
+
+@dataclass(frozen=True)
+class ShootingSettings:
+    """How a solve goes.
+
+    Attributes
+    ----------
+    smoothings
+        κ of the derivatives, one stage after another [N s m/s]; the forward steps are exact in all.
+    max_iterations
+        Over all stages.
+    tol
+        Relative change of the cost at which a stage ends.
+    damping
+        Weight of ½ ||du||² to begin with, relative to the torques' mean weight; it is raised when a line
+        search fails.
+    least, most
+        Bounds on it.
+    shares
+        Shares of the step that a line search tries.
+    """
+
+    smoothings: tuple[float, ...] = (1e-1, 1e-2, 1e-3)
+    max_iterations: int = 200
+    tol: float = 1e-5
+    damping: float = 1e-3
+    least: float = 1e-6
+    most: float = 1e8
+    shares: tuple[float, ...] = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
+
+    def __post_init__(self) -> None:
+        if not self.smoothings:
+            raise ProblemError("smoothings must hold at least one number")
+        for k, value in enumerate(self.smoothings):
+            real_number(f"smoothings[{k}]", value, low=0.0)
+        whole_number("max_iterations", self.max_iterations, low=1)
+        real_number("tol", self.tol, low=0.0)
+
+
+@dataclass
+class Times:
+    """Processor time of a solve's parts [s]."""
+
+    rollout: float = 0.0
+    derivative: float = 0.0
+    riccati: float = 0.0
+
+
+@dataclass(frozen=True)
+class ShootingResult:
+    """What a solve found.
+
+    Attributes
+    ----------
+    trajectory
+        The rollout of its torques: exact steps, no gaps.
+    gains
+        (N, m, 2nv) K of u = u_k + K (x ⊖ x_k), by tangents as in `state_space.difference`.
+    status
+        SOLVED only where the trajectory is lawful to 1e-8 and the goal reached within its tolerance.
+    cost
+        Of the trajectory.
+    costs
+        After every iteration.
+    iterations
+        Backward passes.
+    defect
+        Sum of the gaps that the last candidate had open, before its torques were rolled out.
+    distance
+        From the goal, in its own unit; zero without one.
+    times
+        Processor time by part.
+    """
+
+    trajectory: Trajectory
+    gains: FloatArray
+    status: Status
+    cost: float
+    costs: tuple[float, ...]
+    iterations: int
+    defect: float
+    distance: float
+    times: Times = field(default_factory=Times)
+
+    @property
+    def law_residual(self) -> float:
+        """Largest velocity error of the trajectory's contact problems."""
+        return self.trajectory.law_residual

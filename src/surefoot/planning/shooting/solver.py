@@ -1,0 +1,198 @@
+"""Multiple shooting by Gauss-Newton DDP with bounded torques: hard contact forward, smoothed backward.
+
+Every iteration differentiates the knots' steps where contacts lie on the central path with parameter κ
+(`Knot.derivative`), runs a Riccati recursion over the linearised motion (`riccati`) and searches along its
+step on the exact cost: the motion tried is always one of exact steps, with rigid contact and exact Coulomb
+friction. κ goes down by stages. After [1]_ (hard contact forward, relaxed gradients backward), [2]_ (gaps
+between knots) and [3]_ (bounds).
+
+Where the smoothed slope does not lead downhill on the exact cost the damping is raised; a stage ends when no
+step helps, or when the cost stands still.
+
+References
+----------
+.. [1] G. Kim, D. Kang, J.-H. Kim, S. Hong, H.-W. Park, "Contact-implicit model predictive control:
+   controlling diverse quadruped motions without pre-planned contact modes or trajectories", IJRR 2024, arXiv
+   2312.08961.
+.. [2] C. Mastalli, W. Merkt, J. Marti-Saumell, H. Ferrolho, J. Solà, N. Mansard, S. Vijayakumar, "A
+   feasibility-driven approach to control-limited DDP", Autonomous Robots 46, 2022.
+.. [3] Y. Tassa, N. Mansard, E. Todorov, "Control-limited differential dynamic programming", ICRA 2014.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, finite_array
+from surefoot.contact import Status
+from surefoot.errors import ProblemError
+from surefoot.planning.shooting.engine import Engine
+from surefoot.planning.shooting.problem import (
+    ShootingProblem,
+    ShootingResult,
+    ShootingSettings,
+)
+from surefoot.planning.tasks.task import Iteration
+from surefoot.planning.trajectory import TOLERANCE, rollout
+
+STANDING_STILL = 3
+"""Iterations without progress after which a stage ends."""
+CLOSED = 1e-12
+"""Sum of gaps that counts as none."""
+
+
+class Shooting:
+    """Finds motions of a problem; keeps its arrays from one solve to the next.
+
+    Parameters
+    ----------
+    problem
+        See `ShootingProblem`.
+
+    Examples
+    --------
+    >>> from surefoot.planning.shooting.costs import Costs, StateCost
+    >>> from surefoot.robot import load_robot, place
+    >>> robot = load_robot("go2")
+    >>> costs = Costs(StateCost(np.r_[np.full(18, 10.0), np.full(18, 0.1)], q=place(robot)))
+    >>> found = Shooting(ShootingProblem(robot, costs, knots=10)).solve(place(robot), np.zeros(18))
+    >>> found.status.value, found.law_residual < 1e-8
+    ('solved', True)
+    """
+
+    def __init__(self, problem: ShootingProblem) -> None:
+        self.problem = problem
+        self.engine = Engine(problem)
+
+    def solve(
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        torques: FloatArray | None = None,
+        states: tuple[FloatArray, FloatArray] | None = None,
+        settings: ShootingSettings | None = None,
+        tell: Callable[[Iteration], None] | None = None,
+    ) -> ShootingResult:
+        """Return the motion found from a state.
+
+        Parameters
+        ----------
+        q, v
+            (nq,), (nv,) the first state.
+        torques
+            (N, m) to start from [N m]; None for none.
+        states
+            (N + 1, nq), (N + 1, nv) to start from; the knots are open where the torques do not lead there.
+            None for where the torques lead.
+        settings
+            See `ShootingSettings`.
+        tell
+            Called after every iteration; its law residual is the sum of the open gaps. A KeyboardInterrupt
+            ends the search with what it has.
+
+        Raises
+        ------
+        ProblemError
+            For arrays of the wrong shape, or not finite, and a guess whose steps cannot be solved.
+        """
+        settings, engine = settings or ShootingSettings(), self.engine
+        engine.damping, engine.price, engine.times = settings.damping, 0.0, type(engine.times)()
+        self._start(q, v, torques, states)
+        costs: list[float] = [engine.now.cost]
+        ended = Status.STALLED
+        try:
+            for stage, smoothing in enumerate(settings.smoothings):
+                note = f"smoothing {smoothing:g}"
+                last = stage == len(settings.smoothings) - 1
+                ended = self._descend(smoothing, settings, costs, tell or _silent, note, last)
+                if ended is Status.MAX_ITERATIONS:
+                    break
+        except KeyboardInterrupt:
+            ended = Status.MAX_TIME
+        return self._result(costs, ended)
+
+    def _start(
+        self,
+        q: FloatArray,
+        v: FloatArray,
+        torques: FloatArray | None,
+        states: tuple[FloatArray, FloatArray] | None,
+    ) -> None:
+        """Put the guess into the engine."""
+        p, model = self.problem, self.problem.robot.model
+        N, nq, nv, m = p.knots, int(model.nq), int(model.nv), p.robot.joints
+        q, v = p.robot.configuration(q), finite_array("v", v, (nv,))
+        u = np.zeros((N, m)) if torques is None else finite_array("torques", torques, (N, m))
+        engine = self.engine
+        engine.gains[:] = engine.steps[:] = 0.0
+        if states is None:
+            engine.now.torques[:] = u
+            engine.now.q[:], engine.now.v[:] = q, v
+            started = engine.restart(q, v)
+        else:
+            qs, vs = (
+                finite_array("states[0]", states[0], (N + 1, nq)),
+                finite_array("states[1]", states[1], (N + 1, nv)),
+            )
+            qs[0], vs[0] = q, v
+            started = engine.take(qs, vs, u)
+        if not started:
+            raise ProblemError("the guess cannot be stepped: a contact problem of it has no solution found")
+
+    def _descend(
+        self, smoothing: float, settings: ShootingSettings, costs: list[float],
+        tell: Callable[[Iteration], None], note: str, last: bool,
+    ) -> Status:  # fmt: skip
+        """Iterate at one smoothing until the cost stands still."""
+        engine, still = self.engine, 0
+        while len(costs) <= settings.max_iterations:
+            before = engine.now.cost + engine.price * engine.now.defect
+            taken = engine.differentiate(smoothing) and self._step(settings)
+            now = engine.now
+            costs.append(now.cost)
+            tell(Iteration(len(costs) - 1, now.cost, now.defect, note))
+            if not taken:
+                return Status.STALLED
+            change = before - now.cost - engine.price * now.defect
+            still = still + 1 if change <= settings.tol * abs(before) else 0
+            if still >= (STANDING_STILL if last else 1):
+                return Status.SOLVED
+        return Status.MAX_ITERATIONS
+
+    def _step(self, settings: ShootingSettings) -> bool:
+        """Take one step, with as much damping as it needs; return whether one was found."""
+        engine = self.engine
+        while engine.damping <= settings.most:
+            if engine.backward():
+                share = engine.search(settings.shares)
+                if share > 0.0:
+                    factor = 0.2 if share == 1.0 else (1.0 if share >= 0.25 else 4.0)
+                    engine.damping = max(factor * engine.damping, settings.least)
+                    return True
+            engine.damping *= 10.0
+        engine.damping = settings.damping
+        return False
+
+    def _result(self, costs: list[float], ended: Status) -> ShootingResult:
+        """Return what was found: the rollout of the torques, judged."""
+        engine, p = self.engine, self.problem
+        now, gap = engine.now, engine.now.defect
+        if gap > CLOSED:  # the policy, not the bare torques: it closes the gaps where it can
+            engine.restart(now.q[0].copy(), now.v[0].copy())
+            now = engine.now
+        trajectory = rollout(p.robot, now.q[0], now.v[0], now.torques, dt=p.dt, mu=p.mu, terrain=p.terrain)
+        distance = 0.0 if p.goal is None else float(p.goal.distance(trajectory))
+        status: Status = Status.STALLED if ended is Status.SOLVED else ended
+        lawful = trajectory.lawful and trajectory.law_residual <= TOLERANCE
+        if lawful and distance <= (0.0 if p.goal is None else p.goal.tolerance):
+            status = Status.SOLVED
+        return ShootingResult(
+            trajectory, engine.gains.copy(), status, now.cost, tuple(costs), len(costs) - 1, gap, distance,
+            engine.times,
+        )  # fmt: skip
+
+
+def _silent(iteration: Iteration) -> None:
+    """Tell nobody."""
