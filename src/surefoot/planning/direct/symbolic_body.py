@@ -140,12 +140,26 @@ class SymbolicBody:
 
     def sphere_centres(self, q: Expression) -> Expression:
         """Return the contact spheres' centres (3, p) in world axes [m]."""
+        return self.body_points(q, self._carriers, self._places)
+
+    def body_points(self, q: Expression, joints: Any, places: FloatArray) -> Expression:
+        """Return points of bodies (3, m) in world axes [m].
+
+        Parameters
+        ----------
+        q
+            (nq,).
+        joints
+            (m,) Pinocchio's indices of the joints that carry the bodies.
+        places
+            (m, 3) in the joints' axes [m].
+        """
         poses = self._poses(q)
         return self._ca.horzcat(
             *(
-                poses[j - 1].translation_world
-                + self._ca.mtimes(poses[j - 1].rotation_world, self._constant(place))
-                for j, place in zip(self._carriers, self._places, strict=True)
+                poses[int(j) - 1].translation_world
+                + self._ca.mtimes(poses[int(j) - 1].rotation_world, self._constant(place))
+                for j, place in zip(joints, places, strict=True)
             )
         )
 
