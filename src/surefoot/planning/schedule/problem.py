@@ -38,6 +38,8 @@ class ScheduleWeights:
         Of forces as shares of m g, squared.
     change
         Of the change of velocity from knot to knot, squared, per knot: what makes motions smooth.
+    symmetry
+        Of what differs between left and right: the base's y, roll and yaw, joints and their mirror images.
     """
 
     position: float = 2.0
@@ -47,9 +49,10 @@ class ScheduleWeights:
     torque: float = 1.0
     force: float = 0.1
     change: float = 1e-3
+    symmetry: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("position", "orientation", "joints", "velocity", "torque", "force", "change"):
+        for name in self.__dataclass_fields__:
             real_number(name, getattr(self, name), low=0.0)
 
 
@@ -81,6 +84,8 @@ class ScheduleProblem:
         Of the robot's limits that may be used.
     clearance
         How high feet swing in the middle of their flight [m].
+    force_min
+        Least normal force of a point that stands [N].
     body_clearance, knee_clearance
         Least heights of the trunk's lower and upper corners, and of the joints above the feet [m].
 
@@ -104,6 +109,7 @@ class ScheduleProblem:
     torque_share: float = 0.9
     speed_share: float = 0.9
     clearance: float = 0.02
+    force_min: float = 0.0
     body_clearance: float = 0.06
     knee_clearance: float = 0.05
 
@@ -123,6 +129,7 @@ class ScheduleProblem:
         real_number("mu", self.mu, low=0.0, high=1e6)
         for name in ("torque_share", "speed_share"):
             real_number(name, getattr(self, name), low=1e-3, high=1e3)
+        real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
         for name in ("clearance", "body_clearance", "knee_clearance"):
             real_number(name, getattr(self, name), low=0.0, high=10.0)
         given = {

@@ -17,6 +17,8 @@ from surefoot.planning.transcription.forms import import_casadi
 
 TOLERANCE = 1e-8
 """Of Ipopt."""
+Tell = Callable[[int, float, float], None]
+"""Who hears of the number of an iteration, its cost and its violation."""
 ACCEPTED = 1e-6
 """Largest violation of a row or bound, in its own scale, of a motion that counts as found."""
 
@@ -111,7 +113,7 @@ def optimise(
     problem: ScheduleProblem,
     start: FloatArray | None = None,
     max_iterations: int = 500,
-    tell: Callable[[int, float, float], None] | None = None,
+    tell: Tell | None = None,
     **options: Any,
 ) -> ScheduledMotion:
     """Return the best motion that Ipopt finds over a problem's schedule.
@@ -144,12 +146,13 @@ def optimise(
         **QUIET, "ipopt.tol": TOLERANCE, "ipopt.max_iter": max_iterations, "ipopt.mu_strategy": "adaptive",
         **{f"ipopt.{name}": value for name, value in options.items()}, **derivatives,
     }  # fmt: skip
-    if tell is not None:
-        given["iteration_callback"] = _listener(nlp, tell)
+    row_low, row_high = low.ravel()[kept], high.ravel()[kept]
+    watch = _Watch(tell, row_low, row_high)
+    listener = _callback(nlp, watch)
+    given["iteration_callback"] = listener
     solver = ca.nlpsol("schedule", "ipopt", nlp, given)
     below, above = variable_bounds(problem)
     begin = start_from(problem) if start is None else start
-    row_low, row_high = low.ravel()[kept], high.ravel()[kept]
     out = solver(
         x0=np.clip(begin, below, above), p=problem.reference[1:].ravel(), lbx=below, ubx=above, lbg=row_low,
         ubg=row_high,
@@ -158,8 +161,8 @@ def optimise(
     x, g = np.array(out["x"]).ravel(), np.array(out["g"]).ravel()
     beyond = [below - x, x - above, row_low - g, g - row_high]
     violation = float(max(np.max(b, initial=0.0) for b in beyond))
-    ended = float(out["f"]), violation, int(said["iter_count"]), str(said["return_status"])
-    return _read(problem, x, *ended)
+    told = "interrupted" if watch.interrupted else str(said["return_status"])
+    return _read(problem, x, (float(out["f"]), violation), int(said["iter_count"]), told)
 
 
 def _only(
@@ -184,59 +187,80 @@ def _only(
     return {**nlp, "g": nlp["g"][rows]}, fewer
 
 
-def _listener(nlp: dict[str, Any], tell: Callable[[int, float, float], None]) -> Any:
+class _Watch:
+    """Hears of every iteration, keeps the last one, and ends the search after Ctrl-C.
+
+    Attributes
+    ----------
+    last
+        Variables, rows and cost of the last iteration.
+    interrupted
+        Whether someone stopped it.
+    """
+
+    def __init__(self, tell: Tell | None, low: FloatArray, high: FloatArray) -> None:
+        self._tell, self._low, self._high = tell, low, high
+        self.count, self.interrupted = 0, False
+        self.last: tuple[FloatArray, FloatArray, float] | None = None
+
+    def heard(self, x: Any, g: Any, cost: float) -> bool:
+        """Return whether to go on."""
+        try:
+            self.count += 1
+            self.last = np.array(x).ravel(), np.array(g).ravel(), cost
+            beyond = np.maximum(self._low - self.last[1], self.last[1] - self._high)
+            if self._tell is not None:
+                self._tell(self.count, cost, float(beyond.max(initial=0.0)))
+        except KeyboardInterrupt:
+            self.interrupted = True
+        return not self.interrupted
+
+
+def _callback(nlp: dict[str, Any], watch: _Watch) -> Any:
     """Return what CasADi calls at every iteration."""
     ca = import_casadi()
-    sizes = {"x": nlp["x"].shape[0], "g": nlp["g"].shape[0], "p": nlp["p"].shape[0]}
-    lengths = {"x": sizes["x"], "lam_x": sizes["x"], "g": sizes["g"], "lam_g": sizes["g"],
-               "p": 0, "lam_p": sizes["p"], "f": 1}  # fmt: skip
+    variables, rows, parameters = (int(nlp[name].shape[0]) for name in ("x", "g", "p"))
+    lengths = {
+        "x": variables, "lam_x": variables, "g": rows, "lam_g": rows, "p": 0, "lam_p": parameters, "f": 1,
+    }  # fmt: skip
 
-    class Listener(ca.Callback):  # type: ignore[misc]
-        """Counts iterations and passes on the cost."""
+    class Callback(ca.Callback):  # type: ignore[misc, name-defined]
+        """Passes iterations on; CasADi asks for its sizes by these names."""
 
         def __init__(self) -> None:
             ca.Callback.__init__(self)
-            self.count = 0
-            self.construct("listener", {})
+            self.construct("watch", {})
 
         def get_n_in(self) -> int:
+            """Return the number of Ipopt's outputs."""
             return int(ca.nlpsol_n_out())
 
         def get_n_out(self) -> int:
+            """Return 1: whether to stop."""
             return 1
 
         def get_sparsity_in(self, i: int) -> Any:
+            """Return the shape of an output."""
             return ca.Sparsity.dense(lengths.get(ca.nlpsol_out(i), 0), 1)
 
         def eval(self, arguments: Any) -> list[float]:
-            self.count += 1
-            told = {ca.nlpsol_out(i): arguments[i] for i in range(len(arguments))}
-            tell(self.count, float(told["f"]), float("nan"))
-            return [0.0]
+            """Return 0 to go on, 1 to stop."""
+            told = {ca.nlpsol_out(i): argument for i, argument in enumerate(arguments)}
+            return [0.0 if watch.heard(told["x"], told["g"], float(told["f"])) else 1.0]
 
-    return Listener()
+    return Callback()
 
 
 def _read(
-    problem: ScheduleProblem, x: FloatArray, cost: float, violation: float, iterations: int, said: str
+    problem: ScheduleProblem, x: FloatArray, worth: tuple[float, float], iterations: int, said: str
 ) -> ScheduledMotion:
-    """Return the motion that variables mean."""
+    """Return the motion that variables mean; `worth` is cost and violation."""
     model, joints = problem.robot.model, problem.robot.joints
     nq, nx, p = int(model.nq), int(model.nq + model.nv), len(problem.robot.contact_points)
     table = x[:-nx].reshape(problem.knots, -1)
     states = np.vstack([table[:, :nx], x[-nx:]])
     torques = table[:, nx : nx + joints] * problem.torque_limits
     forces = table[:, nx + joints :].reshape(-1, p, 3) * problem.weight
-    found = bool(violation <= ACCEPTED)
-    return ScheduledMotion(
-        states[:, :nq].copy(),
-        states[:, nq:].copy(),
-        torques,
-        forces,
-        cost,
-        violation,
-        found,
-        iterations,
-        said,
-        x,
-    )
+    motion = states[:, :nq].copy(), states[:, nq:].copy(), torques, forces
+    found = worth[1] <= ACCEPTED
+    return ScheduledMotion(*motion, *worth, found=bool(found), iterations=iterations, said=said, variables=x)

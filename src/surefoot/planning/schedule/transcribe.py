@@ -4,9 +4,9 @@ Semi-implicit Euler as `surefoot.stepping.Knot` takes it, written as inverse dyn
 
     RNEA(q, v, (v⁺ - v) / dt, f) = S tau,      q⁺ = q ⊕ dt v⁺
 
-A foot that stands has gap / dt + u_n = 0, u_t = 0 and its force inside the friction cone; one that does not has
-no force and gap / dt + u_n >= 0. Those are the laws of contact for feet that stick or are in the air, so that
-the torques of a solution lead through the exact step to the same motion.
+A foot that stands has gap / dt + u_n = 0, u_t = 0 and its force inside the friction cone; one that does not
+has no force and gap / dt + u_n >= 0. Those are the laws of contact for feet that stick or are in the air, so
+that the torques of a solution lead through the exact step to the same motion.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.planning.direct.blocks import Block
 from surefoot.planning.direct.symbolic_body import SymbolicBody
 from surefoot.planning.schedule.problem import UNBOUNDED, ScheduleProblem
+from surefoot.planning.schedule.symmetry import mirrored_joints
 from surefoot.planning.transcription.forms import import_casadi
 from surefoot.robot import Robot
 
@@ -80,6 +81,8 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Parts]:
     }
     reference = ca.SX.sym("reference", nq)
     cost = _cost(problem, (q_after - reference, v_after, v_after - v), u)
+    if problem.weights.symmetry:
+        cost += problem.dt * problem.weights.symmetry * _difference(problem, q_after)
     rows, at = dict[str, slice](), 0
     for name, part in named.items():
         rows[name] = slice(at, at + int(part.shape[0]))
@@ -98,6 +101,16 @@ def _cost(problem: ScheduleProblem, state: tuple[Any, Any, Any], u: Any) -> Any:
     running += w.velocity * (ca.sumsqr(v[:6]) + 0.1 * ca.sumsqr(v[6:]))
     running += w.torque * ca.sumsqr(u[: robot.joints]) + w.force * ca.sumsqr(u[robot.joints :])
     return problem.dt * running + w.change * ca.sumsqr(change)
+
+
+def _difference(problem: ScheduleProblem, q: Any) -> Any:
+    """Return what differs between left and right of a configuration, squared."""
+    ca = import_casadi()
+    other, sign = mirrored_joints(problem.robot)
+    joints = q[7:]
+    swapped = ca.vertcat(*(float(s) * joints[int(k)] for k, s in zip(other, sign, strict=True)))
+    base = ca.vertcat(q[1] - problem.q[1], 2.0 * q[3], 2.0 * q[5])
+    return ca.sumsqr(base) + 0.5 * ca.sumsqr(joints - swapped)
 
 
 def body_corners(robot: Robot) -> tuple[IntArray, FloatArray]:
@@ -175,7 +188,7 @@ def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
     force = np.repeat(problem.stance, 3, axis=1)
     most = np.where(force, np.inf, 0.0)
     least = -most
-    least[:, 2::3] = 0.0
+    least[:, 2::3] = problem.stance * (problem.force_min / problem.weight)
     ones = np.ones((n, robot.joints))
     sides = []
     for state, torque, contact in ((low, -ones, least), (high, ones, most)):
