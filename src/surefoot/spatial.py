@@ -94,7 +94,7 @@ def rotation_from_normal(normal: ArrayLike, heading: ArrayLike = (1.0, 0.0, 0.0)
 
 
 def rotation_about(axis: ArrayLike, angle: float) -> FloatArray:
-    """Return the rotation by `angle` [rad] about a unit axis (Rodrigues)."""
+    """Return the rotation (3, 3) by `angle` [rad] about a unit axis (3,) (Rodrigues)."""
     s = skew(unit("axis", axis))
     return np.asarray(np.eye(3) + np.sin(angle) * s + (1.0 - np.cos(angle)) * (s @ s))
 
@@ -173,7 +173,7 @@ def wrench_transform(rotation: ArrayLike, translation: ArrayLike) -> FloatArray:
 
 
 def twist_transform(rotation: ArrayLike, translation: ArrayLike) -> FloatArray:
-    """Return the matrix that takes a twist [linear; angular] from frame b to frame a.
+    """Return the matrix (6, 6) that takes a twist [linear; angular] from frame b to frame a.
 
     Its inverse transpose is `wrench_transform` of the same frames, so that power does not depend on
     the frame.

@@ -209,7 +209,10 @@ def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
 
 
 def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
-    """Return the mean over a window of so many rows, of what is not NaN; NaN for less than half."""
+    """Return the mean of (T, ...) values over a window of so many rows, of what is not NaN: their shape.
+
+    NaN for less than half.
+    """
     known = np.isfinite(values)
     count = sliding_sum(known.astype(np.float64), rows)
     total = sliding_sum(np.where(known, values, 0.0), rows)

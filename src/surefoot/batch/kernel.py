@@ -81,7 +81,7 @@ def solve_within_memory(
     G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, asymmetry: float, tol: float, most: int,
     warm: bool, buffer: FloatArray, memory: FloatArray,
 ) -> int:  # fmt: skip
-    """Do what `solve_contacts` does with borrowed arrays in memory that is there."""
+    """Do as `solve_contacts`, see there for the shapes, with borrowed arrays in memory that is there."""
     m = g.size
     matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
     total = 0.0
@@ -146,7 +146,7 @@ def vjp_within(
     G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, weights: FloatArray, out: FloatArray,
     memory: FloatArray,
 ) -> bool:  # fmt: skip
-    """Do what `contact_vjp` does with borrowed arrays in memory that is there."""
+    """Do as `contact_vjp`, see there for the shapes, with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
     work, mode = window(memory, 0, m + 4, m), window(memory, (m + 4) * m, n, 8)
@@ -218,7 +218,7 @@ def jvp_within(
     G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, rates: FloatArray, out: FloatArray,
     memory: FloatArray,
 ) -> bool:  # fmt: skip
-    """Do what `contact_jvp` does with borrowed arrays in memory that is there."""
+    """Do as `contact_jvp`, see there for the shapes, with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
     work, mode = window(memory, 0, m + 5, m), window(memory, (m + 5) * m, n, 8)

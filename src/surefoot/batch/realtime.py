@@ -106,11 +106,11 @@ class DifferentiableSolver(ContactSolver):
         Parameters
         ----------
         G
-            The (3n, 3n) matrix that it was the answer to.
+            The (3n, 3n) matrix that it was the answer to [1/kg].
         answer
             What `solve` returned.
         forces, velocities
-            (n, 3) weights.
+            (n, 3) weights, in any unit: the gradient's is theirs times that of f or u.
 
         Raises
         ------

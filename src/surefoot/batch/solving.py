@@ -72,7 +72,7 @@ class BatchSolution:
     Attributes
     ----------
     forces, velocities
-        (B, n, 3); zero for contacts that are masked out.
+        (B, n, 3) in contact frames [N s] and [m/s], or [N] and [m/s²]; zero for contacts that are masked out.
     status
         (B,) of `Status`.
     residual

@@ -83,7 +83,7 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
 
 @inline_kernel
 def checked_copy(G: FloatArray, slack: float, out: FloatArray) -> tuple[bool, bool]:
-    """Fill out with the symmetric part of G; return whether it is finite, and passes `checked_mirror`.
+    """Fill out with the symmetric part of G, (m, m) both; return whether it is finite, and `checked_mirror`.
 
     The largest entry of a semidefinite matrix is on its diagonal, so tests against that one are stricter;
     what they doubt (and what is not a number: it passes none) goes through `checked_mirror` itself.

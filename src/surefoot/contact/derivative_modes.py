@@ -56,7 +56,7 @@ class Section:
         )
 
     def project(self, w: FloatArray, radius: float) -> tuple[str, int]:
-        """Return on which part of `radius` times the section the nearest point to w lies."""
+        """Return on which part of `radius` times the section the nearest point to w (2,) lies, and which."""
         if radius > 0.0:
             over = self.normals @ w - radius * self.apothem
             if over.max() <= 0.0:
@@ -98,7 +98,7 @@ class Contact:
         return float(u[2] - self.mu * np.max(-self.section.corners @ u[:2]))
 
     def at(self, force: FloatArray, velocity: FloatArray) -> Contact:
-        """Return the same contact in another state."""
+        """Return the same contact with another force (3,) and velocity (3,)."""
         return replace(self, force=force, velocity=velocity)
 
 

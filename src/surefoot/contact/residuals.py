@@ -49,10 +49,10 @@ class Residuals:
         forces are the solution and others count as infinitely wrong.
     rounding
         max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, bounded from above: how much of the velocities
-        double precision cannot tell. `Status.SOLVED` needs it within the tolerance, too.
+        double precision cannot tell. Dimensionless. `Status.SOLVED` needs it within the tolerance, too.
     energy_gap
         For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of its
-        connected part: how far each contact is from its share of the least energy; 0 for Coulomb's law. A
+        connected part: how far each contact is from its share of the least energy [-]; 0 for Coulomb's law. A
         program whose least energy is approached only by ever larger forces shows here, and nowhere else.
         `Status.SOLVED` needs it within the tolerance.
     cone_violation
@@ -78,12 +78,12 @@ class Residuals:
 
     @property
     def natural_map(self) -> float:
-        """The old name of `velocity_error`, kept for one release."""
+        """The old name of `velocity_error` [-], kept for one release."""
         return self.velocity_error
 
     @property
     def worst(self) -> float:
-        """The largest of the first three numbers: what `Status.SOLVED` compares with the tolerance."""
+        """The largest of the first three numbers [-]: what `Status.SOLVED` compares with the tolerance."""
         return max(self.velocity_error, self.rounding, self.energy_gap)
 
 

@@ -61,15 +61,15 @@ class ForceDistributor:
     Parameters
     ----------
     mu
-        Friction coefficient, a number or (n,), finite and >= 0.
+        Friction coefficient [-], a number or (n,), finite and >= 0.
     normal_min, normal_max
         Bounds on the normal forces [N], numbers or (n,).
     wrench_weights
-        W: a number or (6,), >= 0, for [force; moment].
+        W: a number or (6,), >= 0, for [force; moment] [-, 1/m²].
     force_weight
-        r: a number or (n,), > 0; or (n, 2) with a tangential and a normal weight per contact.
+        r: a number or (n,), > 0; or (n, 2) with a tangential and a normal weight per contact [-].
     smoothness
-        s: a number >= 0, weight on the change of the forces since the last call. Before the first
+        s: a number >= 0 [-], weight on the change of the forces since the last call. Before the first
         call, and after `reset`, the last forces are zero.
     tol
         `status` is SOLVED when no force is further than this from the optimum [N] (or when double
@@ -173,7 +173,7 @@ class ForceDistributor:
         active
             (n,) mask of the contacts that may carry force; kept until the next mask, see `set_active`.
         jacobian
-            (3n, joints) map from joint velocities to contact velocities in contact frames. With it
+            (3n, joints) map from joint velocities to contact velocities in contact frames [m]. With it
             the joint torques obey ``|jacobian.T @ f + torque_offset| <= torque_limit``. If no
             admissible force does, `status` is INFEASIBLE and the forces come close to the least
             sum of squared excess.
@@ -247,9 +247,9 @@ class ForceDistributor:
         grasp_map, wrench
             As for `solve`.
         rows
-            (k, 3n) acting on the stacked forces.
+            (k, 3n) acting on the stacked forces [-, or m where a row is a moment].
         low, high
-            (k,), infinite where there is no bound.
+            (k,) in the unit of rows @ f [N, or N m], infinite where there is no bound.
 
         Returns
         -------
@@ -385,5 +385,5 @@ class ForceDistributor:
 
     @property
     def wrench_error(self) -> float:
-        """``||A f - w||_W`` of the last forces; in newtons for unit weights. Infinite if that is unknown."""
+        """``||A f - w||_W`` of the last forces [N], weights included. Infinite if that is unknown."""
         return float(self._results[layout.WRENCH_ERROR])

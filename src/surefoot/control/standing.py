@@ -87,9 +87,9 @@ class StandingController(Controller):
     terrain
         The ground that the feet are believed to touch.
     q
-        (nq,) configuration to hold: base orientation and the joints outside the legs.
+        (nq,) configuration to hold [m, -, rad]: base orientation and the joints outside the legs.
     mu
-        Friction that the controller believes in.
+        Friction [-] that the controller believes in.
     dt
         Time between steps [s].
     normal_min, normal_max

@@ -27,9 +27,9 @@ class ForceLimits:
     Attributes
     ----------
     rows
-        (l, stance.dim), over forces and patch wrenches in contact frames.
+        (l, stance.dim), over forces and patch wrenches in contact frames [unit of bound per N, N m].
     bound
-        (l,), finite.
+        (l,), finite [N, N m, or what the rows make of forces].
     names
         One per row, for messages.
     """

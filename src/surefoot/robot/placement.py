@@ -41,7 +41,7 @@ def place(
     tol: float = 1e-9,
     at: ArrayLike = (0.0, 0.0),
 ) -> FloatArray:
-    """Return a configuration that stands on the terrain about a place.
+    """Return a configuration (nq,) [m, -, rad] that stands on the terrain about a place.
 
     The base takes the terrain's slope at that place (and stays level on flat feet, whose ankles take
     up the slope), every contact sphere touches the ground, and the
@@ -56,7 +56,7 @@ def place(
     terrain
         None for flat ground.
     q
-        (nq,) pose whose joints to stay near; None for the nominal one.
+        (nq,) pose [m, -, rad] whose joints to stay near; None for the nominal one.
     tol
         Largest distance between a foot and the ground [m].
     at

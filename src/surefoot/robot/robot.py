@@ -44,7 +44,7 @@ class Robot:
     feet
         Where it can touch the ground, see `Foot`.
     nominal
-        (nq,) the pose to stand in, at the height where the feet touch z = 0.
+        (nq,) the pose to stand in [m, -, rad], at the height where the feet touch z = 0.
     floating
         Whether the base is free.
     """
@@ -138,7 +138,7 @@ class Robot:
         raise ModelError(unknown_name(f"foot of {self.name}", name, self.foot_names))
 
     def configuration(self, q: ArrayLike | None = None) -> FloatArray:
-        """Return q checked (nominal for None), its quaternion normalised: (nq,)."""
+        """Return q checked (nominal for None), its quaternion normalised: (nq,) [m, -, rad]."""
         if q is None:
             return self.nominal.copy()
         out = finite_array("q", q, (self.model.nq,))
@@ -178,9 +178,9 @@ class Robot:
         Parameters
         ----------
         q
-            (nq,); None for the nominal pose.
+            (nq,) [m, -, rad]; None for the nominal pose.
         mu
-            Friction coefficient, one or one per foot.
+            Friction coefficient [-], one or one per foot.
         terrain
             None for flat ground.
         feet

@@ -63,7 +63,7 @@ class RigidBatch:
     count
         Number of robots.
     mu
-        Friction of the ground, a number or (count,).
+        Friction of the ground [-], a number or (count,).
     payload
         Point mass fixed to the base's origin [kg], a number or (count,).
     options
@@ -139,11 +139,11 @@ class RigidBatch:
         self._everywhere(("reset", chosen))
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (count, nq) and v (count, nv)."""
+        """Return q (count, nq) [m, -, rad] and v (count, nv) [m/s, rad/s]."""
         return self._arrays["q"].copy(), self._arrays["v"].copy()
 
     def set_friction(self, mu: ArrayLike) -> None:
-        """Change the friction of the ground, a number or (count,), from the next step on."""
+        """Change the friction of the ground [-], a number or (count,), from the next step on."""
         self._arrays["mu"][:] = per_robot("mu", mu, self.count)
 
     def step(self, torques: ArrayLike, push: ArrayLike | None = None, repeat: int = 1) -> BatchStep:

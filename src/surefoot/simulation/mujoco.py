@@ -87,14 +87,15 @@ class MujocoWorld:
     terrain
         None for flat ground.
     mu
-        Friction of the ground.
+        Friction of the ground [-].
     dt
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
     solref, solimp
-        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others); a solimp of fewer
-        than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
+        damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
+        A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
 
     Raises
     ------
@@ -146,7 +147,7 @@ class MujocoWorld:
         return float(self.data.time)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         q = self.robot.configuration(q)
         v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
         self._mujoco.mj_resetData(self.model, self.data)
@@ -159,7 +160,7 @@ class MujocoWorld:
         self._mujoco.mj_forward(self.model, self.data)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         q, v = np.array(self.data.qpos), np.array(self.data.qvel)
         if self.robot.floating:
             w, x, y, z = q[3:7].tolist()
@@ -204,11 +205,11 @@ class MujocoWorld:
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground, from the next step on."""
+        """Change the friction of the ground [-], from the next step on."""
         self.model.geom_friction[self._ground, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
     def softness(self, log: Log) -> dict[str, float]:
-        """Return the facts `sinking`, `creep`, `stopping` that the ground's softness means in a run's log."""
+        """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
         return world_softness(self._mujoco, self.model, self._ground[0], self._bodies, log, load)
 

@@ -87,7 +87,7 @@ class Scenario:
     duration
         Length of the run [s].
     mu
-        Friction of the ground at the start; takes the place of the world's own.
+        Friction of the ground [-] at the start; takes the place of the world's own.
     pushes, ice
         What disturbs it.
     seed
@@ -95,7 +95,7 @@ class Scenario:
     faults
         What is wrong with sensors and motors.
     start
-        (nq,) configuration to start from; None for one that stands on the world's terrain.
+        (nq,) configuration to start from [m, -, rad]; None for one that stands on the world's terrain.
     depth
         How deep in the ground it starts [m], see `START_DEPTH`.
     fall
@@ -117,7 +117,7 @@ class Scenario:
         return max(1, round(self.duration / dt))
 
     def begin(self, world: World) -> tuple[FloatArray, FloatArray | None]:
-        """Return where a run in a world starts: (nq,) configuration and (nv,) velocity, None for rest."""
+        """Return where a run starts: (nq,) q [m, -, rad] and (nv,) v [m/s, rad/s], None for rest."""
         q = np.array(start_pose(world.robot, world.terrain) if self.start is None else self.start)
         q[:3] -= self.depth * world.terrain.normal(q[:2])
         return q, start_velocity(world.robot, self.seed)

@@ -102,14 +102,23 @@ class ContactForces:
     Attributes
     ----------
     forces, velocities
-        (n, 3) contact frames (tangent, tangent, normal); for a problem that was not solved the best that was
-        found, always finite.
+        (n, 3) contact frames (tangent, tangent, normal) [N s, m/s, or N, m/s²]; for a problem that was not
+        solved the best that was found, always finite.
     status
         See `Status`; INVALID for a G or g with entries that are not finite.
     iterations
         Sweeps and Newton steps.
     proof
         The proof that there is no solution where the status is INFEASIBLE, else None.
+
+    Parameters
+    ----------
+    buffer
+        (2n + 3, 3) memory that it is read from, rows in the units of forces, velocities and residuals.
+    contacts
+        n.
+    status, iterations, proof
+        See the attributes.
     """
 
     __slots__ = ("_buffer", "_forces", "iterations", "proof", "status")
@@ -127,12 +136,12 @@ class ContactForces:
 
     @property
     def forces(self) -> FloatArray:
-        """The (n, 3) forces [N]."""
+        """The (n, 3) forces [N s, or N]."""
         return self._forces
 
     @property
     def velocities(self) -> FloatArray:
-        """The (n, 3) velocities G @ forces + g."""
+        """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
         n = len(self._forces)
         return self._buffer[n : 2 * n]
 
@@ -143,7 +152,7 @@ class ContactForces:
 
     @property
     def velocity_error(self) -> float:
-        """The first field of `residuals`."""
+        """The first field of `residuals` [-]."""
         return float(self._buffer[2 * len(self._forces), 0])
 
     @property
@@ -240,11 +249,13 @@ class ContactSolver:
         Parameters
         ----------
         G
-            (3n, 3n) Delassus operator, symmetric (to 1e-8 of its largest entry); the compliance is added.
+            (3n, 3n) Delassus operator [1/kg], symmetric (to 1e-8 of its largest entry); the compliance is
+            added.
         g
-            (3n,) free velocity.
+            (3n,) free velocity [m/s].
         out
-            (2n + 3, 3) memory for the answer, C-contiguous; without it every answer owns its own.
+            (2n + 3, 3) memory for the answer, rows in the units of forces, velocities and residuals,
+            C-contiguous; without it every answer owns its own.
 
         Returns
         -------

@@ -47,6 +47,7 @@ class Settings:
 class Answer(NamedTuple):
     """What a solver hands back to `solve`: its forces and why it stopped, no claim of success.
 
+    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N]; `timings` are in seconds [s].
     `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE needs the proof.
     """
 

@@ -109,7 +109,7 @@ class HeightfieldTerrain(Terrain):
         return self._surface(np.asarray(xy, dtype=np.float64))[0]
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
-        """Return the slope along x and y at (..., 2) places: (..., 2), the surface's own."""
+        """Return the slope along x and y [-] at (..., 2) places [m]: (..., 2), the surface's own."""
         return self._surface(np.asarray(xy, dtype=np.float64))[1]
 
     def shapes(self) -> tuple[Grid]:

@@ -111,7 +111,7 @@ class Contact:
         return self.nearest(np.asarray(force) / self.lengths, self.normal_min, self.normal_max) * self.lengths
 
     def nearest(self, y: FloatArray, low: float, high: float) -> FloatArray:
-        """Return the nearest point under other bounds, in the contact's metric (moments over lengths).
+        """Return the nearest point (rows,) under other bounds, in the contact's metric: moments over lengths.
 
         The distance to the section of height s is Σ (||y_b|| - r_b s)₊², convex in s and a parabola between
         the heights where a disc begins to hold: the discs are let in from the tightest on.
@@ -170,14 +170,14 @@ class Contact:
         return self.lengths[:, None] * J / self.lengths[None, :]
 
     def support(self, direction: FloatArray) -> float:
-        """Return sup of direction · λ over the set; infinite where there is no bound."""
+        """Return sup of direction (rows,) · λ over the set; infinite where there is no bound."""
         slope = float(direction[self.normal]) + self.reach(direction)
         if slope > 0.0:
             return self.normal_max * slope if self.normal_max > 0.0 else 0.0
         return self.normal_min * slope
 
     def reach(self, direction: FloatArray, friction: bool | None = None) -> float:
-        """Return sup of direction · λ over the section λ_n = 1, the normal's part left out.
+        """Return sup of direction (rows,) · λ over the section λ_n = 1, the normal's part left out.
 
         Of all discs, or of those that are friction or are not.
         """
@@ -191,14 +191,14 @@ class Contact:
         )
 
     def shift(self, velocity: FloatArray) -> float:
-        """Return De Saxcé's shift Γ(u): the most power that friction can take out per newton [m/s].
+        """Return De Saxcé's shift Γ(u) of u (rows,): the most power that friction takes out per newton [m/s].
 
         The law of maximum dissipation is that friction does: λ_t · u_t = -λ_n Γ(u).
         """
         return self.reach(-np.asarray(velocity), friction=True)
 
     def power(self, force: FloatArray, velocity: FloatArray, friction: bool) -> float:
-        """Return the power of the rows whose discs are friction, or of those whose are not [W]."""
+        """Return the power of the rows whose discs are friction, or are not [W]: force, velocity (rows,)."""
         rows = [row for b in self.factors if b.friction == friction for row in b.rows]
         return float(np.asarray(force)[rows] @ np.asarray(velocity)[rows])
 

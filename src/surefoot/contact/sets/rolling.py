@@ -47,7 +47,7 @@ class Rolling(Contact):
 
     @cached_property
     def lengths(self) -> FloatArray:
-        """The coefficient of rolling resistance for the moments."""
+        """(rows,) [-, m]: the coefficient of rolling resistance for the moments."""
         return np.array([1.0, 1.0, 1.0, self.resistance or 1.0, self.resistance or 1.0])
 
     @property

@@ -48,7 +48,7 @@ class SoftFinger(Contact):
 
     @cached_property
     def lengths(self) -> FloatArray:
-        """The torsional radius for the moment."""
+        """(rows,) [-, m]: the torsional radius for the moment."""
         return np.array([1.0, 1.0, 1.0, self.radius or 1.0])
 
     @property

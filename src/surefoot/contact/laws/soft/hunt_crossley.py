@@ -62,7 +62,7 @@ class HuntCrossley(SoftLaw):
         return elastic * share, slope * share, damped
 
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the elastic energy [J]."""
+        """Return the elastic energy [J] at (...,) depths [m]."""
         return self.stiffness * depth ** (self.exponent + 1.0) / (self.exponent + 1.0)
 
     def restitution(self, speed: float) -> float:

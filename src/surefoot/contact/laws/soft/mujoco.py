@@ -120,7 +120,7 @@ class MujocoLaw(SoftLaw):
         return gain * wanted, dt * by_depth + gain * (damp + 1.0 / dt)
 
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the work that a slow overlap takes [J], by quadrature: the force at rest, integrated."""
+        """Return the work that a slow overlap (...,) [m] takes [J], by quadrature: the force at rest."""
         deep = np.asarray(depth, dtype=float)
         stiff, _ = self.stiffness_and_damping
         node, weight = np.polynomial.legendre.leggauss(24)

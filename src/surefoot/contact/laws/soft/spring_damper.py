@@ -75,7 +75,7 @@ class SpringDamper(SoftLaw):
         return force, np.full(force.shape, self.stiffness), np.full(force.shape, self.damping)
 
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the energy of the spring [J]."""
+        """Return the energy of the spring [J] at (...,) depths [m]."""
         return 0.5 * self.stiffness * depth**2
 
     def ratio(self, mass: float) -> float:
