@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError
 
 
 def contact_count(parameters: Sequence[FloatArray]) -> int | None:
-    """Return how many contacts the parameters are for, None if all of them are numbers."""
+    """Return how many contacts the parameters, (n,) or numbers, are for; None if all of them are numbers."""
     sizes = {len(a) for a in parameters if a.ndim > 0}
     if len(sizes) > 1:
         raise ProblemError(

@@ -89,7 +89,9 @@ def _left_over(A: FloatArray, w: FloatArray, x: FloatArray) -> float:
 
 @kernel
 def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> float:
-    """Return how large x in K with A x = w must at least be: the sum of its heights and half-lines.
+    """Return how large x (m,) in K with A x = w must at least be: the sum of its heights and half-lines.
+
+    A is (p, m), w and y (p,).
 
     A' y may leave K* by d, rounding included: then y.w = (A' y).x >= -d sum(x), so that the sum is at least
     |y.w| / d. Infinite where A' y is in K*; zero where y proves nothing.

@@ -153,7 +153,9 @@ def _farthest_from(corners: FloatArray, polygon: FloatArray) -> float:
 def enclose(
     points: FloatArray, directions: FloatArray, heights: FloatArray, slack: float, tol: float
 ) -> tuple[FloatArray, float]:
-    """Return the polygon of points of a region, less flat corners, and its gap to the half-planes around.
+    """Return the polygon of points (k, 2) of a region, less flat corners, and its gap to the half-planes.
+
+    Those are directions (h, 2) and heights (h,) [m] around it.
 
     `heights` are raised in place to hold every point, and by the rounding of the coordinates: what they
     enclose is never empty. The gap is measured between what is returned and what they enclose. Corners that

@@ -45,12 +45,12 @@ class Instance:
 
 
 def random_rotation(rng: np.random.Generator) -> FloatArray:
-    """Return a rotation uniform over all rotations."""
+    """Return a rotation (3, 3) uniform over all rotations."""
     return rotation_from_quaternion(rng.normal(size=4))
 
 
 def tilted(rng: np.random.Generator, largest: float) -> FloatArray:
-    """Return a rotation whose z axis leans by up to `largest` [rad], turned at random about it."""
+    """Return a rotation (3, 3) whose z axis leans by up to `largest` [rad], turned at random about it."""
     lean, heading, turn = largest * rng.uniform(), *rng.uniform(0.0, 2.0 * np.pi, 2)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0]) * np.sin(0.5 * lean)
     quaternion = np.array([*axis, np.cos(0.5 * lean)])

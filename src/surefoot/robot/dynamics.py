@@ -149,7 +149,7 @@ def delassus_dense(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray
 
 
 def delassus_factorised(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray:
-    """Return the same G from Pinocchio's sparse Cholesky factors of the constrained system.
+    """Return the same (m, m) G [1/kg] from Pinocchio's sparse Cholesky factors of the constrained system.
 
     The factorisation follows the branches of the tree and skips the zeros between them [2]_; the Jacobian
     in it is Pinocchio's own.

@@ -295,7 +295,7 @@ class Baumgarte:
         return self.frequency**2, 2.0 * self.damping_ratio * self.frequency
 
     def acceleration(self, velocity: FloatArray, error: FloatArray) -> FloatArray:
-        """Return the contact acceleration to ask for, J v̇ + J̇ v, from J v and the error."""
+        """Return the contact acceleration to ask for, J v̇ + J̇ v, from J v and the error: (m,) each."""
         kp, kd = self.gains
         return -kd * velocity - kp * error
 

@@ -74,7 +74,7 @@ class ActiveFaults:
         self.weak = bool((self.strength != 1.0).any())
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the state as the controller sees it."""
+        """Return the state, q (nq,) and v (nv,), as the controller sees it: with noise."""
         if self.noise == 0.0:
             return q, v
         r, level = self.generator, self.noise
@@ -91,7 +91,7 @@ class ActiveFaults:
         return q, v
 
     def act(self, torques: FloatArray) -> FloatArray:
-        """Return the torques that the motors give: late and weakened."""
+        """Return the torques (joints,) [N m] that the motors give: late and weakened."""
         if self.late:
             self._queue.append(torques)
             torques = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()

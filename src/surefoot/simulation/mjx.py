@@ -135,7 +135,7 @@ class MjxWorld(MujocoWorld):
         return self.reading(read)
 
     def reading(self, read: dict[str, FloatArray]) -> ContactReading:
-        """Return forces, gaps and velocities at the feet's spheres from what a step `left_behind`."""
+        """Return forces (p, 3), gaps (p,) and velocities at the feet from what a step `left_behind`."""
         centres = read["geom_xpos"][self._geoms]
         normals = self.terrain.normal(centres[:, :2])
         if not self.terrain.planar:

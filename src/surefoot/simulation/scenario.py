@@ -124,7 +124,7 @@ class Scenario:
 
 
 def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
-    """Return a small random velocity of the base, or None without a seed."""
+    """Return a small random velocity (nv,) of the base [m/s], or None without a seed."""
     if seed is None:
         return None
     v = np.zeros(robot.model.nv)
@@ -133,7 +133,7 @@ def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
 
 
 def push_at(pushes: Sequence[Push], time: float) -> FloatArray | None:
-    """Return the sum of the pushes at a time, or None."""
+    """Return the sum (3,) of the pushes at a time [N], or None."""
     total = None
     for push in pushes:
         if push.start - 1e-9 <= time < push.start + push.duration - 1e-9:

@@ -66,7 +66,7 @@ class World(Protocol):
         """Simulated time [s]."""
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at a configuration and velocity (Pinocchio's order; zero for None), at time 0."""
+        """Put the robot at q (nq,) and v (nv,) in Pinocchio's order (zero for None), at time 0."""
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) and v (nv,) in Pinocchio's order."""

@@ -59,7 +59,7 @@ def _scaled(problem: ContactProblem, G: FloatArray, g: FloatArray) -> tuple[Floa
 
 @register("clarabel", laws=("convex",))
 def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve the convex law with exact second-order cones by Clarabel's interior-point method."""
+    """Solve the convex law on exact cones by Clarabel's interior-point method; a (n, 3) start is unused."""
     on, G, g = _active(problem)
     n = on.size
     if n == 0:

@@ -185,7 +185,7 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
 
 @register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
 def solve_friction(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve Coulomb's law on pyramids as the LCP of Stewart and Trinkle, by Lemke's method; no warm start."""
+    """Solve Coulomb's law on pyramids as Stewart and Trinkle's LCP by Lemke; a (n, 3) start is unused."""
     friction = stewart_trinkle(problem)
     if friction.lcp.size == 0:
         return Answer(np.zeros((problem.contacts, 3)), 0)

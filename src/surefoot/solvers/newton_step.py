@@ -74,6 +74,9 @@ def classify(
 
     For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c];
     the equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
+
+    Forces and velocities are flat, (3n,); `local` is (n, WIDTH), mu and the bounds are (n,). Filled: rows and
+    columns (n, 3, 3), jump, weight and target (n, 3), count (n,).
     """
     for k in range(mu.size):
         i = 3 * k
@@ -255,7 +258,8 @@ def run_dense(
 ) -> tuple[int, float]:  # fmt: skip
     """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error.
 
-    `local` is what `nsgs.fill_dense` filled.
+    G is (3n, 3n); mu and the bounds are (n,), g, forces and velocities (3n,); `local` (n, WIDTH) is what
+    `nsgs.fill_dense` filled.
     """
     refresh_dense(G, g, forces, velocities)
     done = 0

@@ -41,7 +41,7 @@ def prepare_dense(G: FloatArray, scales: FloatArray) -> FloatArray:
 
 @inline_kernel
 def fill_dense(G: FloatArray, scales: FloatArray, local: FloatArray) -> None:
-    """Fill what `prepare_dense` returns."""
+    """Fill the local data (n, WIDTH) that `prepare_dense` returns from G (3n, 3n) and scales (4, n)."""
     for k in range(local.shape[0]):
         i = 3 * k
         prepare(
@@ -55,7 +55,10 @@ def sweep_dense(
     G: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     relax: float, forces: FloatArray, velocities: FloatArray,
 ) -> None:  # fmt: skip
-    """Run once over all contacts, updating flat forces and velocities."""
+    """Run once over all contacts, updating flat forces and velocities, (3n,).
+
+    G is (3n, 3n), `local` (n, WIDTH), see `prepare_dense`; mu and the bounds are (n,).
+    """
     for k in range(mu.size):
         i = 3 * k
         if high[k] == 0.0:
@@ -104,7 +107,8 @@ def run_dense(
 ) -> tuple[int, bool]:  # fmt: skip
     """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
 
-    `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
+    Arrays as for `sweep_dense`; `state` (3,) holds the relaxation, the best gap and the sweeps since it, from
+    call to call.
     """
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
@@ -140,7 +144,10 @@ def sweep_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, local: FloatArray, mu: FloatArray,
     low: FloatArray, high: FloatArray, convex: bool, relax: float, forces: FloatArray, velocities: FloatArray,
 ) -> None:  # fmt: skip
-    """Run once over all contacts of a block matrix, updating flat forces and velocities."""
+    """Run once over all contacts of a block matrix, updating flat forces and velocities, (3n,).
+
+    Row k of blocks has the columns and 3x3 values starts[k] to starts[k + 1] - 1: (n + 1,), (b,), (b, 3, 3).
+    """
     for k in range(mu.size):
         i = 3 * k
         if high[k] == 0.0:
@@ -172,7 +179,8 @@ def run_blocks(
 ) -> tuple[int, bool]:  # fmt: skip
     """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
 
-    `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
+    Arrays as for `sweep_blocks`; `state` (3,) holds the relaxation, the best gap and the sweeps since it,
+    from call to call.
     """
     velocities = block_product(starts, columns, values, forces) + g
     relax, best, since = state[0], state[1], int(state[2])
@@ -195,7 +203,7 @@ def use_blocks(problem: ContactProblem) -> bool:
 
 @register("nsgs", bilateral=True)
 def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law by Gauss-Seidel with exact local solves; an iteration is one sweep."""
+    """Solve either law by Gauss-Seidel with exact local solves from a (n, 3) start; iterations are sweeps."""
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time

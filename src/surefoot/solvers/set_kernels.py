@@ -80,7 +80,7 @@ def _height(
 def project_sets(
     offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, out: FloatArray
 ) -> None:
-    """Fill the nearest admissible forces of flat x, in scaled variables."""
+    """Fill out (m,) with the nearest admissible forces of flat x (m,), in scaled variables; see `pack`."""
     sizes = np.empty(MOST_DISCS)
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
@@ -105,7 +105,7 @@ def project_sets(
 
 @kernel
 def shift_sets(offset: IntArray, group: IntArray, table: FloatArray, u: FloatArray, out: FloatArray) -> None:
-    """Fill u + θ Γ(u), the shift on the normal rows, for flat velocities in scaled variables."""
+    """Fill out (m,) with u + θ Γ(u), the shift on the normal rows, for flat u (m,) in scaled variables."""
     sizes = np.empty(MOST_DISCS)
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]

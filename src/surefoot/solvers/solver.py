@@ -242,7 +242,7 @@ def solve(
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
-    """Return the flat forces to start from, a fresh array: zero without a warm start."""
+    """Return the flat (m,) forces to start from, a fresh array: zero without a warm start."""
     return np.zeros(problem.g.size) if warm_start is None else warm_start.flatten()
 
 
@@ -281,7 +281,7 @@ def certify(
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
-    """Return the admissible forces nearest to zero, in the problem's shape."""
+    """Return the admissible forces nearest to zero, in the problem's shape: (n, 3), (n, d) or (m,)."""
     if problem.general:
         return problem.contact_set.nearest_to_zero()
     forces = np.zeros((problem.contacts, 3))

@@ -14,7 +14,7 @@ from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 
 @kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:
-    """Write the lower Cholesky factor of a matrix, given by its upper triangle, into L."""
+    """Write the lower Cholesky factor of a matrix (n, n), given by its upper triangle, into L (n, n)."""
     for i in range(L.shape[0]):
         for j in range(i + 1):
             L[i, j] = upper[j, i]
@@ -46,7 +46,11 @@ def largest(x: FloatArray) -> float:
 def near_ground(
     J: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, dt: float, reach: float
 ) -> IntArray:
-    """Return the contacts that may touch within the step: closer than `reach` after moving freely."""
+    """Return the contacts that may touch within the step: closer than `reach` [m] after moving freely.
+
+    J is (3p, nv), v and the free velocity are (nv,), the gaps (p,) [m]. The lesser of the gaps before and
+    after counts: gap + dt min(u_n before, u_n free) < reach.
+    """
     out = np.empty(gaps.size, dtype=np.int64)
     count = 0
     for c in range(gaps.size):
@@ -112,7 +116,10 @@ def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -
 
 @kernel
 def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntArray) -> IntArray:
-    """Return the near contacts and those that the impulses of the others would now push into the ground."""
+    """Return the near contacts and those that the impulses of the others would now push into the ground.
+
+    Velocities are (p, 3) [m/s] in contact axes, gaps (p,) [m].
+    """
     taken = np.zeros(gaps.size, dtype=np.bool_)
     for c in near:
         taken[c] = True
@@ -166,7 +173,7 @@ def assemble(
 
 @kernel
 def apply_impulses(L: FloatArray, Y: FloatArray, impulses: FloatArray, free: FloatArray) -> FloatArray:
-    """Return v⁺ = free + L⁻ᵀ Yᵀ λ."""
+    """Return v⁺ = free + L⁻ᵀ Yᵀ λ, (nv,), for L (nv, nv), Y = J L⁻ᵀ (m, nv) and impulses λ (m,) [N s]."""
     out = np.zeros(free.size)
     for i in range(impulses.size):
         x = impulses[i]

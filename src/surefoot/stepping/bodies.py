@@ -112,7 +112,7 @@ class Bodies:
         return np.array(self._integrate(self.model, q, step))
 
     def energy(self, q: FloatArray, v: FloatArray) -> float:
-        """Return kinetic plus potential energy [J], zero potential at z = 0."""
+        """Return kinetic plus potential energy [J] at q (nq,) and v (nv,), zero potential at z = 0."""
         return float(self._energy(self.model, self.data, q, v))
 
     def fastest_joint(self, v: FloatArray) -> tuple[str, float]:

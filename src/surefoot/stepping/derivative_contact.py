@@ -84,7 +84,7 @@ class Response:
         return np.asarray(by_g @ b + np.outer(by_mu, mu))
 
     def one_sided(self, b: FloatArray, mu: FloatArray) -> FloatArray:
-        """Return the same for each column of its own, in the modes that it leads to."""
+        """Return the same (3k, c) for each column of its own, in the modes that it leads to."""
         if not self.distance <= 10.0 * KINK:
             return self.linear(b, mu)
         found = [self.derivative.jvp(g=b[:, j], mu=mu[j]).forces.ravel() for j in range(b.shape[1])]

@@ -55,7 +55,7 @@ class Ground(NamedTuple):
 
     @classmethod
     def below(cls, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> Ground:
-        """Return the ground below contacts, by central differences where it is curved."""
+        """Return the ground below contacts of radii (p,) [m], by central differences where it is curved."""
         frames = contacts.frames
         turns = np.zeros((2, *frames.shape))
         slopes = frames[:, :, 2].copy()

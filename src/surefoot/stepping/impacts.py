@@ -151,7 +151,7 @@ class Meeting(NamedTuple):
 def finite_problem(
     G: FloatArray, g: FloatArray, mu: float | FloatArray, law: str = "coulomb"
 ) -> ContactProblem:
-    """Return the contact problem, of finite numbers."""
+    """Return the contact problem G (3n, 3n), g (3n,), of finite numbers."""
     if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
         raise LostMotion("contact problem")
     return ContactProblem(G, g, mu, law=law)

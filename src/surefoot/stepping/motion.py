@@ -95,7 +95,7 @@ class FreeMotion:
         effort: FloatArray | None = None,
         rate: FloatArray | None = None,
     ) -> Ahead | None:
-        """Return where q and v lead in `seconds`; None where `PIECES` do not suffice or nothing stays finite.
+        """Return where q (nq,), v (nv,) lead in `seconds`; None where `PIECES` do not do or it is not finite.
 
         `rate` is the acceleration at the start as the last call left it (`Ahead.rate`), for a motion that
         goes on from there; None where it is not known.
@@ -198,7 +198,7 @@ def stage(
 
 @kernel
 def straight(h: float, rate: FloatArray, v: FloatArray, xi: FloatArray, speed: FloatArray) -> float:
-    """Write ξ and v after h seconds of constant v̇ = `rate` (nv,); return the error of v over the largest one.
+    """Write ξ and v after h seconds of constant v̇ = `rate` (nv,); return the error of v over the largest.
 
     Over h an acceleration changes by about itself times the angle turned, h times the largest velocity, as
     Coriolis terms are quadratic in v. NaN where the rate is not finite.
@@ -250,7 +250,10 @@ def bent(
 
 @kernel
 def pair_error(h: float, slopes: FloatArray, v: FloatArray) -> float:
-    """Return how far the pair's velocities differ, over the largest velocity; NaN where one is."""
+    """Return how far the pair's velocities differ, over the largest velocity; NaN where one is.
+
+    For a step h [s] from v (nv,) with the seven accelerations `slopes` (7, nv).
+    """
     worst = largest = 0.0
     for k in range(v.size):
         total = 0.0

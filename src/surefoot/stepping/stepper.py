@@ -221,7 +221,8 @@ class Stepper:
     def take_first_order(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
         """Return the step of semi-implicit Euler: all forces at the start, then the way with what they leave.
 
-        The laws hold for the gaps at its end, as far as these are linear: gap + dt u_n.
+        The effort is (nv,) [N, N m], the push on the base (3,) [N]. The laws hold for the gaps at its end, as
+        far as these are linear: gap + dt u_n.
         """
         bodies, dt, tally, (q, v) = self.bodies, self.options.dt, Tally(), state[:2]
         contacts = self._detect(q)
@@ -329,7 +330,7 @@ class Stepper:
     def pushed_out(self, q: FloatArray, contacts: Contacts) -> Impact | None:
         """Return the least motion out of the ground, as impulses from rest over a second; None if q is out.
 
-        The mass matrix is that of the last `Bodies.weigh`.
+        q is (nq,). The mass matrix is that of the last `Bodies.weigh`.
         """
         if contacts.gaps.min(initial=0.0) >= -SLOP:
             return None

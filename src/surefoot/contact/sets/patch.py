@@ -29,7 +29,7 @@ class Patch(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     length, width
         Full size along x and y [m], > 0.
     torsion

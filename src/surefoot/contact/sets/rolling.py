@@ -22,7 +22,7 @@ class Rolling(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     resistance
         Coefficient of rolling resistance [m], >= 0: how far the pressure's centre runs ahead.
 

@@ -23,7 +23,7 @@ class SoftFinger(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     radius
         Torsional radius [m], >= 0: the largest moment is mu · radius · f_z. Zero is a point contact that
         turns freely.

@@ -100,7 +100,7 @@ class Backend(ABC):
             setattr(settings, name, value)
 
     def solve(self, program: ConeProgram, start: FloatArray | None = None) -> Outcome:
-        """Solve a program, from a first guess of x where the solver can use one."""
+        """Solve a program, from a first guess (n,) of x where the solver can use one."""
         return self.read(self.call(self.ready(program), start)())
 
     @abstractmethod
@@ -114,7 +114,7 @@ class Backend(ABC):
         """
 
     def call(self, item: Any, start: FloatArray | None = None) -> Call:
-        """Return the call that hands a ready program over and solves it; item[0] is its pattern."""
+        """Return the call that hands a ready program over and solves it from (n,); item[0] is its pattern."""
         keep = self.options.keep and self.keeps_workspace
         solver = self._kept.get(item[0]) if keep else None
         if solver is not None:

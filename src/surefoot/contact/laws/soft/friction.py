@@ -20,7 +20,7 @@ class Friction(ABC):
     Attributes
     ----------
     mu
-        Friction coefficient, >= 0.
+        Friction coefficient [-], >= 0.
     exact
         Whether it is Coulomb's law itself, which a contact problem solves.
     """

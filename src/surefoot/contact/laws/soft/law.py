@@ -35,9 +35,9 @@ class Linearisation(NamedTuple):
     Attributes
     ----------
     compliance
-        What is added to the normal's diagonal of G [m/s per N s].
+        (...,) what is added to the normal's diagonal of G [m/s per N s].
     bias
-        What is added to the normal's free velocity [m/s].
+        (...,) what is added to the normal's free velocity [m/s].
     """
 
     compliance: FloatArray
@@ -71,11 +71,11 @@ class SoftLaw(ABC):
         depth
             (...,) overlap, >= 0 [m].
         rate
-            Its rate of growth [m/s], of the same shape.
+            (...,) its rate of growth [m/s].
 
         Returns
         -------
-        The normal force [N], its derivative with respect to depth [N/m] and to rate [N s/m].
+        (...,) the normal force [N], its derivative with respect to depth [N/m] and to rate [N s/m].
         """
 
     @abstractmethod
@@ -189,8 +189,8 @@ class SoftLaw(ABC):
 
         Returns
         -------
-        The normal force [N], a pull not cut off, and minus its derivative by `speed` [N s/m]; where the step
-        ends above the ground, those at the surface.
+        (...,) the normal force [N], a pull not cut off, and minus its derivative by `speed` [N s/m]; where
+        the step ends above the ground, those at the surface.
         """
         force, by_depth, by_rate = self.pressed(np.maximum(-(gap + dt * speed), 0.0), -speed)
         return force, dt * by_depth + by_rate

@@ -37,7 +37,7 @@ class MujocoLaw(SoftLaw):
     free_acceleration
         Normal acceleration that the body would have without the contact [m/s²], -g for a body that rests.
     dt
-        With a positive time constant MuJoCo raises it to two steps (`refsafe`); 0 leaves it alone.
+        Step [s]: MuJoCo raises a positive time constant to two of them (`refsafe`); 0 leaves it alone.
 
     Examples
     --------

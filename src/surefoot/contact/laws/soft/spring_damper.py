@@ -61,7 +61,7 @@ class SpringDamper(SoftLaw):
         stiffness
             [N/m].
         restitution
-            In (0, 1].
+            In (0, 1] [-].
         mass
             Effective mass of the impact, 1 / G_nn [kg].
         """
