@@ -39,12 +39,14 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
         slip = math.sqrt(p * p + q * q)
         mode[k, 6], mode[k, 7] = slip, z
         mode[k, 2] = mode[k, 3] = mode[k, 4] = mode[k, 5] = 0.0
+        # bilateral: three free directions
         if low == -np.inf:
             mode[k, 0], mode[k, 1] = HELD, STICK
             size += 3
             continue
         weight, own = max(G[i, i], G[i + 1, i + 1]), G[i + 2, i + 2]
         weight, own = weight if weight > 0.0 else 1.0, own if own > 0.0 else 1.0
+        # the natural map's point λ - u / w; w here the diagonal of the block, sign and order are what counts
         lifted = z - (r - (mu * slip if convex else 0.0)) / own
         normal = FREE
         if lifted <= low:
@@ -56,13 +58,16 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
         a, b = x - p / weight, y - q / weight
         length = math.sqrt(a * a + b * b)
         mode[k, 0], mode[k, 1] = normal, STICK
+        # inside its disc: it sticks
         if length <= radius and radius > 0.0:
             size += 2
             continue
         if length > 0.0:
             mode[k, 2], mode[k, 3] = a / length, b / length
+        # a disc without radius has no direction to turn in
         mode[k, 1] = BARE
         if radius > 0.0:
+            # on the cone: ratio of radii, and (1 - ratio) w against turning
             mode[k, 1], mode[k, 4] = SLIDE, radius / length
             mode[k, 5] = (1.0 - mode[k, 4]) * weight
             size += 1
@@ -93,16 +98,19 @@ def fill(
                 i += 1
             continue
         if normal == FREE:
+            # the row of the normal: with the sliding force it drags along, R or C as asked
             p, q = (mu * ex, mu * ey) if rows_lean and tangent == SLIDE else (0.0, 0.0)
             for j in range(m):
                 A[i, j] = p * G[b, j] + q * G[b + 1, j] + G[b + 2, j]
             i += 1
         if tangent == SLIDE:
+            # the row across e, shrunk by the ratio
             share = 1.0 if transposed else mode[k, 4]
             p, q = -share * ey, share * ex
             for j in range(m):
                 A[i, j] = p * G[b, j] + q * G[b + 1, j]
             i += 1
+    # the columns in place: a contact's unknowns never outnumber its rows
     for r in range(i):
         at = 0
         for k in range(n):

@@ -70,12 +70,15 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
         return scale, gap, row, column
     for i in range(G.shape[0]):
         own = G[i, i] + add
+        # a semidefinite matrix has no negative diagonal entry,
         if own < 0.0:
             return scale, -1.0, i, i
         for j in range(i):
+            # no negative 2x2 minor
             if G[i, j] * G[i, j] > own * (G[j, j] + add):
                 return scale, -1.0, i, j
     for i in range(0, G.shape[0] - 2, 3):
+        # and no 3x3 diagonal block of negative determinant
         if block_determinant(G, i, add) < -1e-14 * (G[i, i] + G[i + 1, i + 1] + G[i + 2, i + 2]) ** 3:
             return scale, -1.0, i, i + 3
     return scale, gap, row, column

@@ -61,6 +61,7 @@ def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
         for k in range(j):
             M[j, k] = 0.0
         size = remove_rows(rows, j, M[j])
+        # a row that depends on those before carries no new equation: a huge pivot drops it
         M[j, j] = size if size > 1e-14 * math.sqrt(top) else HUGE
         scale_row(rows, j, M[j, j])
 
@@ -93,6 +94,7 @@ def _normal_matrix(
     for j in range(r):
         for k in range(lorentz):
             i = 3 * k
+            # W = η (2 v vᵀ - diag(1, -1, -1)): the Nesterov-Todd scaling of a Lorentz cone
             dot = 2.0 * (B[j, i] * v[i] + B[j, i + 1] * v[i + 1] + B[j, i + 2] * v[i + 2])
             BW[j, i] = eta[k] * (dot * v[i] - B[j, i])
             BW[j, i + 1] = eta[k] * (dot * v[i + 1] + B[j, i + 1])
@@ -114,6 +116,7 @@ def _direction(
     """Solve B dx = rp, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
     r, m = B.shape
     for j in range(r):
+        # eliminate dx and dz: B W W Bᵀ dy = rp + B W (W rd - target)
         s = rp[j]
         for i in range(m):
             s += BW[j, i] * (Wrd[i] - target[i])
@@ -187,18 +190,21 @@ def minimise(
     dy, rp, rest = np.empty(r), np.empty(r), np.empty(r)
     _dual_start(B, c, lorentz, y, z)
     for iteration in range(_MOST_ITERATIONS):
+        # where it is: the gap, and what the equations of both programs still miss
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
         left, missed = _missing(B, b, x, rp)
         if lost <= 1e-12 and missed <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
             return OPTIMAL, iteration
         if value < floor and left <= _FEASIBLE:
             return UNBOUNDED, iteration
+        # the best iterate is kept, since the last one may be the worse for rounding
         merit = gap if max(lost, missed) <= _FEASIBLE else 1e30 * max(lost, missed)
         if merit < best:
             best = merit
             _copy(x, y, z, best_x, best_y, best_z)
         elif not gap < 1e6 * best:  # rounding has taken over
             break
+        # scale so that W z = W⁻¹ x = λ: both programs look alike from there
         if not scale(x, z, lorentz, v, eta):
             break
         apply(v, eta, lorentz, False, z, lam)
@@ -207,7 +213,9 @@ def minimise(
         if math.isnan(kept):
             break
         sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
+        # Mehrotra 1992: the first direction aims at the gap zero and tells how far that works; the second
         for corrector in range(2):
+            # is centred accordingly, and takes along the first one's second-order error
             if corrector:
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
@@ -218,13 +226,16 @@ def minimise(
                 _refine(BW, M, rp, dx, dz, dy, rest)
             primal = step_to_boundary(lam, dx, lorentz)
             dual = step_to_boundary(lam, dz, lorentz)
+            # σ = (1 - α)³: centre the more, the sooner the pure step meets the boundary
             sigma = (1.0 - min(1.0, primal, dual)) ** 3
+        # 0.99 of the way to the boundary keeps both strictly inside
         primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)
         apply(v, eta, lorentz, False, dx, ux)
         apply(v, eta, lorentz, True, dz, uz)
         advance(x, primal, ux)
         advance(z, dual, uz)
         advance(y, dual, dy)
+        # nearly dual feasible: take z from the equation itself, and lose nothing to rounding
         if lost * (1.0 - dual) < 1e-9:
             _set_slack(B, c, lorentz, y, z, rd)
         if max(primal, dual) < 1e-8:

@@ -66,6 +66,7 @@ def hull(points: FloatArray) -> FloatArray:
         return points[order[:kept]]
     flat = 1e-14 * max(wide, tall) ** 2
     chain, size = np.empty(2 * kept, dtype=np.int64), 0
+    # the lower chain, then the upper one
     for side in range(2):
         first = size
         for k in range(kept):

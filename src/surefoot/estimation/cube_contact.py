@@ -111,8 +111,10 @@ def _shift(
     m = packed.shape[1]
     for i in range(m // 3):
         gap, arrival = gaps[near[i]], rise(before, arms, near[i])
+        # Newton's restitution
         if arrival < -calm:
             packed[m, 3 * i + 2] += model[RESTITUTION] * arrival
+        # open: it may close within the step
         elif gap > 0.0:
             packed[m, 3 * i + 2] += gap / t
         else:
@@ -153,6 +155,7 @@ def exchange(
         speeds[i] = rise(v, arms, near[i])
     warm = _recall(near, last, t, buffer)
     done = 0
+    # a law that is not linear is linearised where the last pass ended
     for number in range(PASSES if model[LAW] == HUNT_CROSSLEY else 1):
         _fill(model, arms, near, v, packed)
         if model[LAW] == RIGID:

@@ -49,6 +49,7 @@ def read_contacts(
         if at < 0:
             continue
         for k in range(count):
+            # MuJoCo's frame points from the first geom to the second
             sign = 1.0 if pairs[c, 1] == geoms[k] else (-1.0 if pairs[c, 0] == geoms[k] else 0.0)
             if sign != 0.0:
                 normal[k] += constraint_forces[at]

@@ -209,6 +209,7 @@ def _run_dense(
     while done < limit:
         rho = state[0]
         if state[1] == 0.0:
+            # (G + (rho + eta) I) x = rho z + eta x - g - y - θ Γ: inverted once for each penalty
             invert_shifted(G, rho + state[2], inverse)
             state[1] = rho
         now = min(CHECK_EVERY, limit - done)
@@ -232,6 +233,7 @@ def _run_dense(
         if relative <= tol:
             break
         state[3] -= now
+        # the penalty moves only while changes are left: else it need not converge
         if state[3] > 0.0:
             state[0] = next_penalty(rho, state[1], primal, dual, z, y, largest)
             if state[0] != state[1]:

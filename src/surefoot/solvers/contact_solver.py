@@ -63,6 +63,7 @@ def _solve_raw(
     `solve_within`. The buffer is `solve_compiled`'s.
     """
     m = g.size
+    # NaN and infinity survive a sum
     total = 0.0
     for i in range(m):
         memory[m, i] = g[i]
@@ -72,6 +73,7 @@ def _solve_raw(
     if not abs(total) < np.inf:
         return NOT_NUMBERS
     matrix = window(memory, 0, m, m)
+    # a copy: the caller's matrix may change, or be read-only
     finite, sound = checked_copy(borrowed(G), ASYMMETRY, matrix)
     if not finite:
         return NOT_NUMBERS
@@ -88,6 +90,7 @@ def _solve_raw(
         mode |= WARM
     vectors = window(memory, m * m, 2, m)
     done = solve_within(matrix, vectors, tol, most, mode, borrowed(buffer), memory, (m + LAST + 1) * m)
+    # a solved answer is the next call's start
     if done < UNSOLVED:
         for k in range(m // 3):
             for a in range(3):

@@ -38,6 +38,7 @@ def _reduced_entries(
 ) -> tuple[IntArray, IntArray, FloatArray]:  # fmt: skip
     """Return the reduced matrix in compressed rows."""
     n = count.size
+    # room first: a block gives as many entries as its two contacts have unknowns
     total = 0
     for k in range(n):
         for at in range(starts[k], starts[k + 1]):

@@ -85,6 +85,7 @@ def swerves(
             arriving[c, a] = total
     mean = np.empty(3)
     for c in range(leaving.shape[0]):
+        # a contact that was not pressed had nothing to swerve from
         if not impulses[c, 2] > 0.0:
             continue
         mean[:] = 0.0
@@ -152,10 +153,12 @@ def assemble(
             total = 0.0
             for j in range(n):
                 Y[3 * i + a, j] = J[row, j]
+                # g = J v_free, and what restitution asks after: J v
                 total += J[row, j] * free[j]
                 if a == 2:
                     before += J[row, j] * v[j]
             g[3 * i + a] = total
+            # G = J M⁻¹ Jᵀ = Y Yᵀ with Y = J L⁻ᵀ, M = L Lᵀ: half the work of M⁻¹, and symmetric
             solve_lower(L, Y[3 * i + a])
         shift = (1.0 if gaps[c] > 0.0 else pull) * gaps[c] / dt
         if restitution > 0.0 and before < -rest_speed and gaps[c] + dt * g[3 * i + 2] <= 0.0:
