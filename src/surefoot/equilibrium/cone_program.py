@@ -190,7 +190,6 @@ def minimise(
     dy, rp, rest = np.empty(r), np.empty(r), np.empty(r)
     _dual_start(B, c, lorentz, y, z)
     for iteration in range(_MOST_ITERATIONS):
-        # where it is: the gap, and what the equations of both programs still miss
         gap, value, rounding, lost = _gap(B, b, c, x, y, z, rd)
         left, missed = _missing(B, b, x, rp)
         if lost <= 1e-12 and missed <= _FEASIBLE and gap <= tol + 1e-10 * abs(value - zero) + rounding:
@@ -204,8 +203,7 @@ def minimise(
             _copy(x, y, z, best_x, best_y, best_z)
         elif not gap < 1e6 * best:  # rounding has taken over
             break
-        # scale so that W z = W⁻¹ x = λ: both programs look alike from there
-        if not scale(x, z, lorentz, v, eta):
+        if not scale(x, z, lorentz, v, eta):  # W z = W⁻¹ x = λ: both programs alike from there
             break
         apply(v, eta, lorentz, False, z, lam)
         apply(v, eta, lorentz, False, rd, Wrd)
@@ -215,8 +213,7 @@ def minimise(
         sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
         # Mehrotra 1992: the first direction aims at the gap zero and tells how far that works; the second
         for corrector in range(2):
-            # is centred accordingly, and takes along the first one's second-order error
-            if corrector:
+            if corrector:  # is centred accordingly, and takes along the first one's second-order error
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
                 for i in range(m):
@@ -226,17 +223,14 @@ def minimise(
                 _refine(BW, M, rp, dx, dz, dy, rest)
             primal = step_to_boundary(lam, dx, lorentz)
             dual = step_to_boundary(lam, dz, lorentz)
-            # σ = (1 - α)³: centre the more, the sooner the pure step meets the boundary
-            sigma = (1.0 - min(1.0, primal, dual)) ** 3
-        # 0.99 of the way to the boundary keeps both strictly inside
-        primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)
+            sigma = (1.0 - min(1.0, primal, dual)) ** 3  # the sooner it meets the boundary, the more
+        primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)  # strictly inside
         apply(v, eta, lorentz, False, dx, ux)
         apply(v, eta, lorentz, True, dz, uz)
         advance(x, primal, ux)
         advance(z, dual, uz)
         advance(y, dual, dy)
-        # nearly dual feasible: take z from the equation itself, and lose nothing to rounding
-        if lost * (1.0 - dual) < 1e-9:
+        if lost * (1.0 - dual) < 1e-9:  # nearly feasible: z from the equation itself
             _set_slack(B, c, lorentz, y, z, rd)
         if max(primal, dual) < 1e-8:
             break

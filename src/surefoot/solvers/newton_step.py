@@ -83,8 +83,7 @@ def classify(
         W00, W11, W22 = local[k, 0], local[k, 3], local[k, 5]
         small = proximal * (W00 + W11 + W22)
         jump[k, 0] = jump[k, 1] = jump[k, 2] = 0.0
-        # bilateral: any force, u = 0
-        if low[k] == -np.inf:
+        if low[k] == -np.inf:  # bilateral: any force, u = 0
             _stick(k, 3, small, rows, columns, weight, target)
             count[k] = 3
             continue
@@ -101,19 +100,16 @@ def classify(
         held = lifted <= low[k] or lifted >= high[k]
         normal = min(max(lifted, low[k]), high[k])
         radius = mu[k] * normal
-        # at a bound the normal force is known
-        if held:
+        if held:  # at a bound the normal force is known
             jump[k, 2] = normal - z
-        # frictionless, or no load: no tangential force
-        if radius == 0.0 and (held or mu[k] == 0.0):
+        if radius == 0.0 and (held or mu[k] == 0.0):  # no tangential force at all
             jump[k, 0], jump[k, 1] = -x, -y
             count[k] = 0
             if not held:
                 _only_normal(k, small, rows, columns, weight, target)
                 count[k] = 1
             continue
-        # it sticks: the velocity of every free direction vanishes
-        if length <= radius:
+        if length <= radius:  # it sticks: the velocity of every free direction vanishes
             count[k] = 2 if held else 3
             _stick(k, count[k], small, rows, columns, weight, target)
             continue
