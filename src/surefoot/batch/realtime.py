@@ -133,5 +133,5 @@ class DifferentiableSolver(ContactSolver):
         if self._added is not None:
             G = G + self._added
         out = _empty((2 * n, 3))
-        regular = self._pull(G, self._own, self._convex, answer._buffer, self._weights, out)
-        return Gradient(out, answer._forces, regular)
+        regular = self._pull(G, self._own, self._convex, answer.buffer, self._weights, out)
+        return Gradient(out, answer.forces, regular)

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
-from surefoot.spatial import rotation_from_quaternion, skew
+from surefoot.spatial import GRAVITY, rotation_from_quaternion, skew
 
 CLASSES = ("easy", "near-boundary", "infeasible-wrench")
 FEET = np.array([[0.19, 0.14, 0.0], [0.19, -0.14, 0.0], [-0.19, 0.14, 0.0], [-0.19, -0.14, 0.0]])
@@ -140,7 +140,7 @@ def pushed_stance(count: int = 500, period: float = 0.002) -> list[Instance]:
                 sway = sway + 0.03 * swing * heading
         arms = FEET - CENTRE_OF_MASS - np.array([*sway, 0.0])
         moment = 0.06 * np.array([-force[1], force[0], 0.1 * force[0]])
-        w = np.array([*force, 16.1 * 9.81 + 10.0 * np.sin(9.0 * t), *moment])
+        w = np.array([*force, 16.1 * GRAVITY + 10.0 * np.sin(9.0 * t), *moment])
         out.append(Instance(grasp_map(rotations, arms), w, mu, low, high))
     return out
 

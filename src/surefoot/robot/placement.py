@@ -88,7 +88,7 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: 
     slope = np.eye(3) if level else ground.frame([0.0, 0.0])
     rotation = slope @ rotation_from_quaternion(robot.nominal[3:7])  # some bases have other axes
     middle = robot.foot_positions(start).mean(axis=0)
-    lowest = min(robot._sphere_bottoms(start))
+    lowest = min(robot.sphere_bottoms(start))
     start[:3] = slope @ (start[:3] - [middle[0], middle[1], lowest])
     start[2] += float(ground.height([0.0, 0.0]))
     start[3:7] = quaternion_from_rotation(rotation)

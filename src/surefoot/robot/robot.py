@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
@@ -75,7 +76,7 @@ class Robot:
             )
         if floating and self.feet:
             self.nominal = nominal.copy()
-            self.nominal[2] -= min(self._sphere_bottoms(nominal))
+            self.nominal[2] -= min(self.sphere_bottoms(nominal))
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
@@ -210,8 +211,17 @@ class Robot:
 
         pinocchio.framesForwardKinematics(self.model, self.data, q)
 
-    def _sphere_bottoms(self, q: FloatArray) -> list[float]:
-        """Return the lowest height of every contact sphere [m]."""
+    def without_meshes(self) -> Robot:
+        """Return the same robot without its geometry models, small enough to be sent to another process."""
+        import pinocchio
+
+        out = copy.copy(self)
+        out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
+        out.__dict__.pop("visual", None)
+        return out
+
+    def sphere_bottoms(self, q: FloatArray) -> list[float]:
+        """Return the lowest height of every contact sphere [m] at q (nq,) [m, -, rad]."""
         self._forward(q)
         return [float(self.data.oMf[f.frame].act(c)[2]) - f.radius for f in self.feet for c in f.centres]
 

@@ -7,7 +7,6 @@ number: robots are apart, and a step depends on its own state alone.
 
 from __future__ import annotations
 
-import copy
 import multiprocessing
 from dataclasses import dataclass
 from itertools import pairwise
@@ -115,7 +114,17 @@ class RigidBatch:
         self._rest: list[tuple[Connection, Any]] = []
         for start, stop in pairwise(edges[1:]):
             here, there = context.Pipe()
-            arguments = (there, _lean(robot), terrain, self.options, loads, raw, shapes, start, stop)
+            arguments = (
+                there,
+                robot.without_meshes(),
+                terrain,
+                self.options,
+                loads,
+                raw,
+                shapes,
+                start,
+                stop,
+            )
             process = context.Process(target=_serve, args=arguments, daemon=True)
             process.start()
             self._rest.append((here, process))
@@ -255,16 +264,6 @@ def _serve(
             pipe.send(error)
         else:
             pipe.send(None)
-
-
-def _lean(robot: Robot) -> Robot:
-    """Return a robot without meshes, which can be sent to another process; contact spheres stay."""
-    import pinocchio
-
-    out = copy.copy(robot)
-    out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
-    out.__dict__.pop("visual", None)
-    return out
 
 
 def _view(raw: Any, shape: tuple[int, ...]) -> FloatArray:

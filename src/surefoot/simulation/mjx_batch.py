@@ -143,15 +143,15 @@ class MjxBatch:
         external = np.zeros((count, world.model.nbody, 6))
         if push is not None:
             pushes = finite_array("push", push, (count, 3))
-            if world._base:
-                external[:, world._base, :3] = pushes
+            if world.base_body:
+                external[:, world.base_body, :3] = pushes
         if self._read is None:
-            first = {name: np.asarray(value) for name, value in left_behind(world._still).items()}
+            first = {name: np.asarray(value) for name, value in left_behind(world.at_rest).items()}
             self._read = {name: np.repeat(value[None], count, axis=0) for name, value in first.items()}
-        ground, mu = np.array(world._ground), np.maximum(self._mu, SLIPPERIEST)
+        ground, mu = np.array(world.ground_geoms), np.maximum(self._mu, SLIPPERIEST)
         moving, self._read, lost = _compiled()(
-            world._put,
-            world._still,
+            world.on_device,
+            world.at_rest,
             ground,
             repeat,
             self._moving,

@@ -97,6 +97,13 @@ class MujocoWorld:
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
         A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
 
+    Attributes
+    ----------
+    model, data
+        MuJoCo's own.
+    ground_geoms, base_body
+        Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
+
     Raises
     ------
     ProblemError
@@ -136,8 +143,9 @@ class MujocoWorld:
         self._geoms = np.array(geoms, dtype=np.int64)
         self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
         self._roots = np.array(self.model.body_rootid)[self._bodies]
-        self._ground = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("ground")]
-        self._base = int(self.model.body("base:0").id) if robot.floating else 0
+        names = [self.model.geom(i).name for i in range(self.model.ngeom)]
+        self.ground_geoms = [i for i, name in enumerate(names) if name.startswith("ground")]
+        self.base_body = int(self.model.body("base:0").id) if robot.floating else 0
         self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(geoms)).reshape(-1, 3, 3)
         self.reset(robot.nominal)
 
@@ -186,8 +194,8 @@ class MujocoWorld:
         """
         data = self.data
         data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
-        if self._base:
-            data.xfrc_applied[self._base, :3] = 0.0 if push is None else finite_vector("push", push, 3)
+        if self.base_body:
+            data.xfrc_applied[self.base_body, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         self._mujoco.mj_step(self.model, data)
         if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
@@ -206,12 +214,12 @@ class MujocoWorld:
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""
-        self.model.geom_friction[self._ground, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+        self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
-        return world_softness(self._mujoco, self.model, self._ground[0], self._bodies, log, load)
+        return world_softness(self._mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""

@@ -113,18 +113,11 @@ class ContactForces:
         Sweeps and Newton steps.
     proof
         The proof that there is no solution where the status is INFEASIBLE, else None.
-
-    Parameters
-    ----------
     buffer
         (2n + 3, 3) memory that it is read from, rows in the units of forces, velocities and residuals.
-    contacts
-        n.
-    status, iterations, proof
-        See the attributes.
     """
 
-    __slots__ = ("_buffer", "_forces", "iterations", "proof", "status")
+    __slots__ = ("_forces", "buffer", "iterations", "proof", "status")
 
     def __init__(
         self,
@@ -134,7 +127,7 @@ class ContactForces:
         iterations: int,
         proof: InfeasibilityProof | None = None,
     ) -> None:
-        self._buffer, self._forces = buffer, buffer[:contacts]
+        self.buffer, self._forces = buffer, buffer[:contacts]
         self.status, self.iterations, self.proof = status, iterations, proof
 
     @property
@@ -146,7 +139,7 @@ class ContactForces:
     def velocities(self) -> FloatArray:
         """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
         n = len(self._forces)
-        return self._buffer[n : 2 * n]
+        return self.buffer[n : 2 * n]
 
     @property
     def solved(self) -> bool:
@@ -156,12 +149,12 @@ class ContactForces:
     @property
     def velocity_error(self) -> float:
         """The first field of `residuals` [-]."""
-        return float(self._buffer[2 * len(self._forces), 0])
+        return float(self.buffer[2 * len(self._forces), 0])
 
     @property
     def residuals(self) -> Residuals:
         """Every law as a number, see `surefoot.contact.residuals`."""
-        return Residuals(*self._buffer[2 * len(self._forces) :].ravel()[:7].tolist())
+        return Residuals(*self.buffer[2 * len(self._forces) :].ravel()[:7].tolist())
 
     def __repr__(self) -> str:
         return (

@@ -17,6 +17,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError
+from surefoot.spatial import GRAVITY
 
 IMPEDANCE_RANGE = (0.0001, 0.9999)
 """Bounds that MuJoCo puts on the impedance (mjMINIMP, mjMAXIMP)."""
@@ -48,7 +49,7 @@ class MujocoLaw(SoftLaw):
     solref: tuple[float, float] = (0.02, 1.0)
     solimp: tuple[float, ...] = (0.9, 0.95, 0.001, 0.5, 2.0)
     mass: float = 1.0
-    free_acceleration: float = -9.81
+    free_acceleration: float = -GRAVITY
     dt: float = 0.0
 
     def __post_init__(self) -> None:
