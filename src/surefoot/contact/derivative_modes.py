@@ -173,7 +173,7 @@ def natural_mode(contact: Contact) -> Mode:
     """Return the mode that the natural map is on: where λ - u / w is projected to."""
     normal = normal_state(contact)
     if normal == HELD:
-        return stick_mode(contact, HELD)
+        return stick_mode(HELD)
     height = {LOW: contact.low, HIGH: contact.high, FREE: max(float(contact.force[2]), 0.0)}[normal]
     radius = contact.mu * height
     w = contact.force[:2] - contact.velocity[:2] / contact.weight
@@ -182,7 +182,7 @@ def natural_mode(contact: Contact) -> Mode:
         return piece(contact, normal, tangent, index)
     length = float(np.hypot(*w))
     if length <= radius and radius > 0.0:
-        return stick_mode(contact, normal)
+        return stick_mode(normal)
     direction = w / length if length > 0.0 else np.array([1.0, 0.0])
     return slide_mode(contact, normal, direction, radius / length if length > 0.0 else 0.0)
 
@@ -190,7 +190,7 @@ def natural_mode(contact: Contact) -> Mode:
 def piece(contact: Contact, normal: str, tangent: str, index: int) -> Mode:
     """Return a mode of a pyramid, or a stick, by its names."""
     if tangent == STICK:
-        return stick_mode(contact, normal)
+        return stick_mode(normal)
     return face_mode(contact, normal, index) if tangent == FACE else edge_mode(contact, normal, index)
 
 
@@ -223,7 +223,7 @@ def _mode(
     )  # fmt: skip
 
 
-def stick_mode(contact: Contact, normal: str) -> Mode:
+def stick_mode(normal: str) -> Mode:
     """Return the mode of a contact that does not slip: its tangential force is free, its velocity zero."""
     count = 3 if normal in (FREE, HELD) else 2
     up = np.array([0.0, 0.0, 0.0 if normal == HELD else 1.0])

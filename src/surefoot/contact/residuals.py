@@ -153,7 +153,7 @@ def _contact_error(
 
 
 @inline_kernel
-def _least_power(ux: float, uy: float, uz: float, limit: float, low: float, high: float) -> float:
+def _least_power(uz: float, limit: float, low: float, high: float) -> float:
     """Return the least λ·u over the admissible forces, low (u_n - limit) where it would be without bound."""
     lift = uz - limit
     return lift * (high if lift < 0.0 and high < np.inf else low)
@@ -189,7 +189,7 @@ def _measure(
         error, lost = max(error, own), lost or own != own
         # the convex program's gap: λ·u above its least over K, over the energy of the part
         if not coulomb:
-            own = abs(x * ux + y * uy + z * uz - _least_power(ux, uy, uz, limit, low[k], high[k]))
+            own = abs(x * ux + y * uy + z * uz - _least_power(uz, limit, low[k], high[k]))
             if own > 0.0:
                 own = own / scales[3, k] if scales[3, k] > 0.0 else np.inf
             gap, lost = max(gap, own), lost or own != own
