@@ -91,7 +91,7 @@ class Episode:
 
     @cached_property
     def mu(self) -> FloatArray:
-        """(m,) friction of the ground; infinite where the log has none."""
+        """(m,) friction of the ground [-]; infinite where the log has none."""
         if not self.rows.has("mu"):
             return np.full(len(self.force), np.inf)
         mu = self.rows.mu[self.rows.core]

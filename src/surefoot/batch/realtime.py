@@ -21,6 +21,8 @@ _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
 class Gradient:
     """Gradients of one number: g (3n,), mu, normal_min and normal_max (n,), G (3n, 3n), compliance (3n,).
 
+    Each in the unit of that number over theirs, see `ContactProblem`.
+
     `regular` is False where contacts are redundant, see `ContactDerivative`.
     """
 
@@ -31,33 +33,33 @@ class Gradient:
 
     @property
     def g(self) -> FloatArray:
-        """(3n,)."""
+        """(3n,) by g, in the unit of the number per that of g."""
         return self._out[: len(self._forces)].reshape(-1)
 
     @property
     def mu(self) -> FloatArray:
-        """(n,)."""
+        """(n,) by mu, in the unit of the number per that of mu."""
         return self._out[len(self._forces) :, 0]
 
     @property
     def normal_min(self) -> FloatArray:
-        """(n,)."""
+        """(n,) by normal_min, in the unit of the number per that of normal_min."""
         return self._out[len(self._forces) :, 1]
 
     @property
     def normal_max(self) -> FloatArray:
-        """(n,)."""
+        """(n,) by normal_max, in the unit of the number per that of normal_max."""
         return self._out[len(self._forces) :, 2]
 
     @property
     def G(self) -> FloatArray:
-        """(3n, 3n), symmetric."""
+        """(3n, 3n) by G, symmetric, in the unit of the number per that of G."""
         outer = np.outer(self.g, self._forces)
         return 0.5 * (outer + outer.T)
 
     @property
     def compliance(self) -> FloatArray:
-        """(3n,)."""
+        """(3n,) by compliance, in the unit of the number per that of compliance."""
         return self.g * self._forces.reshape(-1)
 
 

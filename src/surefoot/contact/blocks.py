@@ -164,7 +164,7 @@ def dense_blocks(G: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
 
 @kernel
 def block_product(starts: IntArray, columns: IntArray, values: FloatArray, x: FloatArray) -> FloatArray:
-    """Return the product of a block matrix and a (3n,) vector."""
+    """Return the product of a block matrix and a (3n,) vector, in the unit of both."""
     out = np.zeros(x.size)
     for k in range(starts.size - 1):
         a = b = c = 0.0

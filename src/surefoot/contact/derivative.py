@@ -206,9 +206,9 @@ class ContactDerivative:
         Parameters
         ----------
         G
-            (3n, 3n) rate of G; its symmetric part counts.
+            (3n, 3n) rate of G [1/kg]; its symmetric part counts.
         g
-            (3n,) rate of the free velocity.
+            (3n,) rate of the free velocity [m/s].
         mu, normal_min, normal_max
             Rates, a number or (n,); at infinite bounds they change nothing, and with smoothing neither does a
             normal_min of zero, the apex of its cone.

@@ -89,7 +89,7 @@ class Contact:
 
     @property
     def lift(self) -> float:
-        """The normal velocity that the unilateral law sees: the convex law's separation is taken off."""
+        """The normal velocity [m/s] that the unilateral law sees, less the convex law's separation."""
         u = self.velocity
         if not self.convex:
             return float(u[2])
@@ -98,7 +98,7 @@ class Contact:
         return float(u[2] - self.mu * np.max(-self.section.corners @ u[:2]))
 
     def at(self, force: FloatArray, velocity: FloatArray) -> Contact:
-        """Return the same contact with another force (3,) and velocity (3,)."""
+        """Return the same contact with another force (3,) [N s] and velocity (3,) [m/s]."""
         return replace(self, force=force, velocity=velocity)
 
 
@@ -146,7 +146,7 @@ class Mode:
 
 
 def contacts_of(problem: ContactProblem, forces: FloatArray, velocities: FloatArray) -> list[Contact]:
-    """Return the contacts of a problem with (n, 3) forces and velocities."""
+    """Return the contacts of a problem with (n, 3) forces [N s] and velocities [m/s]."""
     section = None if problem.facets is None else Section.of(problem.facets, problem.fit == "inner")
     weights = problem.scales[0]
     convex = problem.law == "convex"

@@ -81,7 +81,7 @@ class ContactSchedule(ABC):
         """
 
     def horizon(self, start: float, step: float, count: int) -> BoolArray:
-        """Return which feet carry in the middle of `count` steps of `step` seconds: (count, feet)."""
+        """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
         return self.contacts(start + step * (np.arange(count) + 0.5))
 
 

@@ -329,5 +329,5 @@ def standing_height(robot: Robot, q: FloatArray) -> float:
 
 
 def wrench_weights(robot: Robot, q: FloatArray) -> FloatArray:
-    """Return the (6,) weights of the wrench error: 1 for forces, one over the height squared for moments."""
+    """Return the (6,) weights of the wrench error: 1 for forces [-], 1 / height² for moments [1/m²]."""
     return np.array([1.0, 1.0, 1.0, *([standing_height(robot, q) ** -2] * 3)])

@@ -172,7 +172,7 @@ class BodyPlan:
         return yaw, self.position + np.column_stack([move, climb]), np.column_stack([flow, rise])
 
     def reference(self, steps: int, dt: float) -> BodyReference:
-        """Return the reference of the next `steps` steps of `dt` seconds."""
+        """Return the reference of the next `steps` steps of `dt` [s]."""
         yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]

@@ -203,7 +203,7 @@ def swing_tasks(
     H: FloatArray,
     c: FloatArray,
 ) -> None:
-    """Add the tasks of the feet in the air: (n, 6) wanted acceleration of centre and orientation."""
+    """Add the tasks of the feet in the air: (n, 6) wanted acceleration of centre, turn [m/s², rad/s²]."""
     nv = jacobian.shape[1]
     rows = np.empty((3, nv))
     for k in range(stance.shape[0]):

@@ -288,7 +288,7 @@ def stand(
 
 @inline_kernel
 def axis_scale(mu: float) -> float:
-    """Return how far the axis must move for a distance of one to the cone's boundary (1 if frictionless)."""
+    """Return how far [-] the axis must move for a distance of one to the cone's border (1: frictionless)."""
     return math.sqrt(1.0 + mu * mu) / max(mu, LEAST_MU) if mu > 0.0 else 1.0
 
 

@@ -26,7 +26,7 @@ def _turn(p: FloatArray, a: int, b: int, c: int) -> float:
 
 @inline_kernel
 def to_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
-    """Return the distance of (x, y) from the segment a-b."""
+    """Return the distance of (x, y) from the segment a-b, in the unit of both."""
     dx, dy = bx - ax, by - ay
     length = dx * dx + dy * dy
     s = 0.0
@@ -37,7 +37,7 @@ def to_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -
 
 @kernel
 def hull(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise (Andrew's chain).
+    """Return the corners of the convex hull of (n, 2) points [m], counter-clockwise (Andrew's chain).
 
     Corners that stand out by less than rounding are left out; equal points count once. The chain runs along
     the longer side, so that points of a line keep both its ends.

@@ -66,7 +66,7 @@ def largest_disturbance(question: Question, direction: ArrayLike) -> float:
 
 
 def nonzero(direction: ArrayLike) -> FloatArray:
-    """Return a direction as (6,) numbers.
+    """Return a direction as (6,) numbers [N, N m].
 
     Raises
     ------

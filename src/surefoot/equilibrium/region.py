@@ -110,7 +110,7 @@ class Region:
 
 
 def polygon_area(corners: FloatArray) -> float:
-    """Return the area of a polygon with (k, 2) corners, positive counter-clockwise (shoelace)."""
+    """Return the area [m²] of a polygon with (k, 2) corners, positive counter-clockwise (shoelace)."""
     if len(corners) < 3:
         return 0.0
     x, y = corners[:, 0] - corners[0, 0], corners[:, 1] - corners[0, 1]
@@ -118,5 +118,5 @@ def polygon_area(corners: FloatArray) -> float:
 
 
 def convex_hull(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise; a line has two."""
+    """Return the corners of the convex hull of (n, 2) points [m], counter-clockwise; a line has two."""
     return hull(np.ascontiguousarray(points, dtype=np.float64))

@@ -23,7 +23,7 @@ ASLEEP = 1e-7
 
 @inline_kernel
 def fly(state: FloatArray, v: FloatArray, bend: FloatArray, t: float) -> None:
-    """Move a state (position, quaternion) for a time t: p += v t + bend t² / 2, and the turn ω t."""
+    """Move a state (position, quaternion) for a time t [s]: p += v t + bend t² / 2, and the turn ω t."""
     for a in range(3):
         state[a] += t * (v[a] + 0.5 * t * bend[a])
     rate = math.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])

@@ -106,7 +106,7 @@ class Surroundings:
 
 
 def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
-    """Find ground, gravity and first states; `draws` are (S, B) weights of bootstrap samples."""
+    """Find ground, gravity and first states; `draws` are (S, B) weights [-] of bootstrap samples."""
     notes = []
     points = ground_points(tosses)
     every = np.ones((1, len(tosses)))

@@ -65,7 +65,7 @@ class Difference:
 
 
 def paired_difference(ours: FloatArray, rival: FloatArray, seed: int = 0, count: int = 4000) -> Difference:
-    """Return the mean of ours - rival over (B,) tosses, with its interval.
+    """Return the mean of ours - rival over (B,) tosses, with its interval, in the unit of both.
 
     Raises
     ------

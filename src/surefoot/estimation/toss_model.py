@@ -33,7 +33,7 @@ class Parameter:
     logarithmic: bool = False
 
     def value(self, share: FloatArray) -> FloatArray:
-        """Return the values (...,) for shares (...,) of the range in [0, 1], 0 being `low`."""
+        """Return the values (...,), in `unit`, for shares (...,) of the range in [0, 1], 0 being `low`."""
         if self.logarithmic:
             return np.asarray(self.low * (self.high / self.low) ** share)
         return np.asarray(self.low + (self.high - self.low) * share)
@@ -84,5 +84,5 @@ class TossModel(Protocol):
         ...
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
-        """Return (sum of frames, 7) positions and quaternions, for (d,) values of the parameters."""
+        """Return (sum of frames, 7) positions [m] and quaternions, for (d,) values of the parameters."""
         ...

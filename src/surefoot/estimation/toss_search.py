@@ -74,7 +74,7 @@ class Trials:
         self.simulated = 0
 
     def add(self, points: FloatArray, tick: Callable[[float], None]) -> None:
-        """Simulate all tosses at (n, d) points, as shares of the ranges."""
+        """Simulate all tosses at (n, d) points, each number a share of its range."""
         for point in points:
             poses = self._model.rollout(values_of(self._model, point), self._scene)
             self.errors = np.vstack([self.errors, toss_errors(self._tosses, poses).corners])
@@ -83,7 +83,7 @@ class Trials:
         self.points = np.vstack([self.points, points])
 
     def losses(self, use: BoolArray) -> FloatArray:
-        """Return (n, B) the robust losses of the points in use."""
+        """Return (n, B) the robust losses [-] of the points in use."""
         means = np.median(self.errors, axis=1)
         c = max(float(means.min()), FLOOR)
         return np.asarray(np.sqrt(c * c + self.errors[use] ** 2) - c)

@@ -73,7 +73,7 @@ def bias_forces(robot: Robot, q: ArrayLike, v: ArrayLike) -> FloatArray:
 
 
 def generalised_torque(robot: Robot, torque: ArrayLike) -> FloatArray:
-    """Return (nv,) generalised forces from (joints,) torques (the base has no motor) or from (nv,) ones."""
+    """Return (nv,) generalised forces [N, N m] from (joints,) torques (a base has no motor) or (nv,) ones."""
     tau = finite_array("torque", torque)
     if tau.shape == (robot.joints,):
         return np.concatenate([np.zeros(robot.base_dof), tau])

@@ -272,7 +272,7 @@ def _view(raw: Any, shape: tuple[int, ...]) -> FloatArray:
 
 
 def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
-    """Return a number or (count,) as (count,), finite and not negative."""
+    """Return a number or (count,), in any unit, as (count,), finite and not negative."""
     array = real_array(name, value)
     if array.shape not in ((), (count,)) or not np.isfinite(array).all() or (array < 0.0).any():
         raise ProblemError(f"{name} must be a number >= 0 or have shape ({count},), got {value!r}")
@@ -280,7 +280,7 @@ def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
 
 
 def rows_per_robot(name: str, value: ArrayLike, count: int, width: int) -> FloatArray:
-    """Return (width,) or (count, width) as the latter."""
+    """Return (width,) or (count, width), in any unit, as the latter."""
     array = finite_array(name, value)
     if array.shape not in ((width,), (count, width)):
         raise ProblemError(f"{name} must have shape ({width},) or ({count}, {width}), got {array.shape}")

@@ -74,7 +74,7 @@ class ActiveFaults:
         self.weak = bool((self.strength != 1.0).any())
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the state, q (nq,) and v (nv,), as the controller sees it: with noise."""
+        """Return the state, q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s], as the controller sees it."""
         if self.noise == 0.0:
             return q, v
         r, level = self.generator, self.noise
@@ -99,7 +99,7 @@ class ActiveFaults:
 
 
 def believed_robot(robot: Robot, mass_factor: float) -> Robot:
-    """Return the robot as a controller with a wrong mass sees it: all inertias scaled, all else the same.
+    """Return the robot as a controller with a wrong mass sees it: all inertias scaled by a factor [-].
 
     Raises
     ------

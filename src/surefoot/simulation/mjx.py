@@ -97,7 +97,7 @@ class MjxWorld(MujocoWorld):
         self.reset(robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         super().reset(q, v)
         if self.on_device is not None:
             self.at_rest = self._mjx.put_data(self.model, self.data)
@@ -135,7 +135,7 @@ class MjxWorld(MujocoWorld):
         return self.reading(read)
 
     def reading(self, read: dict[str, FloatArray]) -> ContactReading:
-        """Return forces (p, 3), gaps (p,) and velocities at the feet from what a step `left_behind`."""
+        """Return forces (p, 3) [N], gaps (p,) [m], velocities at the feet from what a step `left_behind`."""
         centres = read["geom_xpos"][self._geoms]
         normals = self.terrain.normal(centres[:, :2])
         if not self.terrain.planar:
@@ -149,7 +149,7 @@ class MjxWorld(MujocoWorld):
         return ContactReading(forces, gaps, velocities, positions)
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground, from the next step on."""
+        """Change the friction of the ground [-], from the next step on."""
         super().set_friction(mu)
         if self.on_device is not None:
             friction = self._jax.numpy.asarray(self.model.geom_friction)

@@ -116,7 +116,7 @@ class MjxBatch:
         self._lost = np.where(chosen, False, self._lost)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (count, nq) and v (count, nv) in Pinocchio's order."""
+        """Return q (count, nq) [m, -, rad] and v (count, nv) [m/s, rad/s] in Pinocchio's order."""
         q, v = np.array(self._moving["qpos"]), np.array(self._moving["qvel"])
         if self.robot.floating:
             for k in range(self.count):
@@ -125,7 +125,7 @@ class MjxBatch:
         return q, v
 
     def set_friction(self, mu: ArrayLike) -> None:
-        """Change the friction of the ground, a number or (count,), from the next step on."""
+        """Change the friction of the ground [-], a number or (count,), from the next step on."""
         self._mu = per_robot("mu", mu, self.count)
 
     def step(self, torques: ArrayLike, push: ArrayLike | None = None, repeat: int = 1) -> MjxBatchStep:

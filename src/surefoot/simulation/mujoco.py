@@ -360,7 +360,7 @@ def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> Non
 
 
 def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a floating-base MuJoCo state in Pinocchio's order: q (nq,), v (nv,)."""
+    """Return a MuJoCo state in Pinocchio's order: q (nq,) [m, -, rad], v (nv,) [m/s, rad/s]."""
     q, v = qpos.copy(), qvel.copy()
     q[3:7] = quaternion_xyzw(qpos[3:7])
     v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]

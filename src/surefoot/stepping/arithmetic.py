@@ -14,7 +14,7 @@ from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 
 @kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:
-    """Write the lower Cholesky factor of a matrix (n, n), given by its upper triangle, into L (n, n)."""
+    """Write the lower Cholesky factor of a matrix (n, n), any unit, given by its upper triangle, into L."""
     for i in range(L.shape[0]):
         for j in range(i + 1):
             L[i, j] = upper[j, i]
@@ -23,7 +23,7 @@ def factorise(upper: FloatArray, L: FloatArray) -> None:
 
 @kernel
 def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -> FloatArray:
-    """Return v + dt M⁻¹ effort, for (nv,) generalised forces of motors, push and gravity."""
+    """Return v + dt M⁻¹ effort, for (nv,) forces of motors, push and gravity [N, N m]."""
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
@@ -34,7 +34,7 @@ def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -
 
 @kernel
 def largest(x: FloatArray) -> float:
-    """Return the largest magnitude in x (n,), infinity where an entry is not a number."""
+    """Return the largest magnitude in x (n,), in any unit, infinity where an entry is not a number."""
     out = 0.0
     for i in range(x.size):
         if not abs(x[i]) <= out:
@@ -106,7 +106,7 @@ def swerves(
 
 @kernel
 def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -> tuple[float, float]:
-    """Return the work of impulses (p, 3) on the mean of both velocities, and the sum of the normal ones."""
+    """Return the work [J] of impulses (p, 3) [N s] on the mean velocity, and the sum of the normal ones."""
     work = push = 0.0
     for c in range(impulses.shape[0]):
         push += impulses[c, 2]
@@ -135,7 +135,7 @@ def assemble(
     J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray,
     dt: float, restitution: float, rest_speed: float, pull: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
-    """Return Y = L⁻¹ Jᵀ as rows (3k, nv), G = Y Yᵀ and g of the near contacts.
+    """Return Y = L⁻¹ Jᵀ as rows (3k, nv), G = Y Yᵀ [1/kg] and g [m/s] of the near contacts.
 
     The law asks for u + shift, with the shift of the normal:
 

@@ -115,27 +115,27 @@ class StepDerivative:
 
     @property
     def A(self) -> FloatArray:
-        """(2nv, 2nv) of (q, v) after the step by (q, v) before it."""
+        """(2nv, 2nv) of (q, v) after the step by (q, v) before it, in the units of both."""
         return np.hstack([self._part("q"), self._part("v")])
 
     @property
     def B(self) -> FloatArray:
-        """(2nv, joints) of (q, v) by the torques."""
+        """(2nv, joints) of (q, v) by the torques, in the units of v and q per N m."""
         return self._part("torques")
 
     @property
     def mu(self) -> FloatArray:
-        """(2nv,) of (q, v) by the friction of the ground."""
+        """(2nv,) of (q, v) by the friction of the ground, in the units of (q, v)."""
         return self._part("mu")[:, 0]
 
     @property
     def push(self) -> FloatArray:
-        """(2nv, 3) of (q, v) by the push on the base, world axes."""
+        """(2nv, 3) of (q, v) by the push on the base [per N], world axes."""
         return self._part("push")
 
     @property
     def leaving(self) -> FloatArray:
-        """(2nv, 3p) of (q, v) by the contact velocities in the state's memory; zero where there is none."""
+        """(2nv, 3p) of (q, v) by the contact velocities [m/s] in the state's memory; zero where none."""
         return self._part("leaving")
 
     @cached_property

@@ -66,7 +66,7 @@ def velocity_rates(
     Parameters
     ----------
     twists
-        (nv, 6) X_j.
+        (nv, 6) X_j [m/s, rad/s per unit of v_j], linear at the world's origin.
     first
         (nv,) first velocity of the joint that each belongs to.
     support
@@ -181,7 +181,7 @@ def _times(A: FloatArray, x: Three) -> Three:
 def centre_rates(
     twists: FloatArray, support: BoolArray, positions: FloatArray, radii: FloatArray, frames: FloatArray
 ) -> FloatArray:
-    """Return the derivative (p, 3, nv) of the spheres' centres, world axes."""
+    """Return the derivative (p, 3, nv) of the spheres' centres [m], world axes."""
     p, n = support.shape
     out = np.zeros((p, 3, n))
     for c in range(p):

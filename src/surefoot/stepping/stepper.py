@@ -124,7 +124,7 @@ class Stepper:
         """Work arrays of its derivatives, by whose they are."""
 
     def start(self, q: FloatArray | None = None, v: FloatArray | None = None) -> State:
-        """Return the state at (nq,) q (None: nominal) and (nv,) v (None: at rest), without history."""
+        """Return the state at q (nq,) (None: nominal) and v (nv,) [m/s, rad/s] (None: rest), no history."""
         nv = self.bodies.model.nv
         rest = np.zeros(nv) if v is None else finite_array("v", v, (nv,))
         return State(self.robot.configuration(q), rest)
@@ -346,7 +346,7 @@ class Stepper:
         return Impact(q, still, still, way, near, rows, pushes, velocities, velocities, solution)
 
     def solve(self, problem: ContactProblem, warm: FloatArray) -> ContactSolution:
-        """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses."""
+        """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses [N s]."""
         return solve(problem, self.options.solver, self.options.tol, warm_start=warm)
 
     def _detect(self, q: FloatArray) -> Contacts:
