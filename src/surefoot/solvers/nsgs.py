@@ -51,6 +51,27 @@ def fill_dense(G: FloatArray, scales: FloatArray, local: FloatArray) -> None:
 
 
 @inline_kernel
+def _change(
+    k: int, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, relax: float,
+    forces: FloatArray, velocities: FloatArray,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Solve contact k with all others held, and change its force; return by how much."""
+    if high[k] == 0.0:
+        return 0.0, 0.0, 0.0
+    i, W = 3 * k, block_of(local, k)
+    x, y, z = forces[i], forces[i + 1], forces[i + 2]
+    q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
+    q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
+    q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
+    a, b, c, local[k, 12], local[k, 13] = solve_one(
+        W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
+    )
+    d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+    forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
+    return d0, d1, d2
+
+
+@inline_kernel
 def sweep_dense(
     G: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     relax: float, forces: FloatArray, velocities: FloatArray,
@@ -61,19 +82,8 @@ def sweep_dense(
     """
     for k in range(mu.size):
         i = 3 * k
-        if high[k] == 0.0:
-            continue
-        W = block_of(local, k)
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
-        q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
-        q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
-        a, b, c, local[k, 12], local[k, 13] = solve_one(
-            W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
-        )
-        d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+        d0, d1, d2 = _change(k, local, mu, low, high, convex, relax, forces, velocities)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
-            forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
             for j in range(velocities.size):
                 velocities[j] += G[i, j] * d0 + G[i + 1, j] * d1 + G[i + 2, j] * d2
 
@@ -150,19 +160,8 @@ def sweep_blocks(
     """
     for k in range(mu.size):
         i = 3 * k
-        if high[k] == 0.0:
-            continue
-        W = block_of(local, k)
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
-        q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
-        q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
-        a, b, c, local[k, 12], local[k, 13] = solve_one(
-            W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
-        )
-        d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+        d0, d1, d2 = _change(k, local, mu, low, high, convex, relax, forces, velocities)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
-            forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
             for at in range(starts[k], starts[k + 1]):
                 B = values[at]
                 j = 3 * columns[at]
