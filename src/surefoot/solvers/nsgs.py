@@ -159,7 +159,6 @@ def sweep_blocks(
     Row k of blocks has the columns and 3x3 values starts[k] to starts[k + 1] - 1: (n + 1,), (b,), (b, 3, 3).
     """
     for k in range(mu.size):
-        i = 3 * k
         d0, d1, d2 = _change(k, local, mu, low, high, convex, relax, forces, velocities)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
             for at in range(starts[k], starts[k + 1]):
