@@ -55,7 +55,9 @@ WARM: dict[str, Any] = {
     "warm_start_slack_bound_frac": 1e-8,
     "warm_start_mult_bound_push": 1e-8,
 }
-"""Ipopt's options for a start that is near already."""
+"""Ipopt's options for the solution of a neighbour, with its multipliers."""
+NEAR: dict[str, Any] = {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}
+"""Those for a motion that obeys the equations but for the softening."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +166,7 @@ def plan_direct(
     search, stages = DirectSearch(problem, law), _Stages(tell)
     soft = _soften_less(search, search.pack(_start(problem, guess)), smoothings, most, stages)
     modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
-    hard = _with_modes(problem, soft.guess, modes, most, stages)
+    hard = _with_modes(problem, soft.guess, modes, most, stages, **NEAR)
     return _made_exact(problem, [hard, soft], (task, "direct"), stages, began)
 
 
@@ -250,14 +252,14 @@ def _soften_less(
 
 
 def _with_modes(
-    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages
+    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
 ) -> Iterate:
     """Return the motion that obeys the equations of modes (N, p), from one that need not."""
     law = GivenModes()
     search, d = DirectSearch(problem, law), problem.tangents - 1
     found = search.solve(
         search.pack(motion), 0.0, contact_bounds=law.bounds(modes, d), row_bounds=law.row_bounds(modes, d),
-        max_iter=most, tol=1e-9, mu_init=1e-4, bound_relax_factor=0.0, bound_push=1e-6, bound_frac=1e-6,
+        max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
     )  # fmt: skip
     stages.note(0.0, found)
     return found
