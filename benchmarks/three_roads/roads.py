@@ -22,10 +22,10 @@ from surefoot.planning.shooting import (
     TorqueCost,
     TorqueLimits,
 )
-from surefoot.planning.trajectory import Trajectory
+from surefoot.planning.trajectory import Trajectory, rollout
 from surefoot.stepping import StepOptions, Stepper
 
-PRICES = (1e3, 1e4)
+PRICES = (1e3, 1e4, 1e5)
 """Of missing the end and the height, where a road can only price them: per m² and rad²; speeds a tenth."""
 MOST = 300
 """Iterations of shooting at each price."""
@@ -103,9 +103,10 @@ def shooting(
 ) -> tuple[Trajectory, int]:
     """Shoot: exact steps forward, smoothed derivatives backward; bounds of the goal are prices that rise."""
     limits = np.maximum(_limits(problem), 1e-9)
-    torques, states = np.tile(holding(problem), (problem.knots, 1)), None
-    if rng is not None:  # the same states as on the other roads: knots are open at first
-        guess = _guess(task, problem, rng)
+    torques = np.tile(np.clip(holding(problem), -limits, limits), (problem.knots, 1))
+    states = None
+    if rng is not None or not _holds(problem, torques):
+        guess = _guess(task, problem, rng)  # as on the other roads: knots are open at first
         states = guess.q, guess.v
     iterations = 0
     for price in PRICES:
@@ -140,6 +141,21 @@ def _states(problem: DirectProblem, price: float) -> StateCost:
         for entry in np.flatnonzero(np.isfinite(window.q_low)):  # of the base's place: the same entry of v
             weights[k, entry], wanted[k, entry] = price, window.q_low[entry]
     return StateCost(weights, terminal, wanted, np.zeros(nv))
+
+
+def _holds(problem: DirectProblem, torques: FloatArray) -> bool:
+    """Return whether torques lead somewhere from the start: that is a start for shooting."""
+    return bool(
+        rollout(
+            problem.robot,
+            problem.q,
+            problem.v,
+            torques,
+            dt=problem.dt,
+            mu=problem.mu,
+            terrain=problem.terrain,
+        ).lawful
+    )
 
 
 def holding(problem: DirectProblem) -> FloatArray:
