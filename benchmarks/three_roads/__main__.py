@@ -49,7 +49,9 @@ def change_table(task: JumpTask, only: int | None = None) -> Table:
 
 
 def _said(outcome: Outcome) -> str:
-    return "solved" if outcome.solved else f"misses by {outcome.miss:.2g}"
+    if outcome.solved:
+        return "solved"
+    return f"misses by {outcome.miss:.2g}" if np.isfinite(outcome.miss) else "lost"
 
 
 def _median(values: Sequence[float], form: str) -> str:
