@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from benchmarks.three_roads.roads import ROADS, Outcome, travel
-from benchmarks.three_roads.task import TASKS, JumpTask
+from benchmarks.three_roads.task import IN_LESS_TIME, SHORT, TASKS, JumpTask
 
 
 def start_table(task: JumpTask, starts: int) -> Table:
@@ -48,6 +49,19 @@ def change_table(task: JumpTask, only: int | None = None) -> Table:
     return table
 
 
+def schedule_table(task: JumpTask, schedules: Sequence[tuple[int, int]]) -> Table:
+    """Return what becomes of schedules by hand where the task has to be done in less time."""
+    table = Table(title=f"{task.name}, {IN_LESS_TIME}: schedules by hand")
+    for column in ("take-off", "touchdown", "given schedule"):
+        table.add_column(column, justify="right")
+    problem = task.variations[IN_LESS_TIME](task.problem)
+    for take_off, touchdown in schedules:
+        by_hand = replace(task, take_off=take_off, touchdown=touchdown)
+        outcome = travel(ROADS["given schedule"], by_hand, problem, None)
+        table.add_row(str(take_off), str(touchdown), f"{_said(outcome)}, {outcome.seconds:.1f} s")
+    return table
+
+
 def _said(outcome: Outcome) -> str:
     if outcome.solved:
         return "solved"
@@ -68,6 +82,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     task, console = TASKS[given.task](), Console(width=160)
     console.print(start_table(task, 2 if given.quick else given.starts))
     console.print(change_table(task, 1 if given.quick else None))
+    if IN_LESS_TIME in task.variations and not given.quick:
+        console.print(schedule_table(task, SHORT))
 
 
 if __name__ == "__main__":

@@ -67,10 +67,7 @@ def travel(road: Road, task: JumpTask, problem: DirectProblem, seed: int | None)
     """Return what a road makes of a problem, from its own start (None) or a random one."""
     rng = None if seed is None else np.random.default_rng(seed)
     begin = time.process_time()
-    try:
-        motion, iterations = road(task, problem, rng)
-    except ProblemError:  # shooting cannot begin where the steps of its guess are lost
-        return Outcome(False, time.process_time() - begin, 0, np.inf, np.inf, np.inf)
+    motion, iterations = road(task, problem, rng)
     spent = time.process_time() - begin
     miss = window_miss(problem, motion)
     return Outcome(
@@ -88,7 +85,7 @@ def given_schedule(
     task: JumpTask, problem: DirectProblem, rng: np.random.Generator | None
 ) -> tuple[Trajectory, int]:
     """Optimise the whole body over the task's schedule: the modes' equations, by Ipopt."""
-    found = plan_with_modes(problem, task.modes, guess=_guess(task, problem, rng))
+    found = plan_with_modes(problem, task.modes(problem), guess=_guess(task, problem, rng))
     return found.trajectory, found.plan.iterations
 
 
@@ -105,7 +102,7 @@ def shooting(
     limits = np.maximum(_limits(problem), 1e-9)
     torques = np.tile(np.clip(holding(problem), -limits, limits), (problem.knots, 1))
     states = None
-    if rng is not None or not _holds(problem, torques):
+    if rng is not None or not _led(problem, torques).lawful:
         guess = _guess(task, problem, rng)  # as on the other roads: knots are open at first
         states = guess.q, guess.v
     iterations = 0
@@ -116,7 +113,10 @@ def shooting(
             TorqueLimits(limits),
         )  # fmt: skip
         settings = ShootingSettings(max_iterations=MOST)
-        found = Shooting(shot).solve(problem.q, problem.v, torques, states, settings)
+        try:
+            found = Shooting(shot).solve(problem.q, problem.v, torques, states, settings)
+        except ProblemError:  # it cannot begin where the steps of its guess are lost
+            return _led(problem, torques), iterations
         torques, states, iterations = found.trajectory.torques, None, iterations + found.iterations
         if not found.trajectory.lawful:
             break
@@ -143,18 +143,10 @@ def _states(problem: DirectProblem, price: float) -> StateCost:
     return StateCost(weights, terminal, wanted, np.zeros(nv))
 
 
-def _holds(problem: DirectProblem, torques: FloatArray) -> bool:
-    """Return whether torques lead somewhere from the start: that is a start for shooting."""
-    return bool(
-        rollout(
-            problem.robot,
-            problem.q,
-            problem.v,
-            torques,
-            dt=problem.dt,
-            mu=problem.mu,
-            terrain=problem.terrain,
-        ).lawful
+def _led(problem: DirectProblem, torques: FloatArray) -> Trajectory:
+    """Return where torques lead from the start."""
+    return rollout(
+        problem.robot, problem.q, problem.v, torques, dt=problem.dt, mu=problem.mu, terrain=problem.terrain
     )
 
 

@@ -20,6 +20,11 @@ NEAR = 0.02
 WEIGHTS, GO2_WEIGHTS = Weights(change=0.0), Weights(torque=1e-4, change=0.0)
 """What all roads can write: torques, velocities and posture."""
 
+IN_LESS_TIME = "in 24 knots"
+"""A change that no schedule of 36 knots fits."""
+SHORT = ((8, 17), (8, 18), (9, 17), (9, 18), (10, 17))
+"""Schedules by hand for it: knots of take-off and touchdown."""
+
 
 @dataclass(frozen=True, eq=False)
 class JumpTask:
@@ -46,10 +51,8 @@ class JumpTask:
     noise: float
     variations: Mapping[str, Callable[[DirectProblem], DirectProblem]]
 
-    @property
-    def modes(self) -> IntArray:
-        """(knots, p) the schedule."""
-        p = self.problem
+    def modes(self, p: DirectProblem) -> IntArray:
+        """Return the schedule (knots, p), cut to the knots of a problem or held for the rest."""
         out = np.full((p.knots, len(p.robot.contact_points)), STICK)
         out[self.take_off : self.touchdown] = OPEN
         return out
@@ -68,12 +71,14 @@ def reached(problem: DirectProblem, motion: Trajectory) -> bool:
 def hopper_jump() -> JumpTask:
     """Return the planar hopper's jump: 0.3 m on and 0.15 m up, from rest to rest in 1.08 s."""
 
-    def jump(distance: float = 0.3, rise: float = 0.15, mu: float = 0.6, slope: float = 0.0) -> DirectProblem:
+    def jump(
+        distance: float = 0.3, rise: float = 0.15, mu: float = 0.6, slope: float = 0.0, knots: int = 36
+    ) -> DirectProblem:
         ground = SlopeTerrain(slope)
         robot = planar_hopper()
         q = robot.nominal.copy()
         q[1] += robot_lift(slope)
-        made = rest_to_rest(robot, distance, rise, knots=36, mu=mu, terrain=ground, q=q, weights=WEIGHTS)
+        made = rest_to_rest(robot, distance, rise, knots=knots, mu=mu, terrain=ground, q=q, weights=WEIGHTS)
         return loosened(made)
 
     return JumpTask(
@@ -86,6 +91,7 @@ def hopper_jump() -> JumpTask:
             "uphill, 10 degrees": lambda p: jump(slope=10.0),
             "starts 0.1 m over the ground": lambda p: moved(p, {1: 0.1}),
             "starts crouched": lambda p: moved(p, {1: -0.101863, 3: 0.3, 4: -0.6}),
+            IN_LESS_TIME: lambda p: jump(knots=24),
             "starts at 1 m/s": lambda p: replace(p, v=np.array([1.0, 0.0, 0.0, 0.0, 0.0])),
         },
     )  # fmt: skip
