@@ -138,7 +138,8 @@ def plan_direct(
     Returns
     -------
     DirectPlan
-        Also where nothing was found: `plan.status` says so.
+        Also where nothing was found: `plan.status` says so. A KeyboardInterrupt after Ipopt's first run ends
+        the search with what there is, not SOLVED unless it does the task (`Status.MAX_TIME`).
 
     Raises
     ------
@@ -165,9 +166,11 @@ def plan_direct(
     most = whole_number("max_iterations", max_iterations, low=1)
     search, stages = DirectSearch(problem, law), _Stages(tell)
     soft = _soften_less(search, search.pack(_start(problem, guess)), smoothings, most, stages)
-    modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
-    hard = _with_modes(problem, soft.guess, modes, most, stages, **NEAR)
-    return _made_exact(problem, [hard, soft], (task, "direct"), stages, began)
+    found = [soft]
+    if not stages.interrupted:
+        modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
+        found.insert(0, _with_modes(problem, soft.guess, modes, most, stages, **NEAR))
+    return _made_exact(problem, found, (task, "direct"), stages, began)
 
 
 def plan_with_modes(
@@ -212,7 +215,7 @@ class _Stages(list[Stage]):
 
     def __init__(self, tell: Tell | None) -> None:
         super().__init__()
-        self._tell = tell
+        self._tell, self.interrupted = tell, False
 
     @property
     def iterations(self) -> int:
@@ -245,8 +248,14 @@ def _soften_less(
         if found is not None:
             options |= {**WARM, "mu_init": min(1e-2, eps)}
         variables, multipliers = (start, None) if found is None else (found.variables, found.multipliers)
-        found = search.solve(variables, eps, multipliers=multipliers, **options)
-        stages.note(eps, found)
+        try:
+            found = search.solve(variables, eps, multipliers=multipliers, **options)
+            stages.note(eps, found)
+        except KeyboardInterrupt:
+            if found is None:
+                raise
+            stages.interrupted = True
+            break
     assert found is not None
     return found
 
@@ -288,7 +297,8 @@ def _made_exact(
     cost, reached = exact_cost(problem, trajectory), miss <= REACH
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g})"
     spent = time.perf_counter() - began
-    search = Search(*names, cost, reached, stages.iterations, spent, goal, Status.STALLED)
+    stopped = Status.MAX_TIME if stages.interrupted else Status.STALLED
+    search = Search(*names, cost, reached, stages.iterations, spent, goal, stopped)
     return DirectPlan(
         plan_from(trajectory, problem.robot, search, problem.terrain), motion, trajectory, tuple(stages),
         departure(problem, motion, trajectory), departure(problem, motion, alone),
