@@ -144,16 +144,10 @@ def friction_table(problem: DirectProblem, laws: Sequence[ContactLaw]) -> Table:
     for law in laws:
         begin = time.process_time()
         found = plan_direct(problem, law=law)
-        spent = time.process_time() - begin
-        numbers = (
-            str(found.plan.iterations),
-            f"{found.plan.cost:.4g}",
-            f"{spent:.1f}",
-            f"{found.departure:.1e}",
-        )
-        table.add_row(
-            type(law).__name__ + f"({getattr(law, 'count', '')})", found.plan.status.value, *numbers
-        )
+        plan, spent = found.plan, time.process_time() - begin
+        name = type(law).__name__ + f"({getattr(law, 'count', '')})"
+        numbers = str(plan.iterations), f"{plan.cost:.4g}", f"{spent:.1f}", f"{found.departure:.1e}"
+        table.add_row(name, plan.status.value, *numbers)
     return table
 
 
