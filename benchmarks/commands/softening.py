@@ -98,6 +98,7 @@ def _print(console: Console, title: str, rows: Sequence[Any]) -> None:
         "problem", "form", "solved", "iterations", "CPU [s]", "max gap·λ", "max |min(a, b)|", "cost", "step",
         "regularised", title=title,
     )  # fmt: skip
+    table.columns[1].no_wrap = True
     for column in table.columns[2:]:
         column.justify = "right"
     last = ""

@@ -16,6 +16,8 @@ from surefoot.spatial import GRAVITY
 
 MOST = 1200
 """Iterations of Ipopt that a start is given, over all stages."""
+PLAIN = Settings(total=MOST)
+"""Ipopt as the race uses it."""
 BOOK = (0.1, 0.05, 0.01, 0.005, 0.001, 0.0005, 0.00025, 0.000125, 0.0000625)
 """A textbook's schedule: 0.1 to 0.001, then halves until below 1e-4, in its sqrt(a² + b² + eps²)."""
 
@@ -44,7 +46,7 @@ class Variant:
     name: str
     form: Form
     smoothings: tuple[float, ...] = schedule()
-    settings: Settings = Settings(total=MOST)
+    settings: Settings = PLAIN
     natural: bool = False
     polished: bool = False
 
@@ -76,6 +78,7 @@ CAUSES = (
     _switch("FB, modes held at the end", _FB, polished=True),
     _switch("relaxed", _RELAXED),
     _switch("relaxed, = eps in place of <=", "equal"),
+    _switch("equal, rows to 1e-10 only", "equal", settings=Settings(total=MOST, row_tol=1e-10)),
     _switch("relaxed, Ipopt's barrier from 1e-9", _RELAXED,
             settings=Settings(total=MOST, first_barrier=1e-9, push=1e-8)),
     _switch("relaxed, problem's own units", _RELAXED, natural=True),

@@ -15,7 +15,6 @@ from surefoot.planning.transcription.judge import Outcome, judge
 from surefoot.planning.transcription.problem import Motion
 from surefoot.planning.transcription.program import Program, transcribe
 
-
 MODES_HELD = Form("modes held", "of every pair one side is zero, the other >= 0", True)
 """No softening: `polish` says which side."""
 
@@ -80,15 +79,16 @@ class Settings:
 
     Attributes
     ----------
-    iterations
+    iterations, total
         The most of one stage, and of all together.
     first_barrier, barrier
         Ipopt's own barrier parameter at the start of the first stage, and of the later ones: not more than
         the smoothing.
     strategy
         Ipopt's `mu_strategy`.
-    tol
-        Of Ipopt.
+    tol, row_tol
+        Of Ipopt, and of its rows. A row a b = eps is flat where both are small: with rows right to 1e-10 a
+        pair may be off by 1e-5, so rows are asked for to rounding.
     push
         Ipopt's `bound_push` and `bound_frac` in the first stage: how far a start is moved inside its bounds.
     more
@@ -101,6 +101,7 @@ class Settings:
     barrier: float = 1e-3
     strategy: str = "monotone"
     tol: float = 1e-9
+    row_tol: float = 1e-13
     push: float = 1e-2
     more: tuple[tuple[str, Any], ...] = ()
 
@@ -111,7 +112,7 @@ class Settings:
             "sb": "yes",
             "max_iter": most,
             "tol": self.tol,
-            "constr_viol_tol": 1e-10,
+            "constr_viol_tol": self.row_tol,
             "bound_relax_factor": 0.0,
             "mu_strategy": self.strategy,
         }

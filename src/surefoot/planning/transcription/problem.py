@@ -53,8 +53,8 @@ class SmallProblem:
     knots, dt
         Their number and length [s].
     goal
-        (q, v) at the end to a column that is to be zero; None for a motion without inputs, which the laws alone
-        determine.
+        (q, v) at the end to a column that is to be zero; None for a motion without inputs, which the laws
+        alone determine.
     reached
         Whether a motion does what was asked for; asked of every method's answer alike.
     low, high

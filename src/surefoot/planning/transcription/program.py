@@ -25,9 +25,10 @@ from surefoot.planning.transcription.problem import Motion, SmallProblem
 
 @dataclass(frozen=True)
 class Units:
-    """In which units the pairs are softened: a form sees gap / `length`, impulse / `impulse`, speed / `speed`.
+    """In which units the pairs are softened.
 
-    The answer does not depend on them, the path to it does.
+    A form sees gap / `length`, impulse / `impulse`, speed / `speed`. The answer does not
+    depend on them, the path to it does.
     """
 
     length: float = 1.0

@@ -1,7 +1,7 @@
 """The exact step of a small system: motors in, motion out, every contact problem solved and certified.
 
-The same step as `surefoot.stepping.Knot` for what that cannot say: a foot that touches a block. Rigid contact and
-exact Coulomb friction, nothing soft is left.
+The same step as `surefoot.stepping.Knot` for what that cannot say: a foot that touches a block. Rigid contact
+and exact Coulomb friction, nothing soft is left.
 """
 
 from __future__ import annotations

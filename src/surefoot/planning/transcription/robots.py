@@ -1,7 +1,7 @@
 """The small mechanisms as robots on Pinocchio, so that exact steps and logs take them like any other.
 
-Their coordinates are those of the systems in `textbook`: slides along x and z of the world in place of a free base,
-which are joints without a motor here.
+Their coordinates are those of the systems in `textbook`: slides along x and z of the world in place of a free
+base, which are joints without a motor here.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Small planar mechanisms as CasADi functions: point masses that move with q, and the contacts between them."""
+"""Small planar mechanisms as CasADi functions: point masses that move with q, and contacts between them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from surefoot.spatial import GRAVITY
 Place = Callable[[Any], tuple[Any, Any]]
 """q to the position (x, z) of a point [m], as CasADi expressions."""
 Distance = Callable[[Any], tuple[Any, Any]]
-"""q to the gap [m] of a contact and to the position along its tangent [m], whose rate is the sliding velocity."""
+"""q to the gap of a contact and to the position along its tangent, whose rate is the sliding velocity [m]."""
 
 
 @dataclass(frozen=True)

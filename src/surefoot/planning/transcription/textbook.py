@@ -1,4 +1,4 @@
-"""Five small problems through contact: a falling ball, a sliding point, a hopper, a pushed block, a kicker."""
+"""Five small problems through contact: a falling ball, a sliding point, a hopper, a push and a kick."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ HOPPER_LIMIT = (40.0, 200.0)
 
 
 def hopper(distance: float = 0.3, mu: float = 0.6, knots: int = 30, dt: float = 0.03) -> SmallProblem:
-    """Return a planar hopper that is to stand `distance` [m] further on: a body that keeps upright on one leg.
+    """Return a planar hopper, an upright body on one leg, that is to stand `distance` [m] further on.
 
     Coordinates x, z of the body, the hip's angle (the leg leans back where it is positive) and the leg's
     length; motors turn the hip and push along the leg.
@@ -112,9 +112,9 @@ BLOCK, PUSHER, PUSH_LIMIT = 2.0, 0.5, (40.0, 40.0)
 
 
 def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: float = 0.04) -> SmallProblem:
-    """Return a block of 2 kg that a foot, 10 cm away from it, is to push `distance` [m] on, where it rests.
+    """Return a block of 2 kg that a foot, 10 cm away, is to push `distance` [m] on, where it rests.
 
-    Coordinates x, z of the block, which does not tilt, and of the foot (0.5 kg), which forces in x and z move.
+    Coordinates x, z of the block, which does not tilt, and of the foot (0.5 kg), moved by forces in x and z.
     """
 
     def block(q: Any) -> tuple[Any, Any]:
@@ -132,8 +132,8 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
         Touch("foot", along_ground(foot, FOOT_RADIUS), mu),
     ]
     system = point_masses(
-        "block and foot", ["block_x", "block_z", "foot_x", "foot_z"], [2, 3], [(BLOCK, block), (PUSHER, foot)],
-        touches,
+        "block and foot", ["block_x", "block_z", "foot_x", "foot_z"], [2, 3],
+        [(BLOCK, block), (PUSHER, foot)], touches,
     )  # fmt: skip
     start = np.array([0.0, 0.0, -0.5 * BLOCK_WIDTH - FOOT_RADIUS - 0.1, 0.1])
 
