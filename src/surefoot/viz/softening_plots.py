@@ -113,3 +113,5 @@ def _draw(axis: Any, problem: SmallProblem, time: Any, curves: Any) -> None:
     """Draw a column of curves for each contact."""
     for k, touch in enumerate(problem.system.touches):
         axis.plot(time, curves[:, k], ".-", ms=3, color=FOOT_COLOURS[k], label=touch.name)
+    if np.ptp(curves) < 1e-6:  # a constant: no magnified rounding
+        axis.set_ylim(curves.mean() - 0.1, curves.mean() + 0.1)

@@ -7,7 +7,11 @@ from importlib import import_module
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.planning.tasks.task import Task
 
-TASKS: dict[str, str] = {}
+TASKS: dict[str, str] = {
+    "ball": "surefoot.planning.tasks.ball:TASK",
+    "hopper": "surefoot.planning.tasks.hopper:TASK",
+    "push": "surefoot.planning.tasks.push:TASK",
+}
 """Name to "module:object"."""
 
 
