@@ -33,7 +33,7 @@ LIKELY = 0.75
 GAP = 0.27
 """How far the rear legs stay behind the front ones when they are tucked, as a share of the base's height."""
 ABDUCTION, FOLD = 0.12, 0.12
-"""How far hips may turn in a flight from where they stand [rad]; share of a knee's range that it keeps free."""
+"""How far hips may turn in a flight from where they stand [rad]; share of its range that a knee keeps free."""
 BODY, KNEE = 0.18, 0.15
 """How near the ground the trunk and the joints above the feet may come, as shares of the base's height."""
 
@@ -117,7 +117,8 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
         robot, schedule, dt, knots, q, np.zeros(nv), reference,
         windows, weights, LIKELY * mu,
         torque_share=0.85, speed_share=0.8, clearance=0.06 * reach,
-        force_min=0.1 * robot.mass * GRAVITY, leg_gap=GAP * reach, body_clearance=BODY * reach, knee_clearance=KNEE * reach,
+        force_min=0.1 * robot.mass * GRAVITY, leg_gap=GAP * reach, body_clearance=BODY * reach,
+        knee_clearance=KNEE * reach,
     )  # fmt: skip
 
 

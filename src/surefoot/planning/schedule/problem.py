@@ -87,8 +87,8 @@ class ScheduleProblem:
     force_min
         Least normal force of a point that stands [N].
     leg_gap
-        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 to let
-        them be.
+        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 for
+        any.
     body_clearance, knee_clearance
         Least heights of the trunk's lower and upper corners, and of the joints above the feet [m].
 
