@@ -33,7 +33,9 @@ LIKELY = 0.75
 GAP = 0.27
 """How far the rear legs stay behind the front ones when they are tucked, as a share of the base's height."""
 ABDUCTION, FOLD = 0.12, 0.12
-"""How far hips may turn in a flight from where they stand [rad]; share of its range that a knee keeps free."""
+"""How far hips may turn in a flight from where they stand [rad]; share of its range that a knee leaves."""
+LOAD = 0.05
+"""Least normal force of a foot that stands, as a share of m g: a foot without any might as well lift off."""
 BODY, KNEE = 0.18, 0.15
 """How near the ground the trunk and the joints above the feet may come, as shares of the base's height."""
 
@@ -79,8 +81,8 @@ def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | No
     return ScheduleProblem(
         robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows,
         ScheduleWeights(symmetry=50.0), LIKELY * mu, torque_share=0.8, speed_share=0.8,
-        clearance=0.06 * float(robot.nominal[2]), body_clearance=BODY * float(robot.nominal[2]),
-        knee_clearance=KNEE * float(robot.nominal[2]),
+        clearance=0.06 * float(robot.nominal[2]), force_min=LOAD * robot.mass * GRAVITY,
+        body_clearance=BODY * float(robot.nominal[2]), knee_clearance=KNEE * float(robot.nominal[2]),
     )  # fmt: skip
 
 
@@ -117,7 +119,7 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
         robot, schedule, dt, knots, q, np.zeros(nv), reference,
         windows, weights, LIKELY * mu,
         torque_share=0.85, speed_share=0.8, clearance=0.06 * reach,
-        force_min=0.1 * robot.mass * GRAVITY, leg_gap=GAP * reach, body_clearance=BODY * reach,
+        force_min=2.0 * LOAD * robot.mass * GRAVITY, leg_gap=GAP * reach, body_clearance=BODY * reach,
         knee_clearance=KNEE * reach,
     )  # fmt: skip
 
