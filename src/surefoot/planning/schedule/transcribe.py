@@ -184,7 +184,7 @@ def swing_heights(problem: ScheduleProblem) -> FloatArray:
 
 
 def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
-    """Return the bounds of all variables, in the order of the NLP."""
+    """Return the bounds of all variables, (n,) each, in the order of the NLP."""
     robot, model, n = problem.robot, problem.robot.model, problem.knots
     nq, nx = int(model.nq), int(model.nq + model.nv)
     low = np.full((n + 1, nx), -np.inf)

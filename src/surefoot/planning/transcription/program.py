@@ -89,7 +89,7 @@ class Program:
     row_high: FloatArray
 
     def pack(self, motion: Motion) -> FloatArray:
-        """Return the variables of a motion; a of each pair is the size of what it stands for."""
+        """Return the variables (n,) of a motion; a of each pair is the size of what it stands for."""
         problem, layout, z = self.problem, self.layout, []
         for k in range(problem.knots):
             a, b = pairs_at(problem, motion, k)
@@ -100,7 +100,7 @@ class Program:
         return packed
 
     def unpack(self, z: FloatArray) -> Motion:
-        """Return the motion of variables."""
+        """Return the motion of variables (n,)."""
         problem, system = self.problem, self.problem.system
         rows = z.reshape(problem.knots, self.layout.width)
         q, v, u, _, b = np.split(rows, self.layout.ends()[1:-1], axis=1)
@@ -111,7 +111,7 @@ class Program:
         return Motion(np.vstack([problem.q, q]), np.vstack([problem.v, v]), u, b[:, :p].copy(), friction)
 
     def sides(self) -> tuple[IntArray, IntArray]:
-        """Return the numbers of the variables a and b of all pairs: (knots · pairs,) each."""
+        """Return the numbers of the variables a and b of all pairs: (knots pairs,) each."""
         starts = np.arange(self.problem.knots)[:, None] * self.layout.width
         begins = self.layout.ends()
         own = np.arange(self.layout.pairs)
