@@ -36,7 +36,11 @@ class MujocoHorizon(Horizon):
         self.model = with_motors(p.robot, p.mu, p.dt)
         self._data = [mujoco.MjData(self.model) for _ in range(p.knots)]
         n = self.v.shape[1]
-        self.J, self.rates, self.heights = np.zeros((p.knots, 0, n)), np.zeros((p.knots, 0, n)), np.zeros((p.knots, 0))
+        self.J, self.rates, self.heights = (
+            np.zeros((p.knots, 0, n)),
+            np.zeros((p.knots, 0, n)),
+            np.zeros((p.knots, 0)),
+        )
         self._robot = p.robot.model
         self._FD = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, self.model.nu))
 
