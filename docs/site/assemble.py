@@ -32,10 +32,10 @@ SECTIONS = {
 """Hundreds of a page's order, and what stands above them."""
 TITLE = {"en": "The course", "zh": "课程"}
 ABOUT = {
-    "en": "Contact mechanics of legged robots by measurement: every exercise of a textbook chapter, its tables "
-    "measured anew, its traps shown happening, and a troubleshooting manual that breaks things on purpose. "
-    "All code uses public names and runs when this site is built; all numbers in the texts come out of it, and "
-    "what they claim is asserted.",
+    "en": "Contact mechanics of legged robots by measurement: every exercise of a textbook chapter, its "
+    "tables measured anew, its traps shown happening, and a troubleshooting manual that breaks things. "
+    "All code uses public names and runs when this site is built; all numbers in the texts come out "
+    "of it, and what they claim is asserted.",
     "zh": "用测量来学习足式机器人的接触力学：一章教材的全部习题、重新测量的表格、演示出来的陷阱，"
     "以及一份故意制造故障的排查手册。"
     "全部代码只用公开接口，在构建本站时执行；文中数字都来自这些代码，结论由断言检验。",
