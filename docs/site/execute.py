@@ -30,7 +30,7 @@ class Ran:
 
     page: Page
     pieces: dict[str, list[tuple[str, str]]] = field(default_factory=lambda: {k: [] for k in LANGUAGES})
-    names: dict[str, Any] = field(default_factory=lambda: {"__name__": "page"})
+    names: dict[str, Any] = field(default_factory=lambda: {"__name__": "__main__"})
 
 
 def run_page(page: Page, figures: Path | None = None) -> Ran:
