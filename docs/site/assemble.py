@@ -106,7 +106,17 @@ def _copy(tree: Path) -> None:
                 target.write_text(without_code_links(path), encoding="utf-8")
             else:
                 shutil.copy(path, target)
-    shutil.copy(Path(__file__).with_name("index.md"), tree / "index.md")
+    (tree / "index.md").write_text(front_page(), encoding="utf-8")
+
+
+def front_page() -> str:
+    """Return the first page: `index.md`, and the docs that it does not list yet in a menu of their own."""
+    text = Path(__file__).with_name("index.md").read_text(encoding="utf-8")
+    names = sorted(path.stem for path in (ROOT / "docs").glob("*.md"))
+    others = [f"docs/{name}" for name in names if f"\ndocs/{name}\n" not in text]
+    if not others:
+        return text
+    return "\n".join([text, "```{toctree}", ":maxdepth: 1", ":caption: More", "", *others, "```", ""])
 
 
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s:]+)\)")

@@ -28,6 +28,18 @@ napoleon_use_ivar = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
+_ALIASES = ("ArrayLike", "FloatArray", "IntArray", "BoolArray", "Fit", "Cone", "Contact", "Terrain")
+    "ArrayLike",
+    "FloatArray",
+    "IntArray",
+    "BoolArray",
+    "Fit",
+    "Cone",
+    "Contact",
+    "Contacts",
+    "Terrain",
+)
+autodoc_type_aliases = {name: name for name in _ALIASES}
 python_maximum_signature_line_length = 90
 toc_object_entries_show_parents = "hide"
 
@@ -35,8 +47,8 @@ html_theme = "furo"
 html_title = "Surefoot"
 html_show_sphinx = False
 html_copy_source = False
-html_static_path: list[str] = []
-html_css_files: list[str] = []
+html_static_path = ["style"]
+html_css_files = ["surefoot.css"]
 html_theme_options = {
     "sidebar_hide_name": False,
     "light_css_variables": {"color-brand-primary": "#1b6ca8", "color-brand-content": "#1b6ca8"},

@@ -12,6 +12,9 @@ from docs.site.page import LANGUAGES
 
 OTHER = {"en": ("中文", "zh/course"), "zh": ("English", "../course")}
 """What the link to a page's other language says, and where it leads from the root of the tree."""
+_WIDE = "\u3000-\u303f\u4e00-\u9fff\uff00-\uffef"
+_CHINESE_BREAK = re.compile(rf"(?<=[{_WIDE}])\n(?=[{_WIDE}])")
+"""A line break between Chinese characters, which a browser would show as a space."""
 _DOC_LINK = re.compile(r"\[([^\]]+)\]\(\.\./([\w/-]+)\.md(#[\w-]+)?\)")
 NOTEBOOK = {"en": "This page as a notebook", "zh": "本页的 Jupyter 笔记本"}
 
@@ -25,6 +28,7 @@ def markdown(ran: Ran, language: str) -> str:
         lines += [*_piece(page.title[language], kind, text), ""]
     if language == "zh":  # the docs are in the English tree
         lines = [_DOC_LINK.sub(r'<a href="../../\2.html\3">\1</a>', line) for line in lines]
+        lines = [_CHINESE_BREAK.sub("", line) for line in lines]
     lines += [f"{{download}}`{NOTEBOOK[language]} <notebooks/{page.name}.ipynb>`", ""]
     return "\n".join(lines)
 
