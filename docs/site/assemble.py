@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import traceback
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -75,7 +76,9 @@ def _run(page: Page, trees: dict[str, Path]) -> None:
     try:
         render.write(run_page(page, trees["en"] / "course" / "figures"), trees)
     except Exception as error:
-        raise RuntimeError(f"course/{page.name}.md: {type(error).__name__}: {error}") from error
+        places = [frame for frame in traceback.extract_tb(error.__traceback__) if "course/" in frame.filename]
+        line = places[-1].lineno if places else 0
+        raise RuntimeError(f"course/{page.name}.md:{line}: {type(error).__name__}: {error}") from error
 
 
 def contents(chosen: list[Page], language: str) -> str:

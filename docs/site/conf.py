@@ -29,16 +29,6 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 _ALIASES = ("ArrayLike", "FloatArray", "IntArray", "BoolArray", "Fit", "Cone", "Contact", "Terrain")
-    "ArrayLike",
-    "FloatArray",
-    "IntArray",
-    "BoolArray",
-    "Fit",
-    "Cone",
-    "Contact",
-    "Contacts",
-    "Terrain",
-)
 autodoc_type_aliases = {name: name for name in _ALIASES}
 python_maximum_signature_line_length = 90
 toc_object_entries_show_parents = "hide"
