@@ -12,6 +12,7 @@ author = "the Surefoot authors"
 copyright = "the Surefoot authors, Apache-2.0"
 version = release = surefoot.__version__
 language = "en"  # the Chinese tree is built with -D language=zh_CN
+html_search_language = "en"  # also there: its index then holds runs of characters, and part of one is found
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -54,14 +55,29 @@ _CITED = re.compile(r"(\[\d+\])_")
 
 
 def _plain(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
-    """Keep |x| in docstrings an absolute value, and make numbered sources a list: many share a page."""
+    """Make reStructuredText of a docstring where the two differ.
+
+    |x| stays an absolute value, numbered sources become a list (many docstrings share a page), and attributes
+    that are told of together stay together.
+    """
+    section = ""
     for k, line in enumerate(lines):
+        if k and re.fullmatch("-{3,}", line):
+            section = lines[k - 1]
+        if section == "Attributes" and line[:1].isidentifier():
+            lines[k] = line = line.replace(", ", ",")
         lines[k] = line = _CITED.sub(r"\1", _SOURCE.sub(r"*  \1 ", line))
         if "|" in line and not line.lstrip().startswith((">>>", "...")):
             parts = _CODE.split(line)
             lines[k] = "".join(p if p.startswith("`") else p.replace("|", "\\|") for p in parts)
 
 
+def _no_tuple_fields(app: Any, what: str, name: str, thing: Any, skip: bool, options: Any) -> bool | None:
+    """Leave out the fields of named tuples: their class says what they are, they would say "Alias for ..."."""
+    return True if str(getattr(thing, "__doc__", "")).startswith("Alias for field number") else None
+
+
 def setup(app: Any) -> None:
     """Register with Sphinx."""
+    app.connect("autodoc-skip-member", _no_tuple_fields)
     app.connect("autodoc-process-docstring", _plain, priority=400)  # before napoleon
