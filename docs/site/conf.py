@@ -73,7 +73,7 @@ def _plain(app: Any, what: str, name: str, thing: Any, options: Any, lines: list
 
 
 def _no_tuple_fields(app: Any, what: str, name: str, thing: Any, skip: bool, options: Any) -> bool | None:
-    """Leave out the fields of named tuples: their class says what they are, they would say "Alias for ..."."""
+    """Leave out the fields of named tuples: their class says what they are."""
     return True if str(getattr(thing, "__doc__", "")).startswith("Alias for field number") else None
 
 
