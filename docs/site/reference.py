@@ -20,6 +20,7 @@ ROOMS = {
     "robot": "Robots",
     "control": "Controllers",
     "planning": "Planning",
+    "interop": "Contact sequences as data",
     "simulation": "Worlds and runs",
     "sweep": "Sweeps",
     "log": "Logs",
