@@ -38,6 +38,7 @@ LIGHTEST = 1e-6
 """Mass [kg] and inertia [kg m2] of a link that has none, in a model that is only drawn."""
 POINT_SIZE = 0.012
 """Radius of the ball that stands for a foot without one [m]."""
+_WIDER = {WANTED_COLOUR: 1.6, BONE_COLOUR: 5.0}
 CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
 
 Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]
@@ -106,7 +107,8 @@ class Renderer:
         if self.robot.floating:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
         self._mujoco.mj_forward(self.model, self.data)
-        self._camera.lookat[:] = q[:3] - [0.0, 0.0, 0.45 * self._size]
+        middle = q[:3] if self.robot.floating else self.data.xpos[1:].mean(axis=0)
+        self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self._size]
         self._renderer.update_scene(self.data, self._camera)
         bones = [(a.copy(), b - a, BONE_COLOUR) for a, b in self._bones]
         for line, drawn in ((False, arrows), (True, [*lines, *bones])):
@@ -133,7 +135,7 @@ class Renderer:
             return
         geom = scene.geoms[scene.ngeom]
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE if line else mujoco.mjtGeom.mjGEOM_ARROW
-        width = (0.0045 if line else 0.03) * (1.6 if colour == WANTED_COLOUR else 1.0) * self._size
+        width = (0.0045 if line else 0.03) * _WIDER.get(colour, 1.0) * self._size
         shade = np.array(colour, np.float32)
         mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), shade)
         length = 1.0 if line else 2.0  # MuJoCo draws an arrow half as long as its connector
