@@ -57,24 +57,24 @@ class WalkWeights:
         Weights of the last state, in units of those of the others.
     """
 
-    height: float = 335.0
-    tilt: float = 125.0
-    heading: float = 43.0
-    forward: float = 44.0
+    height: float = 147.0
+    tilt: float = 130.0
+    heading: float = 50.0
+    forward: float = 40.0
     vertical: float = 8.0
-    spin: float = 3.0
+    spin: float = 3.5
     hip: float = 21.0
-    knee: float = 1.75
-    joint_speed: float = 0.011
+    knee: float = 1.6
+    joint_speed: float = 0.0042
     slip: float = 0.4
-    width: float = 0.025
+    width: float = 0.016
     lift: float = 0.0
     landing: float = 0.1
-    torque: float = 0.0034
-    diagonal: float = 0.0072
+    torque: float = 0.004
+    diagonal: float = 0.006
     diagonal_pose: float = 0.0
-    diagonal_speed: float = 0.0044
-    terminal: float = 1.0
+    diagonal_speed: float = 0.0092
+    terminal: float = 0.3
 
 
 def walking_costs(robot: Robot, q: FloatArray, weights: WalkWeights) -> Costs:
