@@ -181,7 +181,8 @@ class ContactImplicitMpc(Controller):
         ]
         self.facts = {
             "kind": "walk", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu,
-            "gait": "contact-implicit", "notes": list(self.notes), "knots": s.knots, "knot_length": s.dt, "interval": s.interval,
+            "gait": "contact-implicit", "notes": list(self.notes), "knots": s.knots, "knot_length": s.dt,
+            "interval": s.interval,
         }  # fmt: skip
         self.reset()
 
@@ -267,7 +268,7 @@ class ContactImplicitMpc(Controller):
         count = self.settings.first_iterations if never else self.settings.iterations
         try:
             begun = self._go_on(state, passed) if self._well else self._begin(state)
-            if begun and all([self._iterate() for _ in range(count)]):
+            if begun and all(self._iterate() for _ in range(count)):
                 return True
         except SurefootError:  # a state that no step can be taken from
             pass

@@ -10,7 +10,9 @@ from surefoot.planning.shooting.state_space import difference, feedback, retract
 
 
 @inline_kernel
-def _between(floating: bool, a: FloatArray, b: FloatArray, share: float, out: FloatArray, way: FloatArray) -> None:
+def _between(
+    floating: bool, a: FloatArray, b: FloatArray, share: float, out: FloatArray, way: FloatArray
+) -> None:
     """Fill out (nq,) with the configuration a share of the way from a to b; `way` (nv,) is scratch."""
     difference(floating, a, b, way)
     for i in range(way.size):
