@@ -49,13 +49,12 @@ def test_mujocos_differences_are_turned_into_pinocchios_tangents() -> None:
     robot = load_robot("go2")
     engine = MujocoEngine(iteration.problem(robot, False, iteration.RIVAL_DT))
     iteration.start(engine)
-    now = engine.now
     rng = np.random.default_rng(0)
-    now.q[0] = pinocchio.integrate(robot.model, now.q[0], 0.1 * rng.normal(size=18))
-    now.q[0, 2] += 0.5  # in the air: smooth
-    now.v[0] = rng.normal(size=18)
-    assert engine.take(now.q, now.v, now.torques)
+    start = pinocchio.integrate(robot.model, robot.nominal, 0.1 * rng.normal(size=18))
+    start[2] += 0.5  # in the air: smooth
+    assert engine.restart(start, rng.normal(size=18))
     assert engine.differentiate(0.0)
+    now = engine.now
     A, B = now.A[0].copy(), now.B[0].copy()
     states, torques = (now.q.copy(), now.v.copy()), now.torques.copy()
     ends = []

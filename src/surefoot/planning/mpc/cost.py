@@ -2,7 +2,7 @@
 
 There is no schedule, no phase and no foothold in this cost. A trot comes out of five choices together:
 
-- the body should move at the commanded speed, level and at its height, which standing feet cannot do for long;
+- the body should move at the commanded speed, level and at its height, which no standing foot can for long;
 - feet near the ground should not slip (`slip`), so one that has to move is lifted first;
 - diagonal legs should use the same torques, mirrored (`diagonal`), and move alike (`diagonal_speed`): without
   it other gaits come out, and irregular ones;
