@@ -132,6 +132,14 @@ def test_a_robot_that_no_step_can_be_taken_from_gets_springs_and_is_taken_up_aga
     assert good.attained
 
 
+def test_after_a_long_pause_the_plan_begins_anew() -> None:
+    member, q = controller(0.0, first_iterations=2), place(go2())
+    member.step(RobotState(q, np.zeros(18), 0.0))
+    late = member.step(RobotState(q, np.zeros(18), 1e9))
+    assert late.attained
+    assert np.abs(late.torques).max() < go2().effort_limits.max()
+
+
 def test_a_reset_controller_repeats_itself() -> None:
     member, q = controller(0.3, first_iterations=2), place(go2())
 

@@ -312,6 +312,8 @@ class ContactImplicitMpc(Controller):
         """Move the last plan on in time, and let it begin where the robot is."""
         engine, dt = self.engine, self.settings.dt
         now, left = engine.now, passed / dt
+        if left > len(now):  # nothing is left of the plan
+            return self._begin(state)
         while left > 0.0:
             move_on(now.floating, now.q, now.v, now.torques, min(left, 1.0), dt)
             left -= 1.0
