@@ -28,6 +28,7 @@ TRIED = WalkWeights()
 VARIANTS: dict[str, tuple[WalkWeights, Velocity]] = {
     "diagonal legs not tied": (replace(TRIED, diagonal=0.0, diagonal_speed=0.0), FORWARD),
     "landing 8": (replace(TRIED, landing=8.0), FORWARD),
+    "0.25 m/s": (TRIED, (0.25, 0.0, 0.0)),
     "1 m/s": (TRIED, (1.0, 0.0, 0.0)),
     "0.3 m/s backwards": (TRIED, (-0.3, 0.0, 0.0)),
     "0.3 m/s to the left": (TRIED, (0.0, 0.3, 0.0)),

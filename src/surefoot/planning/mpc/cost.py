@@ -66,7 +66,7 @@ class WalkWeights:
     hip: float = 21.0
     knee: float = 1.6
     joint_speed: float = 0.0042
-    slip: float = 0.4
+    slip: float = 0.8
     width: float = 0.016
     lift: float = 0.0
     landing: float = 0.5
