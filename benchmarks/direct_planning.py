@@ -1,0 +1,169 @@
+"""What the direct method finds, at what price, and how far off it is when run again: docs/direct-planning.md.
+
+Run: python -m benchmarks.direct_planning [--quick]. Every motion is planned with coarse knots, then with
+finer ones from there. A plan's torques are then replayed in the rigid world: by the same steps, and by
+its own, of second order and 1 ms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from surefoot.audit import audit_log
+from surefoot.planning.direct import (
+    DirectPlan,
+    DirectProblem,
+    Facets,
+    RoundCone,
+    finer,
+    plan_direct,
+    planar_biped,
+    planar_hopper,
+    rest_to_rest,
+)
+from surefoot.planning.direct.contact_rows import ContactLaw
+from surefoot.planning.direct.planner import SMOOTHINGS
+from surefoot.planning.trajectory import Trajectory
+from surefoot.robot import load_robot
+from surefoot.simulation.rigid import RigidWorld
+
+AGAIN = (1e-2, 1e-4, 1e-6, 1e-8)
+"""Smoothings from a plan that is there [J]."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A motion, and by how much its knots are made finer in the end."""
+
+    name: str
+    problem: DirectProblem
+    factor: int
+
+
+def cases(quick: bool) -> list[Case]:
+    """Return the motions; the first alone where it has to be quick."""
+    out = [Case("hopper, 0.3 m on", rest_to_rest(planar_hopper(), 0.3), 3)]
+    if quick:
+        return out
+    go2 = load_robot("go2")
+    return [
+        *out,
+        Case("hopper, 0.3 m on, up by 0.15 m", rest_to_rest(planar_hopper(), 0.3, 0.15), 3),
+        Case("biped, 0.4 m on", rest_to_rest(planar_biped(), 0.4), 3),
+        Case("Go2, up by 0.12 m", rest_to_rest(go2, 0.0, 0.12, knots=20), 2),
+        Case("Go2, 0.3 m on", rest_to_rest(go2, 0.3, 0.0, knots=20), 2),
+    ]
+
+
+def replayed(problem: DirectProblem, motion: Trajectory, dt: float, order: int) -> float:
+    """Return how far a rigid world gets from a motion under its torques, by q ⊖ q [m, rad]."""
+    import pinocchio
+
+    world = RigidWorld(problem.robot, problem.terrain, mu=problem.mu, dt=dt, order=order)
+    world.reset(motion.q[0], motion.v[0])
+    worst = 0.0
+    for k, torques in enumerate(motion.torques):
+        for _ in range(round(problem.dt / dt)):
+            world.step(torques)
+        off = pinocchio.difference(problem.robot.model, motion.q[k + 1], world.state()[0])
+        worst = max(worst, float(np.abs(off).max()))
+    return worst
+
+
+def row_of(name: str, problem: DirectProblem, found: DirectPlan, spent: float) -> list[str]:
+    """Return the cells of one plan."""
+    plan, motion = found.plan, found.trajectory
+    report = audit_log(plan, problem.robot)
+    worst = ", ".join(dict.fromkeys(f"{v.law} {v.value:.2g} {v.unit}" for v in report.violations[:2]))
+    feet = "; ".join(
+        f"{foot} " + " ".join(f"{p.start:.2f}-{p.end:.2f}" for p in plan.contacts if p.foot == foot)
+        for foot in problem.robot.foot_names
+    )
+    return [
+        name, f"{problem.knots} x {1e3 * problem.dt:.0f} ms", plan.status.value, f"{spent:.1f}",
+        str(plan.iterations), f"{plan.cost:.4g}", f"{plan.law_residual:.1e}", f"{found.products:.1e}",
+        f"{found.departure:.1e}", f"{found.open_departure:.1e}",
+        f"{replayed(problem, motion, problem.dt, 1):.1e}", f"{replayed(problem, motion, 1e-3, 2):.2g}",
+        f"{report.verdict} {worst}".strip(), feet,
+    ]  # fmt: skip
+
+
+def plan_table(chosen: Sequence[Case]) -> Table:
+    """Return the table of plans, coarse and fine."""
+    table = Table(title="motions whose contacts nobody gave")
+    columns = (
+        "motion", "knots", "status", "CPU s", "iterations", "cost", "law residual", "min(phi dt, impulse)",
+        "off with feedback", "off without", "rigid world, same step", "rigid world, 1 ms", "audit",
+        "contacts [s]",
+    )  # fmt: skip
+    for column in columns:
+        table.add_column(column)
+    for case in chosen:
+        begin = time.process_time()
+        coarse = plan_direct(case.problem, smoothings=SMOOTHINGS)
+        table.add_row(*row_of(case.name, case.problem, coarse, time.process_time() - begin))
+        problem = finer(case.problem, case.factor)
+        begin = time.process_time()
+        fine = plan_direct(problem, guess=coarse.trajectory, smoothings=AGAIN)
+        table.add_row(*row_of("  finer, from there", problem, fine, time.process_time() - begin))
+    return table
+
+
+def start_table(problem: DirectProblem, firsts: Sequence[float], last: float = 1e-8) -> Table:
+    """Return what comes of the first smoothing."""
+    table = Table(title="the first smoothing decides which motion is found")
+    for column in ("first eps [J]", "status", "iterations", "cost", "CPU s"):
+        table.add_column(column, justify="right")
+    for first in firsts:
+        smoothings = [e for e in SMOOTHINGS if last <= e <= first]
+        begin = time.process_time()
+        found = plan_direct(problem, smoothings=smoothings)
+        spent = time.process_time() - begin
+        table.add_row(
+            f"{first:g}",
+            found.plan.status.value,
+            str(found.plan.iterations),
+            f"{found.plan.cost:.4g}",
+            f"{spent:.1f}",
+        )
+    return table
+
+
+def friction_table(problem: DirectProblem, laws: Sequence[ContactLaw]) -> Table:
+    """Return what comes of the ways to write friction."""
+    table = Table(title="friction in space: the round cone, or pyramids")
+    for column in ("friction", "status", "iterations", "cost", "CPU s", "off with feedback"):
+        table.add_column(column, justify="left" if column == "friction" else "right")
+    for law in laws:
+        begin = time.process_time()
+        found = plan_direct(problem, law=law)
+        plan, spent = found.plan, time.process_time() - begin
+        name = type(law).__name__ + f"({getattr(law, 'count', '')})"
+        numbers = str(plan.iterations), f"{plan.cost:.4g}", f"{spent:.1f}", f"{found.departure:.1e}"
+        table.add_row(name, plan.status.value, *numbers)
+    return table
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.direct_planning", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="the hopper only")
+    given = parser.parse_args(arguments)
+    console = Console(width=230)
+    console.print(plan_table(cases(given.quick)))
+    firsts = (1.0, 1e-8) if given.quick else (1.0, 1e-2, 1e-4, 1e-8)
+    console.print(start_table(rest_to_rest(planar_hopper(), 0.3), firsts))
+    if not given.quick:
+        jump = rest_to_rest(load_robot("go2"), 0.0, 0.12, knots=20)
+        console.print(friction_table(jump, (RoundCone(), Facets(4), Facets(8))))
+
+
+if __name__ == "__main__":
+    main()

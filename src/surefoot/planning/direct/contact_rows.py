@@ -1,0 +1,312 @@
+"""The contact laws of a knot as rows of an NLP: softened complementarity, or the equations of given modes.
+
+All of them speak of velocities and impulses: the normal impulse stands against the velocity φ = gap / dt +
+u_n with which the gap would be closed at the knot's end, so that a product of a pair is an energy [J].
+
+`Facets` is the formulation of Posa, Cantu and Tedrake (IJRR 2014, eqs. 8-12, after Stewart and Trinkle): the
+friction impulse is D β with β >= 0, and with γ the sliding speed
+
+    0 <= φ ⟂ λ_n >= 0,    0 <= γ + Dᵀu_t ⟂ β >= 0,    0 <= mu λ_n - Σβ ⟂ γ >= 0
+
+exact in the plane (two facets), an inner pyramid in space. `RoundCone` has the exact cone of space instead:
+||λ_t|| <= mu λ_n, γ >= ||u_t||, and maximum dissipation as one product, mu γ λ_n + λ_t·u_t <= eps, which the
+two inequalities keep above zero. `GivenModes` has no softening left: each contact is open, sticks or slides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.errors import ProblemError
+from surefoot.planning.transcription.forms import Form, form_named, import_casadi
+
+Expression = Any
+OPEN, STICK, SLIDE = 0, 1, 2
+"""Modes of a contact during a knot."""
+AXES = {2: (0,), 3: (0, 1)}
+"""Tangential contact axes in the plane y = 0 and in space."""
+ROUND = 1e-3
+"""Below this, norms of `RoundCone` are rounded off, in m/s and N s; less as eps falls, see `_rounding`."""
+
+
+@dataclass
+class Rows:
+    """Variables of a knot's contacts, what they must obey, and the impulses that they mean.
+
+    Attributes
+    ----------
+    variables
+        (m, 1) SX symbols.
+    low, high
+        (m,) bounds of the variables.
+    rows
+        Columns of SX with their bounds.
+    impulses
+        (3, p) SX in contact axes [N s].
+    cost
+        To be added to the objective.
+    """
+
+    variables: Expression
+    low: FloatArray
+    high: FloatArray
+    impulses: Expression
+    rows: list[tuple[Expression, float, float]] = field(default_factory=list)
+    cost: Expression = 0.0
+
+    def pair(self, form: Form, a: Expression, b: Expression, eps: Expression) -> None:
+        """Ask for a ⟂ b in a softened form."""
+        soft = form.soften(a, b, eps)
+        for k in range(soft.rows.shape[0]):
+            self.rows.append((soft.rows[k], float(soft.lower[k]), float(soft.upper[k])))
+        self.cost = self.cost + soft.cost
+
+
+class ContactLaw(Protocol):
+    """A way to write the laws of p contacts."""
+
+    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+        """Return the rows of a knot.
+
+        Parameters
+        ----------
+        closing
+            (p, 1) SX, φ [m/s].
+        sliding
+            (d, p) SX, u_t [m/s].
+        mu
+            Friction of the ground.
+        eps
+            SX scalar, the softening [J].
+        """
+        ...
+
+    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+        """Return values (N, m) of the variables for (N, p, 3), (N, p) and (N, p, d) of N knots."""
+        ...
+
+
+@dataclass(frozen=True)
+class Facets:
+    """Posa's rows with a pyramid of friction.
+
+    Attributes
+    ----------
+    count
+        Directions of friction: 2 in the plane, 4 or more in space.
+    form
+        Name of the softened form, see `surefoot.planning.transcription.forms.FORMS`.
+    """
+
+    count: int = 2
+    form: str = "relaxed"
+
+    def __post_init__(self) -> None:
+        form_named(self.form)
+        if self.count != 2 and self.count < 4:
+            raise ProblemError(f"facets must be 2 in the plane, at least 4 in space, got {self.count}")
+
+    @property
+    def directions(self) -> FloatArray:
+        """(d, count) unit vectors in the ground."""
+        if self.count == 2:
+            return np.array([[1.0, -1.0]])
+        angles = 2.0 * np.pi * np.arange(self.count) / self.count
+        return np.array([np.cos(angles), np.sin(angles)])
+
+    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+        """See `ContactLaw.write`; variables β, λ_n, φ, σ, γ, s of all contacts, one after the other."""
+        ca, form, m = import_casadi(), form_named(self.form), self.count
+        p, D = int(closing.shape[0]), ca.DM(self.directions)
+        x = ca.SX.sym("contact", (2 * m + 4) * p)
+        low = 0.0 if form.signs else -np.inf
+        own, impulses = np.full(x.shape[0], low), []
+        out = Rows(x, own, np.full(x.shape[0], np.inf), None)
+        for k in range(p):
+            beta, normal, phi, sigma, gamma, spare = _cut(x, k * (2 * m + 4), (m, 1, 1, m, 1, 1))
+            u = sliding[:, k]
+            equal = ca.vertcat(
+                phi - closing[k], sigma - (gamma + ca.mtimes(D.T, u)), spare - (mu * normal - ca.sum1(beta))
+            )
+            out.rows.append((equal, 0.0, 0.0))
+            out.pair(form, normal, phi, eps)
+            out.pair(form, beta, sigma, eps)
+            out.pair(form, gamma, spare, eps)
+            impulses.append(_with_normal(ca, ca.mtimes(D, beta), normal))
+        out.impulses = ca.horzcat(*impulses)
+        return out
+
+    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+        """See `ContactLaw.start`."""
+        D = self.directions
+        d = len(D)
+        # a tangential impulse as the two directions beside it, or in the plane the one along it
+        along = np.maximum(impulses[..., :d] @ D, 0.0) * (2.0 * d / self.count if d > 1 else 1.0)
+        speed = np.linalg.norm(sliding, axis=-1, keepdims=True)
+        normal, phi = impulses[..., 2:3], np.maximum(closing[..., None], 0.0)
+        sigma = np.maximum(speed + sliding @ D, 0.0)
+        spare = np.maximum(mu * normal - along.sum(axis=-1, keepdims=True), 0.0)
+        return _flat(np.concatenate([along, normal, phi, sigma, speed, spare], axis=-1))
+
+
+@dataclass(frozen=True)
+class RoundCone:
+    """Rows with the exact round cone of space, and maximum dissipation as one product.
+
+    Attributes
+    ----------
+    form
+        Of the normal pair; dissipation is always relaxed.
+    """
+
+    form: str = "relaxed"
+
+    def __post_init__(self) -> None:
+        form_named(self.form)
+
+    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+        """See `ContactLaw.write`; variables λ_t, λ_n, φ, u_t, γ of all contacts, one after the other."""
+        ca, form = import_casadi(), form_named(self.form)
+        d, p = (int(n) for n in sliding.shape)
+        many = 2 * d + 3
+        x = ca.SX.sym("contact", many * p)
+        each = [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d + [0.0]
+        out = Rows(x, np.tile(each, p), np.full(many * p, np.inf), None)
+        small, impulses = _rounding(ca, eps), []
+        for k in range(p):
+            friction, normal, phi, u, gamma = _cut(x, k * many, (d, 1, 1, d, 1))
+            out.rows.append((ca.vertcat(phi - closing[k], u - sliding[:, k]), 0.0, 0.0))
+            out.pair(form, normal, phi, eps)
+            out.rows.append((mu * normal - _length(ca, friction, small), 0.0, np.inf))
+            out.rows.append((gamma - _length(ca, u, small), 0.0, np.inf))
+            out.rows.append((mu * gamma * normal + ca.dot(friction, u) - eps, -np.inf, 0.0))
+            impulses.append(_with_normal(ca, friction, normal))
+        out.impulses = ca.horzcat(*impulses)
+        return out
+
+    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+        """See `ContactLaw.start`."""
+        d = sliding.shape[-1]
+        speed = np.linalg.norm(sliding, axis=-1, keepdims=True)
+        phi = np.maximum(closing[..., None], 0.0)
+        return _flat(np.concatenate([impulses[..., :d], impulses[..., 2:3], phi, sliding, speed], axis=-1))
+
+
+@dataclass(frozen=True)
+class GivenModes:
+    """The laws where it is known which contacts are open, stick or slide: no softening is left.
+
+    Variables λ_t, λ_n, φ, u_t, with bounds by the mode (`bounds`). The rows: mu² λ_n² - ||λ_t||² >= 0, zero
+    where a contact slides; there friction lies along the slide, λ_t x u_t = 0 (nothing to ask in the plane),
+    and against it, λ_t·u_t <= 0.
+    """
+
+    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+        """See `ContactLaw.write`."""
+        ca = import_casadi()
+        d, p = (int(n) for n in sliding.shape)
+        many = 2 * d + 2
+        x = ca.SX.sym("contact", many * p)
+        each = [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d
+        out = Rows(x, np.tile(each, p), np.full(many * p, np.inf), None)
+        impulses = []
+        for k in range(p):
+            friction, normal, phi, u = _cut(x, k * many, (d, 1, 1, d))
+            out.rows.append((ca.vertcat(phi - closing[k], u - sliding[:, k]), 0.0, 0.0))
+            if d == 2:
+                out.rows.append((friction[0] * u[1] - friction[1] * u[0], -np.inf, np.inf))
+            out.rows.append((mu * mu * normal * normal - ca.dot(friction, friction), 0.0, np.inf))
+            out.rows.append((ca.dot(friction, u), -np.inf, np.inf))
+            impulses.append(_with_normal(ca, friction, normal))
+        out.impulses = ca.horzcat(*impulses)
+        return out
+
+    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+        """See `ContactLaw.start`."""
+        d = sliding.shape[-1]
+        phi = np.maximum(closing[..., None], 0.0)
+        return _flat(np.concatenate([impulses[..., :d], impulses[..., 2:3], phi, sliding], axis=-1))
+
+    def bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds (N, m) of the variables for modes (N, p)."""
+        inf = np.inf
+        low = {
+            OPEN: [0.0] * (d + 2) + [-inf] * d,
+            STICK: [-inf] * d + [0.0] * (d + 2),
+            SLIDE: [-inf] * d + [0.0, 0.0] + [-inf] * d,
+        }
+        high = {
+            OPEN: [0.0] * (d + 1) + [inf] * (d + 1),
+            STICK: [inf] * (d + 1) + [0.0] * (d + 1),
+            SLIDE: [inf] * (d + 1) + [0.0] + [inf] * d,
+        }
+        return tuple(  # type: ignore[return-value]
+            np.array([[side[int(m)] for m in row] for row in modes]).reshape(len(modes), -1)
+            for side in (low, high)
+        )
+
+    def row_bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds (N, rows of the laws) for modes (N, p), in the order of `write`."""
+        inf, equal = np.inf, [0.0] * (d + 1)
+        along = {SLIDE: ([0.0], [0.0])}
+        low, high = list[list[float]](), list[list[float]]()
+        for row in modes:
+            least, most = list[float](), list[float]()
+            for mode in row:
+                cross = along.get(int(mode), ([-inf], [inf])) if d == 2 else ([], [])
+                least += [*equal, *cross[0], 0.0, -inf]
+                most += [*equal, *cross[1], *((0.0, 0.0) if mode == SLIDE else (inf, inf))]
+            low.append(least)
+            high.append(most)
+        return np.array(low), np.array(high)
+
+
+def read_modes(impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> IntArray:
+    """Return the modes (N, p) that softened contacts are nearest to.
+
+    Parameters
+    ----------
+    impulses, closing, sliding
+        (N, p, 3) [N s], (N, p) and (N, p, d) [m/s].
+    mu
+        Friction of the ground.
+    """
+    friction = np.linalg.norm(impulses[..., :2], axis=-1)
+    normal, speed = impulses[..., 2], np.linalg.norm(sliding, axis=-1)
+    closed = normal > closing
+    slides = speed > mu * normal - friction
+    return np.where(closed, np.where(slides, SLIDE, STICK), OPEN).astype(np.int64)
+
+
+def _cut(x: Expression, start: int, sizes: tuple[int, ...]) -> list[Expression]:
+    """Return pieces of x, one after the other."""
+    out = []
+    for size in sizes:
+        out.append(x[start : start + size])
+        start += size
+    return out
+
+
+def _with_normal(ca: Any, friction: Expression, normal: Expression) -> Expression:
+    """Return an impulse (3, 1); in the plane its lateral part is zero."""
+    across = ca.SX(1, 1) if friction.shape[0] == 1 else friction[1]
+    return ca.vertcat(friction[0], across, normal)
+
+
+def _rounding(ca: Any, eps: Expression) -> Expression:
+    """Return what norms are rounded by: it falls with the softening."""
+    return ca.fmin(ROUND, ca.sqrt(eps))
+
+
+def _length(ca: Any, x: Expression, small: Expression) -> Expression:
+    """Return ||x||, rounded off near zero and never larger."""
+    return ca.sqrt(ca.dot(x, x) + small * small) - small
+
+
+def _flat(values: FloatArray) -> FloatArray:
+    """Return (N, p, m) as (N, p m)."""
+    return values.reshape(len(values), -1)

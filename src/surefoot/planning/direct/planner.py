@@ -1,0 +1,306 @@
+"""The direct method: a motion and its contacts found together, softened less and less, made exact in the end.
+
+Posa, Cantu, Tedrake, "A direct method for trajectory optimization of rigid bodies through contact", IJRR 33
+(2014): states, torques and contact impulses of all knots are variables of one NLP, and the laws of contact
+are among its constraints. No contact is given. Here the step is that of `surefoot.stepping.Knot`, so that a
+solution is a motion of the exact step. The road:
+
+1. Ipopt on the softened laws, a b <= eps, for eps falling from 1 J to 1e-8 J, each from the last;
+2. the modes of all contacts are read off, and Ipopt solves the equations of these modes: nothing is soft;
+3. exact steps follow the result (`follow`). That is the plan, whatever the optimiser said.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray, whole_number
+from surefoot.contact import Status
+from surefoot.errors import ProblemError
+from surefoot.planning.direct.contact_rows import (
+    OPEN,
+    SLIDE,
+    STICK,
+    ContactLaw,
+    Facets,
+    GivenModes,
+    RoundCone,
+    read_modes,
+)
+from surefoot.planning.direct.follow import follow
+from surefoot.planning.direct.guess import Guess
+from surefoot.planning.direct.judge import REACH, departure, exact_cost, window_miss
+from surefoot.planning.direct.problem import DirectProblem
+from surefoot.planning.direct.search import DirectSearch, Iterate, contact_motion
+from surefoot.planning.direct.transcribe import contact_velocities
+from surefoot.planning.plan import Plan, Search, plan_from
+from surefoot.planning.tasks.task import Iteration, Tell
+from surefoot.planning.trajectory import Trajectory
+from surefoot.planning.transcription.forms import schedule
+
+SMOOTHINGS = schedule(1.0, 1e-8)
+"""Of the continuation [J]."""
+MAX_ITERATIONS = 300
+"""Of Ipopt, at each smoothing."""
+WARM: dict[str, Any] = {
+    "warm_start_init_point": "yes",
+    "warm_start_bound_push": 1e-8,
+    "warm_start_bound_frac": 1e-8,
+    "warm_start_slack_bound_push": 1e-8,
+    "warm_start_slack_bound_frac": 1e-8,
+    "warm_start_mult_bound_push": 1e-8,
+}
+"""Ipopt's options for the solution of a neighbour, with its multipliers."""
+NEAR: dict[str, Any] = {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}
+"""Those for a motion that obeys the equations but for the softening."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One of Ipopt's runs: its smoothing [J] (0 for the equations of the modes), and what came of it."""
+
+    smoothing: float
+    iterations: int
+    cost: float
+    violation: float
+    said: str
+
+
+@dataclass(frozen=True, eq=False)
+class DirectPlan:
+    """What the direct method found.
+
+    Attributes
+    ----------
+    plan
+        The exact motion; SOLVED or not.
+    motion
+        The optimiser's last one, which is not exact: a warm start for the next problem.
+    trajectory
+        Of the plan.
+    stages
+        Ipopt's runs.
+    departure
+        Largest distance of a position or angle of the exact motion from the optimiser's [m, rad].
+    open_departure
+        That of its torques alone, without feedback: how far errors grow.
+    products
+        Largest |min(φ dt, λ_n)| of the optimiser's motion [m or N s]: how far from complementary it is.
+    miss
+        How far outside its windows the exact motion is at worst: [m, rad], or in tenths of m/s.
+    """
+
+    plan: Plan
+    motion: Guess
+    trajectory: Trajectory
+    stages: tuple[Stage, ...]
+    departure: float
+    open_departure: float
+    products: float
+    miss: float
+
+
+def plan_direct(
+    problem: DirectProblem,
+    *,
+    law: ContactLaw | None = None,
+    guess: Guess | Trajectory | None = None,
+    smoothings: Sequence[float] = SMOOTHINGS,
+    max_iterations: int = MAX_ITERATIONS,
+    task: str = "direct",
+    tell: Tell | None = None,
+) -> DirectPlan:
+    """Return a motion through contact, found by the direct method.
+
+    Parameters
+    ----------
+    problem
+        See `DirectProblem`.
+    law
+        How the laws are written: `Facets` or `RoundCone`; None for Facets(2) in the plane and RoundCone() in
+        space.
+    guess
+        What to start from: a motion of any number of knots. None for the straight way to the reference.
+    smoothings
+        Of the continuation [J], falling. One small value with a good guess is a warm start.
+    max_iterations
+        Of Ipopt, at each smoothing.
+    task
+        What the plan is called.
+    tell
+        Called after each of Ipopt's runs.
+
+    Returns
+    -------
+    DirectPlan
+        Also where nothing was found: `plan.status` says so. A KeyboardInterrupt after Ipopt's first run ends
+        the search with what there is, not SOLVED unless it does the task (`Status.MAX_TIME`).
+
+    Raises
+    ------
+    ProblemError
+        For a guess that does not fit.
+    MissingExtra
+        If CasADi or Pinocchio is not installed.
+
+    Examples
+    --------
+    >>> from surefoot.planning.direct import DirectProblem, Window, plan_direct, planar_hopper
+    >>> hopper = planar_hopper()
+    >>> there = hopper.nominal + [0.3, 0.0, 0.0, 0.0, 0.0]
+    >>> ahead = DirectProblem(
+    ...     hopper, hopper.nominal, np.zeros(5), knots=24, dt=0.03, reference=there,
+    ...     end=Window.at(there, np.zeros(5), within=1e-3, speed=1e-2),
+    ... )
+    >>> found = plan_direct(ahead)
+    >>> found.plan.status.value, found.plan.law_residual < 1e-8, len(found.plan.contacts) > 1
+    ('solved', True, True)
+    """
+    began = time.perf_counter()
+    law = (Facets(2) if problem.planar else RoundCone()) if law is None else law
+    most = whole_number("max_iterations", max_iterations, low=1)
+    search, stages = DirectSearch(problem, law), _Stages(tell)
+    soft = _soften_less(search, search.pack(_start(problem, guess)), smoothings, most, stages)
+    found = [soft]
+    if not stages.interrupted:
+        modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
+        found.insert(0, _with_modes(problem, soft.guess, modes, most, stages, **NEAR))
+    return _made_exact(problem, found, (task, "direct"), stages, began)
+
+
+def plan_with_modes(
+    problem: DirectProblem,
+    modes: IntArray,
+    *,
+    guess: Guess | Trajectory | None = None,
+    max_iterations: int = 3 * MAX_ITERATIONS,
+    task: str = "direct",
+    tell: Tell | None = None,
+) -> DirectPlan:
+    """Return a motion over given modes: no complementarity is left, only equations and bounds.
+
+    Parameters
+    ----------
+    problem, guess, max_iterations, task, tell
+        See `plan_direct`.
+    modes
+        (knots, p) of every contact in every knot: 0 open, 1 sticks, 2 slides.
+
+    Raises
+    ------
+    ProblemError
+        For modes or a guess that do not fit.
+    """
+    began = time.perf_counter()
+    wanted, modes = (problem.knots, len(problem.robot.contact_points)), np.asarray(modes, dtype=np.int64)
+    if modes.shape != wanted or not np.isin(modes, (OPEN, STICK, SLIDE)).all():
+        said = (
+            f"got shape {modes.shape}"
+            if modes.shape != wanted
+            else f"got {sorted(set(modes.ravel().tolist()))}"
+        )
+        raise ProblemError(f"modes must have shape {wanted}, of 0 (open), 1 (sticks), 2 (slides), {said}")
+    stages = _Stages(tell)
+    found = _with_modes(problem, _start(problem, guess), modes, max_iterations, stages)
+    return _made_exact(problem, [found], (task, "given modes"), stages, began)
+
+
+class _Stages(list[Stage]):
+    """Ipopt's runs, told as they come."""
+
+    def __init__(self, tell: Tell | None) -> None:
+        super().__init__()
+        self._tell, self.interrupted = tell, False
+
+    @property
+    def iterations(self) -> int:
+        """Of all runs."""
+        return sum(s.iterations for s in self)
+
+    def note(self, smoothing: float, found: Iterate) -> None:
+        """Keep a run, and tell of it."""
+        self.append(Stage(smoothing, found.iterations, found.cost, found.violation, found.said))
+        if self._tell is not None:
+            what = f"eps {smoothing:g}" if smoothing else "modes"
+            self._tell(Iteration(self.iterations, found.cost, max(smoothing, found.violation), what))
+
+
+def _start(problem: DirectProblem, guess: Guess | Trajectory | None) -> Guess:
+    """Return what to start from, on the problem's knots."""
+    start = Guess.between(problem) if guess is None else Guess.of(guess, problem)
+    return start.checked(problem)
+
+
+def _soften_less(
+    search: DirectSearch, start: FloatArray, smoothings: Sequence[float], most: int, stages: _Stages
+) -> Iterate:
+    """Return what the continuation ends in: every smoothing from the solution of the one before."""
+    if not len(smoothings):
+        raise ProblemError("a continuation needs at least one smoothing")
+    found: Iterate | None = None
+    for eps in smoothings:
+        options: dict[str, Any] = {"max_iter": most, "tol": min(1e-6, max(eps, 1e-8))}
+        if found is not None:
+            options |= {**WARM, "mu_init": min(1e-2, eps)}
+        variables, multipliers = (start, None) if found is None else (found.variables, found.multipliers)
+        try:
+            found = search.solve(variables, eps, multipliers=multipliers, **options)
+            stages.note(eps, found)
+        except KeyboardInterrupt:
+            if found is None:
+                raise
+            stages.interrupted = True
+            break
+    assert found is not None
+    return found
+
+
+def _with_modes(
+    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
+) -> Iterate:
+    """Return the motion that obeys the equations of modes (N, p), from one that need not."""
+    law = GivenModes()
+    search, d = DirectSearch(problem, law), problem.tangents - 1
+    found = search.solve(
+        search.pack(motion), 0.0, contact_bounds=law.bounds(modes, d), row_bounds=law.row_bounds(modes, d),
+        max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
+    )  # fmt: skip
+    stages.note(0.0, found)
+    return found
+
+
+def _made_exact(
+    problem: DirectProblem, found: Sequence[Iterate], names: tuple[str, str], stages: _Stages, began: float
+) -> DirectPlan:
+    """Return the plan of the motion whose exact one comes nearest to the goal, the first if both arrive."""
+    best: tuple[float, Guess, Trajectory] | None = None
+    for candidate in found:
+        if not np.isfinite(candidate.variables).all():
+            continue
+        trajectory = follow(problem, candidate.guess)
+        miss = window_miss(problem, trajectory)
+        if best is None or (miss < best[0] and best[0] > REACH):
+            best = miss, candidate.guess, trajectory
+    if best is None:  # Ipopt met an error: nothing but to stay
+        motion = _start(problem, None)
+        trajectory = follow(problem, motion, feedback=False)
+        best = window_miss(problem, trajectory), motion, trajectory
+    miss, motion, trajectory = best
+    closing, _ = contact_motion(contact_velocities(problem), motion)
+    products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
+    alone = follow(problem, motion, feedback=False)
+    cost, reached = exact_cost(problem, trajectory), miss <= REACH
+    goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g})"
+    spent = time.perf_counter() - began
+    stopped = Status.MAX_TIME if stages.interrupted else Status.STALLED
+    search = Search(*names, cost, reached, stages.iterations, spent, goal, stopped)
+    return DirectPlan(
+        plan_from(trajectory, problem.robot, search, problem.terrain), motion, trajectory, tuple(stages),
+        departure(problem, motion, trajectory), departure(problem, motion, alone),
+        float(np.abs(products).max(initial=0.0)), miss,
+    )  # fmt: skip

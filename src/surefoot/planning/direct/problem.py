@@ -1,0 +1,225 @@
+"""What the direct method is asked: a robot, where it starts and is to end, what costs, what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_array, real_number, whole_number
+from surefoot.errors import ProblemError
+from surefoot.planning.direct.planar import passive_joints
+from surefoot.robot import Robot
+from surefoot.terrain import FlatTerrain, Terrain
+
+UNBOUNDED = 1e15
+"""Limits of a model beyond this are none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Bounds on the state at a knot; None for none, infinite entries for those that are free.
+
+    Attributes
+    ----------
+    q_low, q_high
+        (nq,) Pinocchio's order; of a quaternion its four numbers.
+    v_low, v_high
+        (nv,).
+    """
+
+    q_low: FloatArray | None = None
+    q_high: FloatArray | None = None
+    v_low: FloatArray | None = None
+    v_high: FloatArray | None = None
+
+    @classmethod
+    def at(
+        cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: float = 0.0, speed: float = 0.0
+    ) -> Window:
+        """Return the window about (nq,) q, (nv,) v, NaN left free: ± `within` [m, rad], `speed` [m/s]."""
+        sides = list[FloatArray | None]()
+        for value, reach in ((q, within), (v, speed)):
+            if value is None:
+                sides += [None, None]
+                continue
+            middle = np.asarray(value, dtype=np.float64)
+            sides += [np.where(np.isnan(middle), s * np.inf, middle + s * reach) for s in (-1.0, 1.0)]
+        return cls(*sides)
+
+
+@dataclass(frozen=True)
+class Weights:
+    """The cost of a knot, times dt, and of the end.
+
+    Attributes
+    ----------
+    torque
+        Of ||torques||² [1 / (N m)²]; those of joints without motor are zero anyway.
+    velocity
+        Of ||v - v_reference||².
+    posture
+        Of ||q - q_reference||².
+    change
+        Of ||v⁺ - v||² / dt: what makes motions quiet, touchdowns soft.
+    end
+        Of the end's distance from the reference, q and v, once.
+    """
+
+    torque: float = 1e-3
+    velocity: float = 1e-2
+    posture: float = 1e-1
+    change: float = 1e-3
+    end: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("torque", "velocity", "posture", "change", "end"):
+            real_number(name, getattr(self, name), low=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class DirectProblem:
+    """A motion to be found; no contact is given.
+
+    Attributes
+    ----------
+    robot
+        Whose feet may touch the ground.
+    q, v
+        (nq,), (nv,) the start.
+    knots, dt
+        Number of knots, and their length [s].
+    reference
+        (nq,) the posture that costs nothing; (knots + 1, nq) for one of each knot. None for q.
+    end
+        Bounds on the last state.
+    windows
+        Bounds on the states of some knots, by their number.
+    weights
+        See `Weights`.
+    mu, terrain
+        The ground: friction, and a plane (None for level).
+    torque_limits
+        (joints,) [N m]; None for the robot's own, zero where a joint has no motor.
+    joint_limits
+        Whether the model's limits on joint positions and speeds hold.
+    planar
+        Whether all contacts move in the plane y = 0; None to find out.
+
+    Raises
+    ------
+    ProblemError
+        For arrays that do not fit, numbers out of range, ground that is no plane.
+    """
+
+    robot: Robot
+    q: FloatArray
+    v: FloatArray
+    knots: int
+    dt: float
+    reference: FloatArray | None = None
+    end: Window = field(default_factory=Window)
+    windows: Mapping[int, Window] = field(default_factory=dict)
+    weights: Weights = field(default_factory=Weights)
+    mu: float = 0.6
+    terrain: Terrain = field(default_factory=FlatTerrain)
+    torque_limits: FloatArray | None = None
+    joint_limits: bool = True
+    planar: bool | None = None
+
+    def __post_init__(self) -> None:
+        robot, model = self.robot, self.robot.model
+        whole_number("knots", self.knots, low=1)
+        real_number("dt", self.dt, low=1e-6)
+        real_number("mu", self.mu, low=0.0, high=1e6)
+        if not self.terrain.planar:
+            raise ProblemError(f"the direct method takes a plane for ground, got {self.terrain!r}")
+        if not len(robot.contact_points):
+            raise ProblemError(f"{robot.name} has no feet: there is no contact to plan with")
+        given = {"q": robot.configuration(self.q), "v": finite_array("v", self.v, (model.nv,))}
+        reference = given["q"] if self.reference is None else real_array("reference", self.reference)
+        if reference.shape not in ((model.nq,), (self.knots + 1, model.nq)):
+            raise ProblemError(f"reference must have shape ({model.nq},) or ({self.knots + 1}, {model.nq})")
+        given["reference"] = np.array(np.broadcast_to(reference, (self.knots + 1, model.nq)))
+        limits = robot.effort_limits if self.torque_limits is None else self.torque_limits
+        limits = real_array("torque_limits", limits, (robot.joints,))
+        given["torque_limits"] = np.where(passive_joints(robot), 0.0, limits)
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        for k in self.windows:
+            if not 0 < k <= self.knots:
+                raise ProblemError(f"windows are of knots 1 to {self.knots}, got {k}")
+        if self.planar is None:
+            object.__setattr__(self, "planar", _moves_in_plane(robot))
+
+    @property
+    def references(self) -> FloatArray:
+        """(knots + 1, nq) the posture that costs nothing."""
+        assert self.reference is not None
+        return self.reference
+
+    @property
+    def tangents(self) -> int:
+        """Directions of space that a contact point can move in, 2 or 3."""
+        return 2 if self.planar else 3
+
+    def state_bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds (knots + 1, nq + nv) of all states; the start is fixed."""
+        model = self.robot.model
+        nq, nv = int(model.nq), int(model.nv)
+        low = np.full((self.knots + 1, nq + nv), -np.inf)
+        high = -low
+        if self.joint_limits:
+            _limit(self.robot, low, high)
+        for k, window in [*self.windows.items(), (self.knots, self.end)]:
+            _narrow(f"q of the window at knot {k}", window.q_low, window.q_high, low[k, :nq], high[k, :nq])
+            _narrow(f"v of the window at knot {k}", window.v_low, window.v_high, low[k, nq:], high[k, nq:])
+        low[0] = high[0] = np.concatenate([self.q, self.v])
+        return low, high
+
+
+def _moves_in_plane(robot: Robot) -> bool:
+    """Return whether no contact point can move across the plane y = 0, by Jacobians at random poses."""
+    import pinocchio
+
+    model, points = robot.model, robot.contact_points
+    data = model.createData()
+    rng = np.random.default_rng(0)
+    for _ in range(2):  # a bent pose can hide a direction, not two random ones
+        q = pinocchio.integrate(model, robot.nominal, rng.normal(size=model.nv))
+        pinocchio.computeJointJacobians(model, data, q)
+        for joint, place in zip(points.joints, points.places, strict=True):
+            J = pinocchio.getJointJacobian(
+                model, data, int(joint), pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
+            arm = data.oMi[int(joint)].rotation @ place
+            if np.abs(J[1] - (pinocchio.skew(arm) @ J[3:])[1]).max() > 1e-12:
+                return False
+    return True
+
+
+def _limit(robot: Robot, low: FloatArray, high: FloatArray) -> None:
+    """Write the model's joint limits into bounds on states."""
+    model, base = robot.model, (7 if robot.floating else 0)
+    nq = int(model.nq)
+    below, above = np.array(model.lowerPositionLimit)[base:], np.array(model.upperPositionLimit)[base:]
+    ordered = (below < above) & (below > -UNBOUNDED) & (above < UNBOUNDED)
+    low[1:, base:nq] = np.where(ordered, below, -np.inf)
+    high[1:, base:nq] = np.where(ordered, above, np.inf)
+    speed = np.array(model.upperVelocityLimit)[robot.base_dof :]
+    speed = np.where((speed > 0.0) & (speed < UNBOUNDED), speed, np.inf)
+    low[1:, nq + robot.base_dof :], high[1:, nq + robot.base_dof :] = -speed, speed
+
+
+def _narrow(
+    name: str, below: FloatArray | None, above: FloatArray | None, low: FloatArray, high: FloatArray
+) -> None:
+    """Write a window into the bounds of one state."""
+    if below is not None:
+        low[:] = np.maximum(low, real_array(name, below, low.shape))
+    if above is not None:
+        high[:] = np.minimum(high, real_array(name, above, high.shape))
+    if (low > high).any():
+        raise ProblemError(f"{name}[{int(np.argmax(low > high))}] leaves nothing within the limits")

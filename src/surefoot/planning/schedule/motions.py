@@ -1,0 +1,176 @@
+"""Known motions as scheduled problems for any quadruped: a jump forward or up, a backflip.
+
+Times scale with sqrt(h / g) for legs of height h, so that small and large robots move alike; numbers are
+those of a robot of Go2's size.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.control.gait import ModeSchedule
+from surefoot.planning.direct.problem import Window
+from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights, window_about
+from surefoot.planning.schedule.symmetry import quadruped_order
+from surefoot.robot import Robot, place
+from surefoot.spatial import GRAVITY
+
+LEG = 0.33
+"""Height of the base that the times below are for [m]."""
+PUSH, LAND = 0.4, 0.5
+"""Time on the ground before and after a flight [s]."""
+FLIGHT = 0.3
+"""Of a jump forward [s]."""
+REAR, TURN = 0.2, 0.52
+"""Time on the rear feet, and in the air, of a backflip [s]."""
+KNOT = 0.01
+"""Length of a knot [s]."""
+LIKELY = 0.75
+"""Share of the ground's friction that a plan counts on."""
+GAP = 0.27
+"""How far the rear legs stay behind the front ones when they are tucked, as a share of the base's height."""
+ABDUCTION, FOLD = 0.12, 0.12
+"""How far hips may turn in a flight from where they stand [rad]; share of its range that a knee leaves."""
+LOAD = 0.05
+"""Least normal force of a foot that stands, as a share of m g: a foot without any might as well lift off."""
+BODY, KNEE = 0.18, 0.15
+"""How near the ground the trunk and the joints above the feet may come, as shares of the base's height."""
+
+
+def time_scale(robot: Robot) -> float:
+    """Return by how much motions take longer than a robot's of Go2's size: sqrt(h / `LEG`)."""
+    return math.sqrt(float(robot.nominal[2]) / LEG)
+
+
+def modes(robot: Robot, phases: list[tuple[float, str]]) -> tuple[ModeSchedule, float]:
+    """Return the schedule of (duration [s], feet) and its length; feet are "all", "rear" or "none"."""
+    order = quadruped_order(robot)
+    table = np.zeros((len(phases), len(order)), dtype=bool)
+    for row, (_, feet) in zip(table, phases, strict=True):
+        row[order if feet == "all" else order[2:] if feet == "rear" else []] = np.True_
+    ends = np.cumsum([length for length, _ in phases])
+    return ModeSchedule(ends[:-1], table, max_flight=math.inf), float(ends[-1])
+
+
+def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | None = None) -> ScheduleProblem:
+    """Return a jump that carries the feet forward by a distance, the base up by a height [m].
+
+    Raises
+    ------
+    ProblemError
+        For a robot that is no quadruped, and a jump that is none.
+    """
+    scale = time_scale(robot)
+    flight = max(FLIGHT * scale, 2.0 * math.sqrt(2.0 * max(height, 0.0) / GRAVITY))
+    dt = round(KNOT * scale, 3) if dt is None else dt
+    push, land = PUSH * scale, LAND * scale
+    schedule, length = modes(robot, [(push, "all"), (flight, "none"), (land, "all")])
+    knots = round(length / dt)
+    q, t = place(robot), dt * np.arange(knots + 1)
+    reference = np.tile(q, (knots + 1, 1))
+    reference[:, 0] += distance * np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
+    reference[:, 2] += _flight_height(np.asarray(t - push), flight)
+    end = reference[-1]
+    within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
+    windows = {knots: window_about(end, np.zeros(robot.model.nv), within, 0.0)}
+    if height > 0.0:
+        windows[round((push + 0.5 * flight) / dt)] = _above(q, height)
+    return ScheduleProblem(
+        robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows,
+        ScheduleWeights(symmetry=50.0), LIKELY * mu, torque_share=0.8, speed_share=0.8,
+        clearance=0.06 * float(robot.nominal[2]), force_min=LOAD * robot.mass * GRAVITY,
+        body_clearance=BODY * float(robot.nominal[2]), knee_clearance=KNEE * float(robot.nominal[2]),
+    )  # fmt: skip
+
+
+def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProblem:
+    """Return a full turn backwards: a push of all feet, then of the rear ones, and a landing on all.
+
+    Raises
+    ------
+    ProblemError
+        For a robot that is no quadruped.
+    """
+    scale = time_scale(robot)
+    push, rear, flight, land = (scale * time for time in (PUSH, REAR, TURN, LAND))
+    dt = round(KNOT * scale, 3) if dt is None else dt
+    parts = [(push, "all"), (rear, "rear"), (flight, "none"), (land, "all")]
+    schedule, length = modes(robot, parts)
+    knots = round(length / dt)
+    q, t, nv = place(robot), dt * np.arange(knots + 1), int(robot.model.nv)
+    share = np.clip((t - push) / (rear + flight), 0.0, 1.0)
+    reference = np.tile(q, (knots + 1, 1))
+    reference[:, 0] -= 0.6 * float(robot.nominal[2]) * share
+    reference[:, 2] += _flight_height(np.asarray(t - push - rear), flight)
+    reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
+    reach = float(robot.nominal[2])
+    within = np.concatenate([[0.45 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
+    end = window_about(reference[-1], np.zeros(nv), within, 0.0)
+    touchdown = round((push + rear + flight) / dt)
+    windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}
+    windows |= {touchdown: _landing(robot, reference[-1], scale), knots: end}
+    weights = ScheduleWeights(
+        position=0.1, orientation=1.0, joints=0.05, velocity=0.002, change=1e-4, symmetry=50.0
+    )
+    return ScheduleProblem(
+        robot, schedule, dt, knots, q, np.zeros(nv), reference,
+        windows, weights, LIKELY * mu,
+        torque_share=0.85, speed_share=0.8, clearance=0.06 * reach,
+        force_min=2.0 * LOAD * robot.mass * GRAVITY, leg_gap=GAP * reach, body_clearance=BODY * reach,
+        knee_clearance=KNEE * reach,
+    )  # fmt: skip
+
+
+def _spread(robot: Robot, q: FloatArray) -> Window:
+    """Return where legs may be in a flight: abducted about as in (nq,) q, knees not bent to their stops."""
+    model = robot.model
+    low, high = np.full(int(model.nq), -np.inf), np.full(int(model.nq), np.inf)
+    hips = [int(model.joints[k].idx_q) for k in range(2, model.njoints) if model.parents[k] == 1]
+    low[hips], high[hips] = q[hips] - ABDUCTION, q[hips] + ABDUCTION
+    for knee in {int(model.joints[int(j)].idx_q) for j in robot.contact_points.joints}:
+        least, most = float(model.lowerPositionLimit[knee]), float(model.upperPositionLimit[knee])
+        if q[knee] < 0.0:
+            low[knee] = least + FOLD * (most - least)
+        else:
+            high[knee] = most - FOLD * (most - least)
+    return Window(low, high)
+
+
+def _above(q: FloatArray, height: float) -> Window:
+    """Return a window of the base at least so much above where it is in (nq,) q [m]."""
+    low = np.full(len(q), -np.inf)
+    low[2] = q[2] + height
+    return Window(low)
+
+
+def _landing(robot: Robot, end: FloatArray, scale: float) -> Window:
+    """Return where the body may be at touchdown: upright within 6 degrees, slow in pitch, legs stretched."""
+    nq, nv = int(robot.model.nq), int(robot.model.nv)
+    low, high = np.full(nq, -np.inf), np.full(nq, np.inf)
+    half = math.radians(3.0)
+    low[4], high[4] = end[4] - math.sin(half), end[4] + math.sin(half)
+    if end[6] < 0.0:
+        high[6] = -math.cos(half)
+    else:
+        low[6] = math.cos(half)
+    height = float(robot.nominal[2])
+    low[2], high[2] = 0.82 * height, 1.03 * height
+    slow, fast = np.full(nv, -np.inf), np.full(nv, np.inf)
+    slow[4], fast[4] = -4.0 / scale, 4.0 / scale
+    return Window(low, high, slow, fast)
+
+
+def _flight_height(t: FloatArray, flight: float) -> FloatArray:
+    """Return how much higher than at its ends a flight is [m]."""
+    inside = np.clip(t, 0.0, flight)
+    return np.asarray(0.5 * GRAVITY * inside * (flight - inside))
+
+
+def _turned(quaternion: FloatArray, angle: FloatArray) -> FloatArray:
+    """Return a quaternion after turns about its own y axis (T, 4); after a full turn its sign has changed."""
+    x, y, z, w = quaternion
+    s, c = np.sin(0.5 * angle), np.cos(0.5 * angle)
+    return np.column_stack([c * x - s * z, c * y + s * w, c * z + s * x, c * w - s * y])

@@ -1,0 +1,181 @@
+"""A motion over a given mode schedule: who stands when, where it starts and ends, what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
+from surefoot.control.gait import ContactSchedule
+from surefoot.errors import ProblemError
+from surefoot.planning.direct.problem import Window
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import FlatTerrain, Terrain
+
+UNBOUNDED = 1e15
+"""Limits of a model beyond this are none."""
+
+
+@dataclass(frozen=True)
+class ScheduleWeights:
+    """The cost of a second of motion, each part in units of its own scale.
+
+    Attributes
+    ----------
+    position, orientation
+        Of the base's distance from its reference [1/m², 1 per quaternion entry squared].
+    joints
+        Of the joints' distance from their reference [1/rad²].
+    velocity
+        Of the base's velocity and of the joints', squared.
+    torque
+        Of torques as shares of their limits, squared.
+    force
+        Of forces as shares of m g, squared.
+    change
+        Of the change of velocity from knot to knot, squared, per knot: what makes motions smooth.
+    symmetry
+        Of what differs between left and right: the base's y, roll and yaw, joints and their mirror images.
+    """
+
+    position: float = 2.0
+    orientation: float = 10.0
+    joints: float = 1.0
+    velocity: float = 0.01
+    torque: float = 1.0
+    force: float = 0.1
+    change: float = 1e-3
+    symmetry: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            real_number(name, getattr(self, name), low=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ScheduleProblem:
+    """What is asked of the optimiser.
+
+    Attributes
+    ----------
+    robot
+        With a floating base and feet.
+    schedule
+        When each foot stands.
+    dt, knots
+        Length [s] and number of knots.
+    q, v
+        (nq,), (nv,) the start.
+    reference
+        (knots + 1, nq) the motion that costs nothing; of a full turn the quaternions go on and change sign.
+    windows
+        Bounds on the states of some knots, by their number.
+    weights
+        See `ScheduleWeights`.
+    mu
+        Friction that may be used.
+    terrain
+        A plane.
+    torque_share, speed_share
+        Of the robot's limits that may be used.
+    clearance
+        How high feet swing in the middle of their flight [m].
+    force_min
+        Least normal force of a point that stands [N].
+    leg_gap
+        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 for
+        any.
+    body_clearance, knee_clearance
+        Least heights of the trunk's lower and upper corners, and of the joints above the feet [m].
+
+    Raises
+    ------
+    ProblemError
+        For arrays that do not fit, numbers out of range, ground that is no plane, a robot without a base.
+    """
+
+    robot: Robot
+    schedule: ContactSchedule
+    dt: float
+    knots: int
+    q: FloatArray
+    v: FloatArray
+    reference: FloatArray
+    windows: Mapping[int, Window] = field(default_factory=dict)
+    weights: ScheduleWeights = field(default_factory=ScheduleWeights)
+    mu: float = 0.5
+    terrain: Terrain = field(default_factory=FlatTerrain)
+    torque_share: float = 0.9
+    speed_share: float = 0.9
+    clearance: float = 0.02
+    force_min: float = 0.0
+    leg_gap: float = 0.0
+    body_clearance: float = 0.06
+    knee_clearance: float = 0.05
+
+    def __post_init__(self) -> None:
+        robot, model = self.robot, self.robot.model
+        if not (robot.floating and robot.feet):
+            raise ProblemError(
+                f"a scheduled motion needs a floating base and feet, {robot.name} has not both"
+            )
+        if self.schedule.feet != len(robot.feet):
+            told = f"the schedule has {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
+            raise ProblemError(told)
+        if not self.terrain.planar:
+            raise ProblemError(f"a scheduled motion takes a plane for ground, got {self.terrain!r}")
+        real_number("dt", self.dt, low=1e-4, high=0.2)
+        whole_number("knots", self.knots, low=2)
+        real_number("mu", self.mu, low=0.0, high=1e6)
+        for name in ("torque_share", "speed_share"):
+            real_number(name, getattr(self, name), low=1e-3, high=1e3)
+        real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
+        for name in ("clearance", "leg_gap", "body_clearance", "knee_clearance"):
+            real_number(name, getattr(self, name), low=0.0, high=10.0)
+        given = {
+            "q": robot.configuration(self.q),
+            "v": finite_array("v", self.v, (model.nv,)),
+            "reference": finite_array("reference", self.reference, (self.knots + 1, model.nq)),
+        }
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
+        for k in self.windows:
+            if not 0 < k <= self.knots:
+                raise ProblemError(f"windows are of knots 1 to {self.knots}, got {k}")
+
+    @property
+    def weight(self) -> float:
+        """M g [N]."""
+        return float(self.robot.mass * GRAVITY)
+
+    @property
+    def stance(self) -> BoolArray:
+        """(knots, p) which contact points stand in each knot."""
+        feet = self.schedule.horizon(0.0, self.dt, self.knots)
+        return np.asarray(feet[:, self.robot.contact_points.foot])
+
+    @property
+    def torque_limits(self) -> FloatArray:
+        """(joints,) that may be used [N m]."""
+        return np.asarray(self.torque_share * self.robot.effort_limits)
+
+    @property
+    def speed_limits(self) -> FloatArray:
+        """(joints,) that may be used [rad/s], infinite where the model has none."""
+        speed = np.array(self.robot.model.upperVelocityLimit)[self.robot.base_dof :]
+        return np.where((speed > 0.0) & (speed < UNBOUNDED), self.speed_share * speed, np.inf)
+
+
+def window_about(
+    q: ArrayLike, v: ArrayLike | None = None, within: ArrayLike = 0.0, speed: ArrayLike = 0.0
+) -> Window:
+    """Return the window of ± `within` about (nq,) q and ± `speed` about (nv,) v; arrays or numbers."""
+    q, reach = np.asarray(q, dtype=np.float64), np.asarray(within, dtype=np.float64)
+    if v is None:
+        return Window(q - reach, q + reach)
+    v, fast = np.asarray(v, dtype=np.float64), np.asarray(speed, dtype=np.float64)
+    return Window(q - reach, q + reach, v - fast, v + fast)

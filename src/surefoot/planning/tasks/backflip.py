@@ -1,0 +1,51 @@
+"""Backflip: a full turn backwards in the air."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.planning.plan import Plan
+from surefoot.planning.tasks.jump import at_rest
+from surefoot.planning.tasks.scheduled import METHOD, scheduled_plan
+from surefoot.planning.tasks.task import Request, Tell
+from surefoot.planning.trajectory import Trajectory
+from surefoot.robot import load_robot
+
+OFF = math.radians(8.0)
+"""How far the whole turn may be from a full one [rad]."""
+
+
+class Backflip:
+    """A full turn backwards, from standing to standing."""
+
+    name, meaning = "backflip", "a full turn backwards in the air, from standing to standing"
+    amount, robots = "", True
+    default: float | None = None
+    methods: tuple[str, ...] = (METHOD,)
+
+    def plan(self, request: Request, tell: Tell) -> Plan:
+        """Return the plan of a backflip, see `Task.plan`."""
+        from surefoot.planning.schedule.motions import backflip
+
+        robot = request.robot or load_robot("go2")
+        problem = backflip(robot, request.mu, request.dt)
+
+        def goal(motion: Trajectory) -> tuple[bool, str]:
+            angle = turned(motion.q)
+            still, said = at_rest(motion)
+            whole = abs(angle + 2.0 * math.pi) <= OFF
+            return bool(whole and still), f"turns by {math.degrees(angle):.0f} deg, {said}"
+
+        return scheduled_plan(self.name, problem, request, tell, goal)
+
+
+def turned(q: FloatArray) -> float:
+    """Return the angle by which (T, nq) configurations turn about the base's y axis, turns added up [rad]."""
+    angle = np.unwrap(2.0 * np.arctan2(q[:, 4], q[:, 6]), period=2.0 * math.pi)
+    return float(angle[-1] - angle[0])
+
+
+BACKFLIP = Backflip()

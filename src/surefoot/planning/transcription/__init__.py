@@ -1,0 +1,1 @@
+"""Contact-implicit problems as NLPs: complementarity forms, continuation, small textbook problems."""

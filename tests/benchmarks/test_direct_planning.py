@@ -1,0 +1,16 @@
+"""The benchmark of the direct method prints its tables."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("casadi")
+
+
+def test_quick_run(capsys) -> None:
+    from benchmarks.direct_planning import main
+
+    main(["--quick"])
+    said = capsys.readouterr().out
+    assert said.count("solved") == 4
+    assert "lawful" in said

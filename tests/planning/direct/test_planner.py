@@ -1,0 +1,231 @@
+"""Motions that the direct method finds: exact, lawful to the audit, the same in the rigid world."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.errors import MissingExtra, ProblemError
+from surefoot.planning import rollout
+from surefoot.planning.direct import (
+    DirectProblem,
+    Facets,
+    GivenModes,
+    Guess,
+    RoundCone,
+    Weights,
+    Window,
+    plan_direct,
+    plan_with_modes,
+    planar_biped,
+    planar_hopper,
+)
+from surefoot.planning.direct.contact_rows import STICK, read_modes
+from surefoot.planning.direct.planar import passive_joints
+from surefoot.planning.direct.search import DirectSearch
+from surefoot.robot import load_robot, place
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.terrain import SlopeTerrain, StairsTerrain
+
+pytest.importorskip("casadi")
+
+
+def ahead(robot, distance: float, **settings) -> DirectProblem:
+    """Rest to rest, `distance` [m] ahead."""
+    n = robot.model.nv
+    there = robot.nominal.copy()
+    there[0] += distance
+    given = {"knots": 24, "dt": 0.03, "reference": there, "end": Window.at(there, np.zeros(n), 1e-3, 1e-2)}
+    return DirectProblem(robot, robot.nominal, np.zeros(n), **{**given, **settings})
+
+
+@pytest.fixture(scope="module")
+def hop():
+    """The hopper's way of 0.3 m."""
+    problem = ahead(planar_hopper(), 0.3)
+    return problem, plan_direct(problem)
+
+
+def test_the_hopper_hops_and_nobody_said_when(hop) -> None:
+    _, found = hop
+    assert found.plan.raise_if_failed().law_residual < 1e-8
+    assert found.departure < 1e-6
+    assert found.miss <= 1e-3
+    assert found.products < 1e-9
+    phases = found.plan.contacts
+    assert len(phases) >= 2
+    assert found.trajectory.gaps.max() > 1e-3
+    assert (found.trajectory.torques[:, :3] == 0.0).all()
+    assert np.abs(found.trajectory.torques).max() <= 40.0
+    assert found.plan.cost == pytest.approx(found.stages[-1].cost, rel=1e-4)
+
+
+def test_the_motion_runs_again_without_feedback_and_in_the_rigid_world(hop) -> None:
+    """The plan's torques are a motion of `rollout`, and of a world that takes the same steps."""
+    problem, found = hop
+    motion = found.trajectory
+    again = rollout(problem.robot, motion.q[0], motion.v[0], motion.torques, dt=problem.dt, mu=problem.mu)
+    assert np.array_equal(again.q, motion.q)
+    world = RigidWorld(problem.robot, mu=problem.mu, dt=problem.dt, order=1)
+    world.reset(motion.q[0], motion.v[0])
+    for k, torques in enumerate(motion.torques):
+        world.step(torques)
+        assert np.abs(world.state()[0] - motion.q[k + 1]).max() < 1e-5
+    assert world.unsolved == 0
+
+
+def test_a_finer_plan_from_a_coarse_one_is_lawful_to_the_audit(hop) -> None:
+    """At 30 ms the step's linear gap leaves 2 mm at a knot's end, which the audit sees; at 10 ms nothing."""
+    problem, coarse = hop
+    assert {v.law for v in sf.audit_log(coarse.plan, problem.robot).violations} <= {"distance"}
+    finer = ahead(planar_hopper(), 0.3, knots=72, dt=0.01)
+    found = plan_direct(finer, guess=coarse.trajectory, smoothings=(1e-2, 1e-4, 1e-6, 1e-8))
+    assert len(found.plan.raise_if_failed()) == 72
+    assert sf.audit_log(found.plan, problem.robot).verdict == "lawful"
+
+
+def test_the_modes_of_a_plan_given_as_a_schedule_lead_to_it(hop) -> None:
+    """And a schedule in which the foot never leaves the ground leads nowhere."""
+    problem, found = hop
+    search = DirectSearch(problem, GivenModes())
+    modes = read_modes(found.motion.impulses, *search.seen(found.motion), problem.mu)
+    again = plan_with_modes(problem, modes)
+    assert again.plan.raise_if_failed().method == "given modes"
+    assert again.plan.cost == pytest.approx(found.plan.cost, rel=1e-3)
+    stuck = plan_with_modes(problem, np.full_like(modes, STICK), max_iterations=60)
+    assert stuck.plan.status.value == "stalled"
+    with pytest.raises(ProblemError, match=r"modes must have shape \(24, 1\), .* got \[3\]"):
+        plan_with_modes(problem, np.full_like(modes, 3))
+    with pytest.raises(ProblemError, match=r"got shape \(3, 1\)"):
+        plan_with_modes(problem, modes[:3])
+
+
+@pytest.mark.parametrize(
+    ("law", "smoothings"),
+    [(Facets(2), (1.0, 1e-1, 1e-2, 1e-4, 1e-8)), (RoundCone(), (1e-2, 1e-4, 1e-6, 1e-8))],
+)
+def test_both_ways_to_write_friction_find_a_step_of_the_biped(law, smoothings) -> None:
+    found = plan_direct(ahead(planar_biped(), 0.3), law=law, smoothings=smoothings)
+    assert found.plan.raise_if_failed().law_residual < 1e-8
+    assert {p.foot for p in found.plan.contacts} == {"left", "right"}
+    assert found.departure < 1e-4
+
+
+def test_a_plan_warm_starts_the_next_one(hop) -> None:
+    """The same plan comes out, in fewer iterations."""
+    _, found = hop
+    further = ahead(planar_hopper(), 0.32)
+    cold = plan_direct(further)
+    warm = plan_direct(further, guess=found.motion, smoothings=(1e-4, 1e-8))
+    assert warm.plan.raise_if_failed().iterations < 0.75 * cold.plan.raise_if_failed().iterations
+    assert warm.plan.cost == pytest.approx(cold.plan.cost, rel=1e-6)
+
+
+def test_uphill_with_little_friction() -> None:
+    """On a slope of 10 degrees, friction of 0.25 suffices: the friction used stays within it."""
+    hopper, slope = planar_hopper(), SlopeTerrain(10.0)
+    problem = ahead(hopper, 0.0, terrain=slope, mu=0.25, knots=12, end=Window())
+    found = plan_direct(problem)
+    assert found.plan.raise_if_failed().law_residual < 1e-8
+    impulses = found.trajectory.impulses
+    assert (np.abs(impulses[..., 0]) <= 0.25 * impulses[..., 2] * (1 + 1e-6) + 1e-12).all()
+
+
+def test_go2_shifts_its_weight_on_the_contacts_that_it_chooses() -> None:
+    """Lower by 4 cm and 2 cm ahead, in space, with no word on contacts."""
+    robot = load_robot("go2")
+    q = place(robot)
+    goal = np.full(19, np.nan)
+    goal[:3] = q[:3] + np.array([0.02, 0.0, -0.04])
+    problem = DirectProblem(
+        robot, q, np.zeros(18), knots=8, dt=0.04, end=Window.at(goal, np.zeros(18), 2e-3, 2e-2),
+        weights=Weights(torque=1e-4, change=1e-4),
+    )  # fmt: skip
+    found = plan_direct(problem, smoothings=(1e-1, 1e-3, 1e-5, 1e-8))
+    assert found.plan.raise_if_failed().law_residual < 1e-8
+    assert (np.abs(found.trajectory.torques).max(axis=0) <= robot.effort_limits).all()
+    assert sf.audit_log(found.plan, robot).verdict == "lawful"
+
+
+def test_what_cannot_be_reached_is_not_solved() -> None:
+    """0.6 m ahead within 0.09 s."""
+    found = plan_direct(ahead(planar_hopper(), 0.6, knots=3), smoothings=(1e-2, 1e-8), max_iterations=60)
+    assert found.plan.status.value == "stalled"
+    assert "outside its windows" in str(found.plan.fact("goal"))
+
+
+def test_noise_about_a_guess_moves_all_but_the_start() -> None:
+    problem = ahead(planar_biped(), 0.3)
+    straight = Guess.between(problem)
+    noisy = straight.noisy(problem, np.random.default_rng(0))
+    assert np.array_equal(noisy.q[0], problem.q)
+    assert (np.abs(noisy.q[1:] - straight.q[1:]).max(axis=1) > 0.0).all()
+    assert (noisy.impulses[..., 2] >= 0.0).all()
+
+
+def test_which_joints_have_no_motor() -> None:
+    assert passive_joints(planar_biped()).tolist() == [True] * 3 + [False] * 4
+    assert not passive_joints(load_robot("go2")).any()
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"knots": 0}, "knots must be a whole number >= 1"),
+        ({"terrain": StairsTerrain()}, "takes a plane for ground"),
+        ({"reference": np.zeros(4)}, r"reference must have shape \(5,\) or \(25, 5\)"),
+        ({"windows": {25: Window()}}, "windows are of knots 1 to 24, got 25"),
+        ({"torque_limits": np.ones(2)}, r"torque_limits must have shape \(5,\)"),
+    ],
+)
+def test_problems_that_are_none(settings, message) -> None:
+    with pytest.raises(ProblemError, match=message):
+        ahead(planar_hopper(), 0.3, **settings)
+
+
+def test_windows_that_leave_nothing() -> None:
+    far = planar_hopper().nominal + 9.0 * np.eye(5)[3]
+    problem = ahead(planar_hopper(), 0.3, end=Window.at(far))
+    with pytest.raises(ProblemError, match=r"q of the window at knot 24\[3\] leaves nothing"):
+        plan_direct(problem)
+
+
+def test_a_robot_without_feet_and_a_guess_that_does_not_fit() -> None:
+    arm = load_robot("ur5")
+    with pytest.raises(ProblemError, match="has no feet"):
+        DirectProblem(arm, arm.nominal, np.zeros(6), 5, 0.03)
+    problem = ahead(planar_hopper(), 0.3)
+    guess = Guess.between(problem)
+    with pytest.raises(ProblemError, match="torques of the guess must have shape"):
+        plan_direct(problem, guess=Guess(guess.q, guess.v, guess.torques[:, :4], guess.impulses))
+
+
+def test_facets_that_are_none() -> None:
+    with pytest.raises(ProblemError, match="facets must be 2 in the plane, at least 4 in space, got 3"):
+        Facets(3)
+    with pytest.raises(ProblemError, match="complementarity form"):
+        RoundCone("soft")
+
+
+def test_an_interrupt_ends_the_search_with_what_there_is() -> None:
+    """After two of Ipopt's runs the motion is soft: exact steps do not get there."""
+    heard = []
+
+    def tell(iteration) -> None:
+        heard.append(iteration.note)
+        if len(heard) == 2:
+            raise KeyboardInterrupt
+
+    found = plan_direct(ahead(planar_hopper(), 0.3), tell=tell)
+    assert heard == ["eps 1", "eps 0.1"]
+    assert found.plan.status.value in ("max_time", "invalid")
+    assert len(found.stages) == 2
+
+
+def test_without_casadi_one_line_says_what_to_install(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    with pytest.raises(MissingExtra, match=r"casadi is not installed; run: pip install 'surefoot\[plan\]'"):
+        plan_direct(ahead(planar_hopper(), 0.3))

@@ -1,0 +1,79 @@
+"""Every complementarity form leads to the same pairs, and says what it asks for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from surefoot.errors import ProblemError
+from surefoot.planning.transcription.forms import (
+    FORMS,
+    fischer_burmeister,
+    fischer_burmeister_eps,
+    form_named,
+    schedule,
+)
+
+casadi = pytest.importorskip("casadi")
+
+
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize("symbol", [casadi.SX, casadi.MX], ids=["SX", "MX"])
+def test_a_program_with_a_known_answer(name: str, symbol: Any) -> None:
+    """The nearest pair to (1, 0.3) and to (0.2, 2) with a b = 0 is (1, 0) and (0, 2)."""
+    form, target = FORMS[name], np.array([1.0, 0.2, 0.3, 2.0])
+    x, eps = symbol.sym("x", 4), symbol.sym("eps")
+    soft = form.soften(x[:2], x[2:], eps)
+    program = {"x": x, "p": eps, "f": casadi.sumsqr(x - target) + soft.cost, "g": soft.rows}
+    # bounds as they are: a penalty would profit from b = -1e-8, times its weight of 1e6
+    ipopt = {"print_level": 0, "sb": "yes", "tol": 1e-10, "bound_relax_factor": 0.0}
+    options = {"print_time": False, "ipopt": ipopt}
+    solver = casadi.nlpsol("solver", "ipopt", program, options)
+    guess = np.full(4, 0.5)
+    for value in schedule(0.1, 1e-12):
+        found = solver(
+            x0=guess, p=value, lbx=0.0 if form.signs else -np.inf, ubx=np.inf, lbg=soft.lower, ubg=soft.upper
+        )
+        guess = np.array(found["x"]).ravel()
+    assert guess == pytest.approx([1.0, 0.0, 0.0, 2.0], abs=2e-6)
+
+
+@pytest.mark.parametrize("name", [name for name, form in FORMS.items() if form.row is not None])
+def test_the_row_is_zero_exactly_where_the_product_is_eps(name: str) -> None:
+    form, eps = FORMS[name], 0.03
+    a = np.geomspace(1e-4, 1e3, 15)
+    on, above, below = (casadi.DM(share * eps / a) for share in (1.0, 1.5, 0.5))
+    at = lambda b: np.array(form.soften(casadi.DM(a), b, eps).rows).ravel()  # noqa: E731
+    assert at(on) == pytest.approx(np.zeros(15), abs=1e-12)
+    assert (at(above) > 0.0).all()
+    assert (at(below) < 0.0).all()
+    assert (form.soften(casadi.DM(a), on, eps).lower == (0.0 if form.equality else -np.inf)).all()
+
+
+def test_without_signs_the_function_has_no_other_zeros() -> None:
+    """The product is eps for two negative numbers, too; Fischer-Burmeister's function is not zero there."""
+    a = -np.geomspace(1e-3, 1e3, 13)
+    assert (fischer_burmeister(a, 0.03 / a, 0.03) < 0.0).all()
+
+
+def test_a_books_smoothing_is_another_number() -> None:
+    a, b, book = 0.3, 0.7, 0.01
+    ours = fischer_burmeister(a, b, fischer_burmeister_eps(book))
+    assert ours == pytest.approx(a + b - np.sqrt(a * a + b * b + book * book), abs=1e-15)
+
+
+def test_the_schedule() -> None:
+    assert schedule(0.1, 1e-4, 0.1) == (0.1, 0.01, 0.001, 1e-4)
+    assert schedule(0.1, 2e-3, 0.1) == (0.1, 0.01, 2e-3)
+    assert schedule(1e-8, 1e-8) == (1e-8,)
+
+
+def test_what_is_refused() -> None:
+    with pytest.raises(ProblemError, match="valid names: equal, fischer-burmeister"):
+        form_named("smooth")
+    with pytest.raises(ProblemError, match="one length"):
+        FORMS["equal"].soften(casadi.SX.sym("a", 2), casadi.SX.sym("b", 3), 0.1)
+    with pytest.raises(ProblemError, match="first >= last"):
+        schedule(1e-9, 1e-8)
