@@ -13,8 +13,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.engine import Engine
 from surefoot.planning.shooting.horizon import Horizon, Policy
-from surefoot.planning.shooting.state_space import defect, feedback
 from surefoot.planning.shooting.problem import ShootingProblem
+from surefoot.planning.shooting.state_space import defect, feedback
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import add_ground, robot_spec
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion, skew
@@ -88,7 +88,7 @@ class MujocoHorizon(Horizon):
         """Fill A, B and `moved` by finite differences; there is nothing to smooth."""
         import pinocchio
 
-        n, b = self.v.shape[1], self.block
+        b = self.block
         for k, data in enumerate(self._data):
             self._mujoco.mjd_transitionFD(self.model, data, STEP, self._centred, *self._FD, None, None)
             before, after = _turned(self.q[k], self.v[k]), _turned(self.q[k + 1], self.v[k + 1])

@@ -148,6 +148,8 @@ numerics.six             times                numerics/test_six.py::test_six_dim
 numerics.vectors         advance              numerics/test_points.py::test_vectors
 numerics.vectors         cross                numerics/test_points.py::test_vectors
 numerics.vectors         dot                  numerics/test_points.py::test_vectors
+planning.mpc.receding move_on planning/mpc/test_receding.py::test_a_plan_moved_on_is_read_between_its_knots
+planning.mpc.receding torques_between planning/mpc/test_receding.py::test_torques_between_knots_feed_the_distance_from_the_planned_state_back
 planning.shooting.cost_kernels cost_slopes planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals
 planning.shooting.cost_kernels motion_cost planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals by price
 planning.shooting.cost_kernels state_error planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals by price
