@@ -140,7 +140,7 @@ class ContactDetector:
         self._contact, self._above = np.zeros(n, dtype=bool), np.zeros(n)
 
     def update(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, normals: ArrayLike | None = None
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike | None = None, normals: ArrayLike | None = None
     ) -> Detection:
         """Return which feet touch, after one more step of length dt.
 
@@ -149,7 +149,8 @@ class ContactDetector:
         q, v
             (nq,), (nv,) configuration and velocity now, Pinocchio's order.
         tau
-            (joints,) torques applied from now to the next update [N m].
+            (joints,) torques applied from now to the next update [N m]; None to tell them by `applied`, once
+            they are known.
         normals
             (n, 3) of the ground under each foot, world axes; None for upwards.
 
@@ -163,7 +164,7 @@ class ContactDetector:
         robot, model, data = self.robot, self.robot.model, self._data
         configuration = robot.configuration(q)
         velocity = finite_array("v", v, (model.nv,))
-        torque = finite_array("tau", tau, (robot.joints,))
+        torque = None if tau is None else finite_array("tau", tau, (robot.joints,))
         up = self._normals(normals)
         M = np.triu(pinocchio.crba(model, data, configuration))
         C = pinocchio.computeCoriolisMatrix(model, data, configuration, velocity)  # and Jacobians
@@ -175,10 +176,21 @@ class ContactDetector:
             self._residual = self._keep * self._residual + (1.0 - self._keep) * seen
         self._momentum = momentum
         self._rate = C.T @ velocity - pinocchio.computeGeneralizedGravity(model, data, configuration)
-        self._rate[robot.base_dof :] += torque
+        if torque is not None:
+            self._rate[robot.base_dof :] += torque
         forces, speeds = self._feet(velocity, up)
         self._decide(np.einsum("ni,ni->n", forces, up), speeds)
         return Detection(self._contact.copy(), forces)
+
+    def applied(self, tau: ArrayLike) -> None:
+        """Tell the (joints,) torques [N m] from the last update, which was not told them, to the next.
+
+        Raises
+        ------
+        ProblemError
+            For the wrong shape or numbers that are not finite.
+        """
+        self._rate[self.robot.base_dof :] += finite_array("tau", tau, (self.robot.joints,))
 
     def _normals(self, normals: ArrayLike | None) -> FloatArray:
         n = len(self.robot.feet)
