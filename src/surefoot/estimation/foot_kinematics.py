@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -43,24 +44,83 @@ def feet_by_joints(
 
 
 @kernel
+def over_ground(
+    X: FloatArray, turn: FloatArray, arm: FloatArray, centres: FloatArray, velocities: FloatArray, out: FloatArray
+) -> None:  # fmt: skip
+    """Fill out (n,) with the feet's speeds over the ground [m/s], from the body's own velocity and turn rate.
+
+    X (3, 5 + n) is the filter's state with the IMU as its body, at `arm` (3,) from the base; `turn` (3,) the
+    turn rate, `centres` and `velocities` (n, 3) the feet against the base, all in body axes.
+    """
+    u = X[0, 0] * X[0, 3] + X[1, 0] * X[1, 3] + X[2, 0] * X[2, 3]
+    v = X[0, 1] * X[0, 3] + X[1, 1] * X[1, 3] + X[2, 1] * X[2, 3]
+    w = X[0, 2] * X[0, 3] + X[1, 2] * X[1, 3] + X[2, 2] * X[2, 3]
+    for k in range(centres.shape[0]):
+        x, y, z = centres[k, 0] - arm[0], centres[k, 1] - arm[1], centres[k, 2] - arm[2]
+        a = u + velocities[k, 0] + turn[1] * z - turn[2] * y
+        b = v + velocities[k, 1] + turn[2] * x - turn[0] * z
+        c = w + velocities[k, 2] + turn[0] * y - turn[1] * x
+        out[k] = math.sqrt(a * a + b * b + c * c)
+
+
+@kernel
 def roll(
-    rotation: FloatArray, turned: FloatArray, normals: FloatArray, radii: FloatArray, last: FloatArray,
-    rolled: FloatArray,
+    X: FloatArray, feet: FloatArray, normals: FloatArray, radii: FloatArray, touching: BoolArray,
+    last: FloatArray, rolled: FloatArray,
 ) -> None:  # fmt: skip
     """Add to rolled (n, 3) how far the centres of round feet went by rolling since the last call, world axes.
 
-    A sphere that turns by a small δθ without sliding moves by r δθ x n. `rotation` (3, 3) is the body's,
-    `turned` (n, 3, 3) the feet's against it, `last` (n, 3, 3) the feet's in the world, which is replaced.
+    A sphere that turns by a small δθ without sliding moves by r δθ x n; one that does not touch has not rolled.
+    `feet` (n, 3, 3) are the feet's rotations in body axes, `last` (n, 3, 3) those in the world at the last
+    call, which are replaced.
     """
+    now = np.empty((3, 3))
     for k in range(radii.shape[0]):
-        now = rotation @ turned[k]
-        turn = now @ last[k].T
-        a, b, c = (turn[2, 1] - turn[1, 2]) / 2, (turn[0, 2] - turn[2, 0]) / 2, (turn[1, 0] - turn[0, 1]) / 2
-        n = normals[k]
-        rolled[k, 0] += radii[k] * (b * n[2] - c * n[1])
-        rolled[k, 1] += radii[k] * (c * n[0] - a * n[2])
-        rolled[k, 2] += radii[k] * (a * n[1] - b * n[0])
+        for r in range(3):
+            for s in range(3):
+                now[r, s] = 0.0
+                for t in range(3):
+                    now[r, s] += X[r, t] * feet[k, t, s]
+        a = b = c = 0.0  # twice the turn: the skew part of now lastᵀ
+        for s in range(3):
+            a += now[2, s] * last[k, 1, s] - now[1, s] * last[k, 2, s]
+            b += now[0, s] * last[k, 2, s] - now[2, s] * last[k, 0, s]
+            c += now[1, s] * last[k, 0, s] - now[0, s] * last[k, 1, s]
+        x, y, z, half = normals[k, 0], normals[k, 1], normals[k, 2], 0.5 * radii[k]
+        rolled[k, 0] = rolled[k, 0] + half * (b * z - c * y) if touching[k] else 0.0
+        rolled[k, 1] = rolled[k, 1] + half * (c * x - a * z) if touching[k] else 0.0
+        rolled[k, 2] = rolled[k, 2] + half * (a * y - b * x) if touching[k] else 0.0
         last[k] = now
+
+
+@kernel
+def base_state(X: FloatArray, turn: FloatArray, arm: FloatArray, q: FloatArray, v: FloatArray) -> None:
+    """Fill the base's part of q and v in Pinocchio's order from the filter's state; see `over_ground`."""
+    for r in range(3):
+        q[r] = X[r, 4] - X[r, 0] * arm[0] - X[r, 1] * arm[1] - X[r, 2] * arm[2]
+        v[r] = X[0, r] * X[0, 3] + X[1, r] * X[1, 3] + X[2, r] * X[2, 3]
+        v[3 + r] = turn[r]
+    v[0] -= turn[1] * arm[2] - turn[2] * arm[1]
+    v[1] -= turn[2] * arm[0] - turn[0] * arm[2]
+    v[2] -= turn[0] * arm[1] - turn[1] * arm[0]
+    # Shepperd's method: divide by the largest of the quaternion's numbers
+    trace = X[0, 0] + X[1, 1] + X[2, 2]
+    i = 0
+    if X[1, 1] > X[i, i]:
+        i = 1
+    if X[2, 2] > X[i, i]:
+        i = 2
+    if trace >= X[i, i]:
+        q[6] = 1.0 + trace
+        q[3], q[4], q[5] = X[2, 1] - X[1, 2], X[0, 2] - X[2, 0], X[1, 0] - X[0, 1]
+    else:
+        j, m = (i + 1) % 3, (i + 2) % 3
+        q[3 + i] = 1.0 + 2.0 * X[i, i] - trace
+        q[3 + j], q[3 + m] = X[j, i] + X[i, j], X[m, i] + X[i, m]
+        q[6] = X[m, j] - X[j, m]
+    size = math.sqrt(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6])
+    for r in range(3, 7):
+        q[r] /= size if q[6] >= 0.0 else -size
 
 
 class FootKinematics:

@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.estimation.foot_kinematics import FootKinematics, roll
+from surefoot.estimation.foot_kinematics import FootKinematics, base_state, over_ground, roll
 from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
 from surefoot.robot import Robot
-from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion
+from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
 
 SLIDING = 0.5
@@ -46,6 +46,8 @@ class InvariantEkf:
     ----------
     filter
         `InvariantFilter`, with covariance and biases; its body is the IMU.
+    normals
+        (n, 3) of the ground where each foot landed last, world axes.
 
     Raises
     ------
@@ -103,10 +105,10 @@ class InvariantEkf:
         self.filter.reset(R, linear, start[:3] + R @ arm)
         self._turn = velocity[3:6].copy()
         self._joints, self._speeds = start[7:].copy(), velocity[6:].copy()
-        self._rolled, self._age = np.zeros((n, 3)), np.full(n, -1.0)
-        self._normals = np.tile([0.0, 0.0, 1.0], (n, 1))
+        self._rolled, self._age, self._pace = np.zeros((n, 3)), np.full(n, -self.dt), np.zeros(n)
+        self.normals = np.tile([0.0, 0.0, 1.0], (n, 1))
         self._feet.update(self._joints, self._speeds)
-        self._turned = np.array(R @ self._feet.rotations)
+        self._turned = np.ascontiguousarray(R @ self._feet.rotations)
 
     def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
         """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] that the IMU measured, base axes."""
@@ -132,13 +134,12 @@ class InvariantEkf:
         self.joints(positions, speeds)
         feet, body, arm = self._feet, self.filter, self.imu_position
         feet.update(self._joints, self._speeds)
-        touching = np.asarray(contact, dtype=bool) & (self.foot_speeds() <= SLIDING)
-        R = np.ascontiguousarray(body.rotation)
-        roll(R, feet.rotations, self._normals, self._radii, self._turned, self._rolled)
-        self._rolled[~touching] = 0.0
+        over_ground(body.X, self._turn, arm, feet.centres, feet.velocities, self._pace)
+        touching = np.asarray(contact, dtype=bool) & (self._pace <= SLIDING)
+        roll(body.X, feet.rotations, self.normals, self._radii, touching, self._turned, self._rolled)
         self._age = np.where(touching, self._age + self.dt, -self.dt)
         landed = self._age < SETTLING
-        places = feet.centres - arm - self._rolled @ R  # rows: Rᵀ rolled
+        places = feet.centres - arm - self._rolled @ body.rotation  # rows: Rᵀ rolled
         used = body.observe(places, feet.spreads, touching, landed)
         for k in np.flatnonzero(touching & (self._age < 0.5 * self.dt)):
             self._land(int(k))
@@ -149,27 +150,13 @@ class InvariantEkf:
         if self.ground is None:
             return
         place = self.filter.X[:, 5 + k]
-        normal = self._normals[k] = self.ground.normal(place[:2])
+        normal = self.normals[k] = self.ground.normal(place[:2])
         excess = float(place[2] - self.ground.height(place[:2])) * normal[2] - self._soles[k]
-        self.filter.observe_height(k, self._normals[k], excess, HEIGHT)
-
-    def foot_speeds(self) -> FloatArray:
-        """Return how fast the feet move over the ground as far as is known: (n,) [m/s]."""
-        feet, w, r = self._feet, self._turn, self.filter
-        v = r.velocity @ r.rotation + feet.velocities  # rows: Rᵀ v
-        arms = feet.centres - self.imu_position
-        v[:, 0] += w[1] * arms[:, 2] - w[2] * arms[:, 1]
-        v[:, 1] += w[2] * arms[:, 0] - w[0] * arms[:, 2]
-        v[:, 2] += w[0] * arms[:, 1] - w[1] * arms[:, 0]
-        return np.asarray(np.sqrt((v * v).sum(axis=1)))
+        self.filter.observe_height(k, self.normals[k], excess, HEIGHT)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return the estimate q (nq,) and v (nv,) in Pinocchio's order."""
-        R, arm, w = self.filter.rotation, self.imu_position, self._turn
         q, v = np.empty(self.robot.model.nq), np.empty(self.robot.model.nv)
-        q[:3] = self.filter.position - R @ arm
-        q[3:7] = quaternion_from_rotation(R)
-        v[:3] = self.filter.velocity @ R - np.cross(w, arm)
-        v[3:6] = w
+        base_state(self.filter.X, self._turn, self.imu_position, q, v)
         q[7:], v[6:] = self._joints, self._speeds
         return q, v

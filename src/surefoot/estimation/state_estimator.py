@@ -19,6 +19,10 @@ from surefoot.estimation.contact_detection import ContactDetector, DetectionSett
 from surefoot.estimation.inekf_robot import InvariantEkf
 
 
+DETECTION = DetectionSettings(lift_off=0.08, still=0.1)
+"""Thresholds in the loop: a controller that waits for a foot which has landed softly falls meanwhile."""
+
+
 class Health(StrEnum):
     """Whether an estimate can be used."""
 
@@ -82,7 +86,7 @@ class StateEstimator:
     ekf
         The filter on its robot.
     detection
-        Thresholds of the contact detection; None for its defaults.
+        Thresholds of the contact detection; None for `DETECTION`.
     watch
         When the estimate has failed; None for the defaults.
 
@@ -99,7 +103,7 @@ class StateEstimator:
         watch: WatchSettings | None = None,
     ) -> None:
         self.ekf, self.watch = ekf, watch or WatchSettings()
-        self.detector = ContactDetector(ekf.robot, ekf.dt, detection)
+        self.detector = ContactDetector(ekf.robot, ekf.dt, detection or DETECTION)
         self.reset(ekf.robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
@@ -121,7 +125,7 @@ class StateEstimator:
         if not (np.isfinite(q).all() and np.isfinite(v).all()):
             self.health = Health.DIVERGED
             return np.zeros(len(ekf.robot.feet), dtype=bool)
-        return self.detector.update(q, v).contact
+        return self.detector.advance(q, v, ekf.normals).contact
 
     def update(self, contact: BoolArray, standing: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Correct and return the estimate q (nq,) and v (nv,), Pinocchio's order.
