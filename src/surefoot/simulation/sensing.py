@@ -12,12 +12,13 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import Command, RobotState
 from surefoot.control.damping import damping_torques
-from surefoot.estimation import Health, InvariantEkf, StateEstimator
+from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
 from surefoot.simulation.faults import ActiveFaults
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.simulation.world import World
+from surefoot.spatial import GRAVITY
 
 STOP_TIME = 1.0
 """How long a robot that has lost its state estimate is let down before the run ends [s]."""
@@ -92,7 +93,17 @@ class EstimatedState(Sensing):
         foot = np.asarray(world.contact_foot)
         self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
         self._standing: BoolArray | None = None
+        self._warm_up(robot.nominal)
         self._started = False
+
+    def _warm_up(self, q: FloatArray) -> None:
+        """Compile or load all that a step calls, so that no step of the run waits."""
+        estimator, joints = self.estimator, np.zeros(self.sensors.robot.joints)
+        reading = Reading(np.zeros(3), np.array([0.0, 0.0, GRAVITY]), q[7:], joints)
+        for _ in range(3):
+            touching = estimator.predict(reading)
+            estimator.update(np.ones_like(touching))
+            estimator.applied(joints)
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """See `Sensing.state`."""

@@ -84,7 +84,8 @@ class TouchModel:
     Attributes
     ----------
     torque_noise
-        White noise of a torque as the detector hears it, as a share of the joint's limit.
+        White noise of a torque as the detector hears it, as a share of m g times the height of the base over
+        the number of joints: what a joint's torque is like while the robot stands.
     torque_scale
         Standard deviation of each motor's factor between torque and current, off 1.
     missed
@@ -95,7 +96,7 @@ class TouchModel:
         Length of a false touch [s].
     """
 
-    torque_noise: float = 0.01
+    torque_noise: float = 0.05
     torque_scale: float = 0.03
     missed: float = 0.0
     false: float = 0.0
@@ -221,8 +222,8 @@ class Sensors:
         self.accelerometer_bias = imu.accelerometer_bias * r.normal(size=3)
         self._offsets = encoders.bias * r.normal(size=robot.joints)
         self._factors = 1.0 + touch.torque_scale * r.normal(size=robot.joints)
-        limits = robot.effort_limits
-        self._torque_noise = touch.torque_noise * np.where(np.isfinite(limits), limits, 0.0)
+        usual = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.0) / max(robot.joints, 1)
+        self._torque_noise = touch.torque_noise * usual
         self._imu: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=1 + round(imu.latency / dt))
         self._legs: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=1 + round(encoders.latency / dt))
         self._arm = np.array(imu.position)
