@@ -99,7 +99,9 @@ class InvariantEkf:
             For wrong shapes or numbers that are not finite.
         """
         start = self.robot.configuration(q)
-        velocity = np.zeros(self.robot.model.nv) if v is None else finite_array("v", v, (self.robot.model.nv,))
+        velocity = (
+            np.zeros(self.robot.model.nv) if v is None else finite_array("v", v, (self.robot.model.nv,))
+        )
         R, arm, n = rotation_from_quaternion(start[3:7]), self.imu_position, len(self.robot.feet)
         linear = R @ (velocity[:3] + np.cross(velocity[3:6], arm))
         self.filter.reset(R, linear, start[:3] + R @ arm)

@@ -18,7 +18,6 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.inekf_robot import InvariantEkf
 
-
 DETECTION = DetectionSettings(lift_off=0.08, still=0.1)
 """Thresholds in the loop: a controller that waits for a foot which has landed softly falls meanwhile."""
 
@@ -31,7 +30,7 @@ class Health(StrEnum):
     NO_CONTACT = "no foot touched"
     """No foot has touched for too long: what the IMU gives alone has drifted."""
     DIVERGED = "diverged"
-    """Feet touch but contradict it, or it is not finite: it is wrong."""
+    """Feet touch but contradict it, its biases are none that sensors have, or it is not finite."""
 
 
 class Reading(NamedTuple):
@@ -66,15 +65,19 @@ class WatchSettings:
         Time without a foot that is believed from which the estimate is lost [s].
     fastest
         Speed of the base from which it is [m/s].
+    bias
+        Size of a bias from which it is, as a multiple of its standard deviation at the start: what takes up
+        that much is no bias, but a sensor that is broken.
     """
 
     doubt: float = 0.03
     doubted: float = 0.3
     patience: float = 0.3
     fastest: float = 10.0
+    bias: float = 10.0
 
     def __post_init__(self) -> None:
-        for name in ("doubt", "doubted", "patience", "fastest"):
+        for name in ("doubt", "doubted", "patience", "fastest", "bias"):
             real_number(name, getattr(self, name), low=1e-6)
 
 
@@ -104,6 +107,8 @@ class StateEstimator:
     ) -> None:
         self.ekf, self.watch = ekf, watch or WatchSettings()
         self.detector = ContactDetector(ekf.robot, ekf.dt, detection or DETECTION)
+        noise = ekf.filter.noise
+        self._largest = self.watch.bias * np.array([noise.gyro_bias, noise.accelerometer_bias])
         self.reset(ekf.robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
@@ -157,7 +162,8 @@ class StateEstimator:
         if self.health is not Health.GOOD:
             return
         speed = float(np.linalg.norm(body.velocity))
-        if not speed <= watch.fastest:
+        biased = np.abs(body.bias).reshape(2, 3).max(axis=1)
+        if not (speed <= watch.fastest and (biased <= self._largest).all()):
             self.health = Health.DIVERGED
         elif self._alone >= watch.patience:
             half = self._unheard >= 0.5 * self._alone

@@ -21,7 +21,7 @@ from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
-from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, TrueState, letting_down
+from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, Stop, TrueState
 from surefoot.simulation.world import ContactReading, World
 from surefoot.simulation.world_facts import softness_of, told_by
 from surefoot.spatial import GRAVITY
@@ -150,6 +150,9 @@ class _Run:
     faults: ActiveFaults
     sensing: Sensing
 
+    def __post_init__(self) -> None:
+        self.stop = Stop(self.world)
+
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
 
@@ -214,7 +217,7 @@ class _Run:
     def _decide(self, state: RobotState, last: Command | None) -> Command:
         """Return the controller's command, or that of a robot which has lost its state."""
         if self.sensing.lost and last is not None:
-            return letting_down(self.world, state, last)
+            return self.stop.command(state, last)
         return self.controller.step(state)
 
     def _record(self, moment: Moment) -> None:

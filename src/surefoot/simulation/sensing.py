@@ -11,7 +11,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import Command, RobotState
-from surefoot.control.damping import damping_torques
+from surefoot.control.standstill import Standstill
 from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
@@ -20,8 +20,8 @@ from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.simulation.world import World
 from surefoot.spatial import GRAVITY
 
-STOP_TIME = 1.0
-"""How long a robot that has lost its state estimate is let down before the run ends [s]."""
+STOP_TIME = 1.5
+"""How long a robot that has lost its state estimate goes on standing before the run ends [s]."""
 
 
 class Sensing(Protocol):
@@ -140,13 +140,18 @@ class EstimatedState(Sensing):
         }  # fmt: skip
 
 
-def letting_down(world: World, state: RobotState, last: Command) -> Command:
-    """Return the command of a robot that does not know its state: torques that slow the joints, no forces."""
-    robot = world.robot
-    return replace(
-        last,
-        torques=damping_torques(robot, state.v, robot.effort_limits),
-        forces=np.zeros_like(last.forces),
-        active=np.zeros_like(last.active),
-        attained=False,
-    )
+class Stop:
+    """What is commanded once the state is lost: joints that go to the stance by themselves, no forces."""
+
+    def __init__(self, world: World) -> None:
+        self._standstill = Standstill(world.robot, world.dt)
+
+    def command(self, state: RobotState, last: Command) -> Command:
+        """Return the command for a state whose joints alone are known, after the last one."""
+        return replace(
+            last,
+            torques=self._standstill.torques(state.q[7:], state.v[6:]),
+            forces=np.zeros_like(last.forces),
+            active=np.zeros_like(last.active),
+            attained=False,
+        )
