@@ -1,4 +1,4 @@
-"""The feet as the joints have them, rolling, and the detector's kernels: against Pinocchio and plain NumPy."""
+"""The feet as the joints have them, rolling, and the detector's kernels: against Pinocchio and NumPy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The invariant filter: its equations against plain NumPy, its theory, its consistency, and another filter."""
+"""The invariant filter: its equations against NumPy, its theory, its consistency, another filter."""
 
 from __future__ import annotations
 
@@ -268,7 +268,7 @@ class Course:
         return float(error @ np.linalg.solve(f.covariance[np.ix_(on, on)], error)), int(on.sum())
 
 
-NOISE = FilterNoise(gyro=2e-3, accelerometer=2e-2, gyro_drift=1e-3, accelerometer_drift=5e-3, foot=5e-3, landing=5e-3, joint=3e-3)  # fmt: skip
+NOISE = FilterNoise(2e-3, 2e-2, 1e-3, 5e-3, foot=5e-3, landing=5e-3, joint=3e-3)
 
 
 def test_errors_are_as_large_as_the_covariance_says() -> None:

@@ -1,4 +1,4 @@
-"""Walks on an estimated state: what must hold, in MuJoCo and among rigid bodies; and the stop when it is lost."""
+"""Walks on an estimated state: what must hold in MuJoCo and the rigid world, and the stop when it is lost."""
 
 from __future__ import annotations
 

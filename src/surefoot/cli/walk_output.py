@@ -84,7 +84,7 @@ def estimate_lines(summary: WalkSummary) -> list[str]:
         return []
     share = "" if e.drift_share is None else f" ({100 * e.drift_share:.2f} % of the way)"
     return [
-        f"state estimate: velocity off by {1e3 * e.velocity_rms:.1f} mm/s rms, place by {1e3 * e.drift:.0f} mm "
-        f"at the end{share}, tilt by {e.tilt_rms_deg:.2f} deg rms, heading by {e.heading_deg:+.2f} deg; "
-        f"{e.step_us.median:.0f} us a step"
+        f"state estimate: velocity off by {1e3 * e.velocity_rms:.1f} mm/s rms, "
+        f"place by {1e3 * e.drift:.0f} mm at the end{share}, tilt by {e.tilt_rms_deg:.2f} deg rms, "
+        f"heading by {e.heading_deg:+.2f} deg; {e.step_us.median:.0f} us a step"
     ]

@@ -1,4 +1,4 @@
-"""How a robot stops that does not know its state: every joint goes to the stance by itself and holds there."""
+"""How a robot stops that does not know its state: every joint goes to the stance and holds there."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Standstill:
         self._time = 0.0
 
     def torques(self, positions: FloatArray, speeds: FloatArray) -> FloatArray:
-        """Return (joints,) torques within the limits [N m]; a joint whose numbers are not finite gets none."""
+        """Return (joints,) torques within the limits [N m]; one whose numbers are not finite is zero."""
         if self._start is None:
             self._start = np.where(np.isfinite(positions), positions, self._goal)
         share = min(self._time / APPROACH, 1.0)

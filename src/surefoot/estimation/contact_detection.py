@@ -220,7 +220,7 @@ class ContactDetector:
         return np.asarray(given / length[:, None])
 
     def _decide(self, up: FloatArray) -> None:
-        """Move the contacts on: hysteresis in the force, a foot that rises has left, one that rests touches."""
+        """Move the contacts on: hysteresis in the force, a rising foot has left, a resting one touches."""
         s, share = self.settings, self._share
         normal, rising = (self._forces * up).sum(axis=1), (self._velocities * up).sum(axis=1)
         still = (self._velocities * self._velocities).sum(axis=1) < s.still**2

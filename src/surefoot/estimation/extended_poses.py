@@ -1,7 +1,8 @@
 """The group SE_k(3) of a rotation and k vectors: velocity, position and feet in one matrix.
 
 An element is held as its upper rows, (3, 3 + k): [R | x_1 ... x_k]; the whole matrix has the identity below.
-A vector of its algebra is (3 + 3k,): [φ; ρ_1; ...; ρ_k]. With Γ_m(φ) = Σ_j φ^j_× / (j + m)! the exponential is
+A vector of its algebra is (3 + 3k,): [φ; ρ_1; ...; ρ_k]. With S the cross product by φ and
+Γ_m(φ) = Σ_j S^j / (j + m)! the exponential is
 
     exp(ξ) = [Γ_0(φ) | Γ_1(φ) ρ_1 ... Γ_1(φ) ρ_k],
 
@@ -112,13 +113,13 @@ def product(X: FloatArray, Y: FloatArray) -> FloatArray:
 def inverse(X: FloatArray) -> FloatArray:
     """Return the inverse of an element (3, 3 + k)."""
     back = X[:, :3].T
-    return np.hstack([back, -back @ X[:, 3:]])
+    return np.asarray(np.hstack([back, -back @ X[:, 3:]]))
 
 
 def adjoint(X: FloatArray) -> FloatArray:
     """Return Ad_X, (3 + 3k, 3 + 3k): X exp(ξ) X⁻¹ = exp(Ad_X ξ)."""
     R, k = X[:, :3], X.shape[1] - 3
-    out = np.kron(np.eye(1 + k), R)
+    out: FloatArray = np.asarray(np.kron(np.eye(1 + k), R), dtype=np.float64)
     for j in range(k):
         out[3 + 3 * j : 6 + 3 * j, :3] = skew(X[:, 3 + j]) @ R
     return out

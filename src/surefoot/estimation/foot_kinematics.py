@@ -13,7 +13,7 @@ from surefoot.numerics.points import point_velocity
 from surefoot.robot import Robot
 
 FLOOR = 1e-10
-"""Least variance of a foot's place [m²]: a straight leg has no lever along itself, but is not exact either."""
+"""Least variance of a foot's place [m²]: a straight leg has no lever along itself, and is not exact."""
 
 
 @kernel
@@ -24,8 +24,8 @@ def feet_by_joints(
     """Fill velocities (n, 3) and covariances (n, 3, 3) of the feet against the base.
 
     `twists` (6, nv) are the joints' columns with the base at the origin, `support` (n, nv) what moves each
-    foot, `centres` (n, 3) where they are, `speeds` (nv - 6,) the joints'; an angle's variance gives J Jᵀ times
-    it.
+    foot, `centres` (n, 3) where they are, `speeds` (nv - 6,) the joints'; an angle's `variance` times
+    J Jᵀ is a foot's.
     """
     for k in range(centres.shape[0]):
         x, y, z = centres[k, 0], centres[k, 1], centres[k, 2]
@@ -45,7 +45,8 @@ def feet_by_joints(
 
 @kernel
 def over_ground(
-    X: FloatArray, turn: FloatArray, arm: FloatArray, centres: FloatArray, velocities: FloatArray, out: FloatArray
+    X: FloatArray, turn: FloatArray, arm: FloatArray, centres: FloatArray, velocities: FloatArray,
+    out: FloatArray,
 ) -> None:  # fmt: skip
     """Fill out (n,) with the feet's speeds over the ground [m/s], from the body's own velocity and turn rate.
 
@@ -70,7 +71,7 @@ def roll(
 ) -> None:  # fmt: skip
     """Add to rolled (n, 3) how far the centres of round feet went by rolling since the last call, world axes.
 
-    A sphere that turns by a small δθ without sliding moves by r δθ x n; one that does not touch has not rolled.
+    A sphere that turns by a small δθ without sliding moves by r δθ x n; one in the air has not rolled.
     `feet` (n, 3, 3) are the feet's rotations in body axes, `last` (n, 3, 3) those in the world at the last
     call, which are replaced.
     """

@@ -1,8 +1,8 @@
 """The arithmetic of the contact-aided right-invariant filter: covariance along the motion, corrections, feet.
 
 The state is X = [R | v | p | d_1 ... d_n] (3, 5 + n) with biases (6,): gyro, accelerometer. Its error is
-X̂ X⁻¹ = exp(ξ), world axes, and the biases' own, in the order [φ; v; p; d_1 ... d_n; gyro; accelerometer]; P is
-its covariance, N = 15 + 3n. Feet that do not touch have rows and columns of zeros. Equations: [1]_.
+X̂ X⁻¹ = exp(ξ), world axes, and the biases' own, in the order [φ; v; p; d_1 ... d_n; gyro; accelerometer]; P
+is its covariance, N = 15 + 3n. Feet that do not touch have rows and columns of zeros. Equations: [1]_.
 
 References
 ----------
@@ -91,13 +91,13 @@ def _add_noise(P: FloatArray, X: FloatArray, on: BoolArray, densities: FloatArra
 
 @kernel
 def propagate(
-    X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, gyro: FloatArray, accelerometer: FloatArray,
-    densities: FloatArray, h: float,
+    X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, gyro: FloatArray,
+    accelerometer: FloatArray, densities: FloatArray, h: float,
 ) -> None:  # fmt: skip
     """Move state and covariance on by h [s] under a constant turn rate and specific force (3,), body axes.
 
-    `densities` (4 + n,) are variances per second of white noise in: turn rate, specific force, the two biases'
-    walks, and each foot's place. P becomes Φ (P + Ad_X Cov Ad_Xᵀ h) Φᵀ.
+    `densities` (4 + n,) are variances per second of white noise in: turn rate, specific force, the two
+    biases' walks, and each foot's place. P becomes Φ (P + Ad_X Cov Ad_Xᵀ h) Φᵀ.
     """
     _add_noise(P, X, on, densities, h)
     _transition_rows(P, X, on, h)
@@ -141,7 +141,7 @@ def _whiten(L: FloatArray, z: FloatArray) -> float:
     z[0] = z[0] / L[0, 0]
     z[1] = (z[1] - L[1, 0] * z[0]) / L[1, 1]
     z[2] = (z[2] - L[2, 0] * z[0] - L[2, 1] * z[1]) / L[2, 2]
-    return z[0] * z[0] + z[1] * z[1] + z[2] * z[2]
+    return float(z[0] * z[0] + z[1] * z[1] + z[2] * z[2])
 
 
 @inline_kernel
@@ -225,8 +225,8 @@ def _move_all(X: FloatArray, bias: FloatArray, delta: FloatArray) -> None:
 
 @kernel
 def correct_height(
-    X: FloatArray, bias: FloatArray, P: FloatArray, k: int, normal: FloatArray, excess: float, variance: float,
-    gate: float,
+    X: FloatArray, bias: FloatArray, P: FloatArray, k: int, normal: FloatArray, excess: float,
+    variance: float, gate: float,
 ) -> bool:  # fmt: skip
     """Correct with a foot's known distance from a plane; return whether it was believed.
 

@@ -1,4 +1,4 @@
-"""The invariant filter on a robot: IMU and encoders in, the floating base's configuration and velocity out."""
+"""The invariant filter on a robot: IMU and encoders in, configuration and velocity out."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HEIGHT = 0.005
 
 
 class InvariantEkf:
-    """State estimate of a legged robot from its IMU, its encoders and which feet touch; see `InvariantFilter`.
+    """State estimate of a legged robot from its IMU, encoders and which feet touch; see `InvariantFilter`.
 
     A round foot rolls while it stands: what stands still is its centre less what it has rolled, r ∫ ω x n dt.
 
@@ -113,7 +113,7 @@ class InvariantEkf:
         self._turned = np.ascontiguousarray(R @ self._feet.rotations)
 
     def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
-        """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] that the IMU measured, base axes."""
+        """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] of the IMU, base axes."""
         rate = np.asarray(gyro, dtype=np.float64)
         self.filter.predict(rate, np.asarray(accelerometer, dtype=np.float64), self.dt)
         self._turn = rate - self.filter.bias[:3]

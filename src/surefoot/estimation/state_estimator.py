@@ -1,4 +1,4 @@
-"""State estimate from what a robot measures: contact detection and invariant filter in one, watched for failure.
+"""State estimate from what a robot measures: contact detection and invariant filter, watched for failure.
 
 At each step `predict` takes the sensors' readings and tells which feet seem to touch, `update` corrects with
 them, `applied` takes the torques that follow. A foot whose leg is about to swing is taken out by the plan (a
