@@ -85,9 +85,9 @@ def test_a_robot_without_contacts_stops_and_says_so() -> None:
     assert summary.tilt_max_deg < 5.0
 
 
-def test_a_robot_that_is_thrown_up_stops_and_says_so() -> None:
+def test_a_robot_that_is_thrown_over_fell_and_says_that_it_was_lost_before() -> None:
     log, summary = walk(pushes=(Push(1.0, (0.0, 0.0, 600.0), 0.3),), duration=3.0)
-    assert log.facts["outcome"] == Ending.LOST
+    assert log.facts["outcome"] == Ending.FELL
     assert summary.error.startswith("the state estimate was lost at 1.")
 
 

@@ -173,8 +173,8 @@ class _Run:
         except BaseException:
             recorder.abandon()
             raise
-        if ending is Ending.LOST:
-            told = {"error": self.sensing.lost}
+        if self.sensing.lost:
+            told = {"error": self.sensing.lost, **told}
         return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
     def _loop(self, height: float) -> Ending:
@@ -208,7 +208,7 @@ class _Run:
                 stopped = min(stopped, now)
                 if now - stopped >= STOP_TIME:
                     return Ending.LOST
-            elif k % LOOK_EVERY == 0:
+            if k % LOOK_EVERY == 0:
                 fallen = scenario.fall.happened(q, height, world.terrain)
                 if fallen is not None:
                     return fallen
