@@ -1,4 +1,4 @@
-"""How well a walking robot knows its state, and what that costs: docs/estimation.md.
+"""How well a walking robot knows its state, and what that costs.
 
 Run: python -m benchmarks.state_estimate [--quick]. Robots walk on what the contact-aided invariant filter tells
 their controllers, from IMU, encoders and contacts found in the torques; errors are held against the truth.
@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
@@ -25,7 +27,7 @@ from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.worlds import make_world
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import FlatTerrain, read_terrain
+from surefoot.terrain import read_terrain
 
 ORDINARY = SensorModel()
 MISSED = replace(ORDINARY, touch=replace(ORDINARY.touch, missed=0.05, false=0.2))
@@ -62,17 +64,15 @@ WALKS = (
     Walk("go2, MuJoCo"),
     Walk("go2, rigid", world="rigid"),
     Walk("go2, 1 m/s", speed=1.0),
-    Walk("go2, walking gait, 0.3 m/s", gait="walk", speed=0.3),
-    Walk("go2, flying trot, 0.6 m/s", gait="flying_trot", speed=0.6),
     Walk("go2, 15 degree slope, 0.4 m/s", terrain="slope:15", speed=0.4),
     Walk("go2, stairs of 8 cm, 0.3 m/s", terrain="stairs:0.08,0.3", speed=0.3),
-    Walk("go2, 100 N for 0.1 s", pushes=(Push(2.0, (0.0, 100.0, 0.0), 0.1),)),
-    Walk("go2, mu 0.2 for 3 s", ice=(Ice(2.0, 0.2), Ice(5.0, MU))),
+    Walk(
+        "go2, 100 N for 0.1 s, then mu 0.2", pushes=(Push(2.0, (0.0, 100.0, 0.0), 0.1),), ice=(Ice(4.0, 0.2),)
+    ),
     Walk("go2, four times the noise", sensors=ORDINARY.scaled(4.0)),
     Walk("go2, 5 % missed, 0.2 false touches/s", sensors=MISSED),
     Walk("go2, no map of heights", sensors=UNMAPPED),
     Walk("anymal_c", robot="anymal_c"),
-    Walk("a1", robot="a1"),
     Walk("solo12, 0.3 m/s", robot="solo12", speed=0.3),
 )
 """Trots at 0.5 m/s on flat ground with ordinary sensors, but for what their names say."""
@@ -112,31 +112,30 @@ def cost_table(names: Sequence[str], steps: int = 3000) -> Table:
         on, zero = np.ones(len(robot.feet), dtype=bool), np.zeros(robot.joints)
         v = np.zeros(robot.model.nv)
         ekf, detector = estimator.ekf, estimator.detector
-
-        def whole(
-            estimator: StateEstimator = estimator, reading: Reading = reading,
-            on: np.ndarray[tuple[int], np.dtype[np.bool_]] = on, zero: np.ndarray[tuple[int], np.dtype[np.float64]] = zero,
-        ) -> None:  # fmt: skip
-            estimator.predict(reading)
-            estimator.update(on)
-            estimator.applied(zero)
-
-        whole()
-        tasks = (
-            lambda: ekf.predict(reading.gyro, reading.accelerometer),
-            lambda: ekf.update(reading.positions, reading.speeds, on),
-            lambda: detector.advance(robot.nominal, v, ekf.normals),
-            whole,
+        times = (
+            cpu_time(steps, partial(ekf.predict, reading.gyro, reading.accelerometer)),
+            cpu_time(steps, partial(ekf.update, reading.positions, reading.speeds, on)),
+            cpu_time(steps, partial(detector.advance, robot.nominal, v, ekf.normals)),
+            cpu_time(steps, partial(whole_step, estimator, reading, on, zero)),
         )
-        times = []
-        for task in tasks:
-            task()
-            start = time.process_time()
-            for _ in range(steps):
-                task()
-            times.append(1e6 * (time.process_time() - start) / steps)
         table.add_row(name, *(f"{t:.0f}" for t in times))
     return table
+
+
+def whole_step(estimator: StateEstimator, reading: Reading, on: BoolArray, torques: FloatArray) -> None:
+    """Take all parts of an estimator's step."""
+    estimator.predict(reading)
+    estimator.update(on)
+    estimator.applied(torques)
+
+
+def cpu_time(steps: int, task: Callable[[], object]) -> float:
+    """Return the CPU time of a task [us], after one call that compiles it."""
+    task()
+    start = time.process_time()
+    for _ in range(steps):
+        task()
+    return 1e6 * (time.process_time() - start) / steps
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -149,7 +148,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         console.print(error_table(WALKS[:1], 1, 2.0))
         console.print(cost_table(("go2",), 300))
     else:
-        console.print(error_table(WALKS, 5, 10.0))
+        console.print(error_table(WALKS, 3, 10.0))
         console.print(cost_table(("go2", "anymal_c", "g1")))
 
 
