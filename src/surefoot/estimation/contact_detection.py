@@ -173,9 +173,9 @@ class ContactDetector:
         Parameters
         ----------
         q, v
-            (nq,), (nv,) finite, the quaternion of length 1.
+            (nq,), (nv,) finite [m, rad], [m/s, rad/s]; the quaternion of length 1.
         up
-            (n, 3) normals of the ground.
+            (n, 3) normals of the ground, world axes [-].
         """
         import pinocchio
 

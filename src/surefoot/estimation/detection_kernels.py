@@ -15,11 +15,11 @@ def observe_momentum(
     M: FloatArray, C: FloatArray, gravity: FloatArray, v: FloatArray, keep: float, dt: float, known: bool,
     momentum: FloatArray, rate: FloatArray, residual: FloatArray,
 ) -> None:  # fmt: skip
-    """Move the observer on by dt: residual follows Jᵀ f, what is left of ṗ once `rate` is taken away.
+    """Move the observer on by dt [s]: residual [N, N m] follows Jᵀ f, what `rate` leaves of ṗ.
 
-    M (nv, nv) has its upper triangle only. Over one step ṗ - rate = Jᵀ f is constant, so that
-    r' = K (Jᵀ f - r) is solved exactly with `keep` = exp(-K dt). `momentum` and `rate` (without torques)
-    become those of now; they are not `known` at the first step.
+    M (nv, nv) has its upper triangle only; v is (nv,) [m/s, rad/s]. Over one step ṗ - rate = Jᵀ f is constant,
+    so that r' = K (Jᵀ f - r) is solved exactly with `keep` = exp(-K dt). `momentum` and `rate` (without
+    torques) become those of now; they are not `known` at the first step.
     """
     n = v.shape[0]
     for i in range(n):
@@ -38,7 +38,7 @@ def foot_forces(
     twists: FloatArray, support: BoolArray, points: FloatArray, flat: BoolArray, residual: FloatArray,
     v: FloatArray, damping: float, forces: FloatArray, velocities: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the forces (n, 3) that the legs' rows of a residual (nv,) mean, and the points' velocities (n, 3).
+    """Fill forces (n, 3) [N] that the legs' rows of a residual (nv,) mean, and velocities (n, 3) [m/s].
 
     The least squares f of Jᵀ f = residual in a leg's joints, where levers are short damped by `damping` times
     the root of their sum of squares; a flat foot takes a moment as well. `twists` (6, nv), `support` (n, nv),

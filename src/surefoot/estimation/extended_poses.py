@@ -1,7 +1,7 @@
 """The group SE_k(3) of a rotation and k vectors: velocity, position and feet in one matrix.
 
 An element is held as its upper rows, (3, 3 + k): [R | x_1 ... x_k]; the whole matrix has the identity below.
-A vector of its algebra is (3 + 3k,): [φ; ρ_1; ...; ρ_k]. With S the cross product by φ and
+A vector of its algebra is (3 + 3k,), φ in [rad]: [φ; ρ_1; ...; ρ_k]. With S the cross product by φ and
 Γ_m(φ) = Σ_j S^j / (j + m)! the exponential is
 
     exp(ξ) = [Γ_0(φ) | Γ_1(φ) ρ_1 ... Γ_1(φ) ρ_k],
@@ -71,7 +71,7 @@ def apply(A: FloatArray, x: float, y: float, z: float) -> tuple[float, float, fl
 
 @kernel
 def move(X: FloatArray, xi: FloatArray) -> None:
-    """Replace X (3, 3 + k) by exp(ξ) X, ξ (3 + 3k,)."""
+    """Replace X (3, 3 + k) by exp(ξ) X, ξ (3 + 3k,), its rotation in [rad]."""
     G = np.empty((3, 3, 3))
     gammas(xi[:3], G)
     for j in range(X.shape[1]):
@@ -83,7 +83,7 @@ def move(X: FloatArray, xi: FloatArray) -> None:
 
 
 def exponential(xi: FloatArray) -> FloatArray:
-    """Return the element (3, 3 + k) of a vector (3 + 3k,) of the algebra.
+    """Return the element (3, 3 + k) of a vector (3 + 3k,) of the algebra, its rotation in [rad].
 
     Examples
     --------

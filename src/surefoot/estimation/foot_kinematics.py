@@ -21,10 +21,10 @@ def feet_by_joints(
     twists: FloatArray, support: BoolArray, centres: FloatArray, speeds: FloatArray, variance: float,
     velocities: FloatArray, spreads: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill velocities (n, 3) and covariances (n, 3, 3) of the feet against the base.
+    """Fill velocities (n, 3) [m/s] and covariances (n, 3, 3) [m²] of the feet against the base.
 
     `twists` (6, nv) are the joints' columns with the base at the origin, `support` (n, nv) what moves each
-    foot, `centres` (n, 3) where they are, `speeds` (nv - 6,) the joints'; an angle's `variance` times
+    foot, `centres` (n, 3) where they are [m], `speeds` (nv - 6,) the joints'; an angle's `variance` times
     J Jᵀ is a foot's.
     """
     for k in range(centres.shape[0]):

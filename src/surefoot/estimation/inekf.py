@@ -167,7 +167,7 @@ class InvariantFilter:
 
     @property
     def rotation(self) -> FloatArray:
-        """(3, 3) from body to world axes."""
+        """(3, 3) rotation from body to world axes [-]."""
         return self.X[:, :3]
 
     @property
@@ -260,5 +260,5 @@ class InvariantFilter:
         return logarithm(product(self.X[:, :5], true))
 
     def disturb(self, xi: ArrayLike) -> None:
-        """Replace the group's part of the state by exp(ξ) X, ξ (9 + 3n,), feet that do not stand included."""
+        """Replace the group's part of the state by exp(ξ) X, ξ (9 + 3n,) [rad, m/s, m], all feet included."""
         self.X = product(exponential(finite_array("xi", xi, (9 + 3 * self.n,))), self.X)

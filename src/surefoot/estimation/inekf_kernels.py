@@ -169,7 +169,7 @@ def correct(
 
     A foot is believed if its squared Mahalanobis distance, before any correction, is at most `gate`.
 
-    `places` (n, 3) are measured in body axes, `spreads` (n, 3, 3) their covariances; `distances` (n,) and
+    `places` (n, 3) [m] are measured in body axes, `spreads` (n, 3, 3) [m²] say how well; `distances` (n,) and
     `used` (n,) are filled. Feet are taken one by one (their noise is independent), the state is moved once by
     exp of the sum: for linear errors this is the one correction with all rows.
     """
@@ -230,7 +230,7 @@ def correct_height(
 ) -> bool:  # fmt: skip
     """Correct with a foot's known distance from a plane; return whether it was believed.
 
-    `excess` is nᵀ d_k less the distance that is known, with the plane's normal n (3,) in world axes. From
+    `excess` is nᵀ d_k less the distance that is known [m], with the plane's normal n (3,) in world axes. From
     d = d̂ + δφ x d̂ + δd the row is [(d̂ x n)ᵀ on φ, nᵀ on d_k].
     """
     N, j = P.shape[0], 9 + 3 * k
@@ -254,7 +254,7 @@ def correct_height(
 
 @kernel
 def forget_foot(P: FloatArray, k: int) -> None:
-    """Take foot k out of the covariance: its rows and columns become zero."""
+    """Take foot k out of the covariance P (N, N): its rows and columns, of any unit, become zero."""
     for r in range(9 + 3 * k, 12 + 3 * k):
         for i in range(P.shape[0]):
             P[r, i] = P[i, r] = 0.0
@@ -262,7 +262,7 @@ def forget_foot(P: FloatArray, k: int) -> None:
 
 @kernel
 def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: FloatArray) -> None:
-    """Put foot k where it is seen from the body, place (3,) with covariance (3, 3): d = p + R y.
+    """Put foot k where it is seen from the body, place (3,) [m] with covariance (3, 3): d = p + R y.
 
     Its error is that of p and R times the measurement's: no Jacobian depends on the state.
     """

@@ -89,7 +89,7 @@ class InvariantEkf:
         self.reset(robot.nominal)
 
     def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
-        """Start from (nq,) q and (nv,) v, Pinocchio's order: place and heading are taken as they are.
+        """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s]: place and heading are taken as they are.
 
         Velocity (zero for None), tilt and biases are as uncertain as the noise says.
 
@@ -157,7 +157,7 @@ class InvariantEkf:
         self.filter.observe_height(k, self.normals[k], excess, HEIGHT)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return the estimate q (nq,) and v (nv,) in Pinocchio's order."""
+        """Return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         q, v = np.empty(self.robot.model.nq), np.empty(self.robot.model.nv)
         base_state(self.filter.X, self._turn, self.imu_position, q, v)
         q[7:], v[6:] = self._joints, self._speeds

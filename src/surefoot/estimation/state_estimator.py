@@ -112,7 +112,7 @@ class StateEstimator:
         self.reset(ekf.robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Start from (nq,) q and (nv,) v (zero for None), as `InvariantEkf.reset` does."""
+        """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s], as `InvariantEkf.reset` does."""
         self.ekf.reset(q, v)
         self.detector.reset()
         self.health = Health.GOOD
@@ -133,7 +133,7 @@ class StateEstimator:
         return self.detector.advance(q, v, ekf.normals).contact
 
     def update(self, contact: BoolArray, standing: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
-        """Correct and return the estimate q (nq,) and v (nv,), Pinocchio's order.
+        """Correct and return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s], Pinocchio's order.
 
         Parameters
         ----------

@@ -234,7 +234,7 @@ class Sensors:
         self._time = 0.0
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
-        """Return (nq,) q with its attitude as wrong as the robot has it at the start."""
+        """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
         turn = np.append(self.model.tilt * self._random.normal(size=2), 0.0)
         angle, out = float(np.linalg.norm(turn)), q.copy()
         if angle > 0.0:
