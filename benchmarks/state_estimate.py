@@ -1,7 +1,8 @@
 """How well a walking robot knows its state, and what that costs.
 
-Run: python -m benchmarks.state_estimate [--quick]. Robots walk on what the contact-aided invariant filter
-tells their controllers, from IMU, encoders and contacts found in the torques; errors are held against the truth.
+Run: python -m benchmarks.state_estimate [--quick]. Robots walk on what the contact-aided invariant
+filter tells their controllers, from IMU, encoders and contacts found in the torques; errors are those
+against the truth.
 """
 
 from __future__ import annotations
