@@ -18,8 +18,8 @@ def observe_momentum(
     """Move the observer on by dt [s]: residual [N, N m] follows Jᵀ f, what `rate` leaves of ṗ.
 
     M (nv, nv) has its upper triangle only; v is (nv,) [m/s, rad/s]. Over one step ṗ - rate = Jᵀ f is
-    constant, so that r' = K (Jᵀ f - r) is solved exactly with `keep` = exp(-K dt). `momentum` and `rate` (without
-    torques) become those of now; they are not `known` at the first step.
+    constant, so that r' = K (Jᵀ f - r) is solved exactly with `keep` = exp(-K dt). `momentum` and `rate`
+    (without torques) become those of now; they are not `known` at the first step.
     """
     n = v.shape[0]
     for i in range(n):

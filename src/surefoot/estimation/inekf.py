@@ -3,7 +3,7 @@
 Between corrections an IMU is integrated; a foot that touches is a landmark, seen from the body by the leg's
 kinematics. The state lives in SE_{2+n}(3) [1]_, and the error exp(ξ) = X̂ X⁻¹ in world axes moves by a matrix
 that does not depend on the state: errors of any size in attitude and velocity propagate exactly linearly
-(with the biases, to first order), and what cannot be observed, place and heading, stays so in the filter as well.
+(with the biases, to first order); what cannot be observed, place and heading, stays so in the filter.
 
 References
 ----------
