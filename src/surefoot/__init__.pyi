@@ -91,6 +91,11 @@ from .estimation import write_tosses as write_tosses
 from .log import Log as Log
 from .log import log_from_arrays as log_from_arrays
 from .log import read_log as read_log
+from .planning import Plan as Plan
+from .planning import Trajectory as Trajectory
+from .planning import rollout as rollout
+from .planning.planner import plan as plan
+from .planning.planner import task_names as task_names
 from .robot import Robot as Robot
 from .robot import load_robot as load_robot
 from .robot import place as place

@@ -85,6 +85,16 @@ FACTS: dict[str, Fact] = {
     "start": Fact("stamp of its first row in the clock of its source [s]"),
     "mapping": Fact("how its channels were made from the source, YAML", text=True),
     "doubts": Fact("what is not plausible in it, see Log.doubts", ("doubts",), text=True),
+    "task": Fact("what a plan does", text=True),
+    "method": Fact("which road found it", text=True),
+    "status": Fact("whether it is solved, see `surefoot.Status`", text=True),
+    "goal": Fact("what was asked for and what is reached", text=True),
+    "cost": Fact("of the method's own objective"),
+    "law_residual": Fact("largest velocity error of its contact problems"),
+    "iterations": Fact("of the optimiser"),
+    "search_time": Fact("wall time of the search [s]"),
+    "end_q": Fact("configuration at the end of the last row", ("nq",)),
+    "end_v": Fact("velocity there", ("nv",)),
     "notes": Fact("what the controller changed in its command", ("lines",), text=True),
 }
 """Facts that Surefoot writes and reads by name; a log may hold others."""

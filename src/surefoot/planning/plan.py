@@ -1,0 +1,272 @@
+"""A plan: a log of a motion that has not happened yet, with how it was found and what it is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.contact import Status
+from surefoot.errors import NoSolution
+from surefoot.log import Log, read_log
+from surefoot.planning.trajectory import TOLERANCE, Trajectory
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import FlatTerrain, Terrain
+
+LOADED = 1e-3
+"""A foot counts as on the ground above this share of m g."""
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A foot on the ground from `start` to `end` [s]."""
+
+    foot: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Search:
+    """How a plan was looked for.
+
+    Attributes
+    ----------
+    task
+        Its name.
+    method
+        The road that was taken.
+    cost
+        Of what was found.
+    reached
+        Whether the goal is reached within the task's tolerance, judged on the trajectory.
+    iterations
+        Of the optimiser.
+    seconds
+        Wall time of the search [s].
+    goal
+        What was asked for and what was reached, in one line.
+    stopped
+        Why the search ended where the goal is not reached: a `Status` that is not SOLVED.
+    """
+
+    task: str
+    method: str
+    cost: float
+    reached: bool
+    iterations: int
+    seconds: float
+    goal: str = ""
+    stopped: Status = Status.STALLED
+
+
+class Plan(Log):
+    """A motion with its forces, as a log; one row per knot.
+
+    A row holds the state at a knot's start, and the forces that act until the next; gaps and positions are
+    those at the knot's end, where the contact laws of an exact first-order step hold. A plan is SOLVED only
+    where its own rollout obeys the laws to 1e-8 and reaches the goal.
+
+    Examples
+    --------
+    >>> import surefoot as sf
+    >>> from surefoot.planning import rollout
+    >>> robot = sf.load_robot("go2")
+    >>> motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
+    >>> search = Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    >>> plan = plan_from(motion, robot, search)
+    >>> plan.status.value, plan.law_residual < 1e-8, len(plan), len(plan.contacts)
+    ('solved', True, 10, 4)
+    """
+
+    @property
+    def status(self) -> Status:
+        """SOLVED, or why not."""
+        return Status(self.facts["status"])
+
+    @property
+    def task(self) -> str:
+        """What it does."""
+        return str(self.facts["task"])
+
+    @property
+    def method(self) -> str:
+        """The road that found it."""
+        return str(self.facts["method"])
+
+    @property
+    def cost(self) -> float:
+        """Of the method's own objective."""
+        return float(self.facts["cost"])
+
+    @property
+    def law_residual(self) -> float:
+        """Largest velocity error of its contact problems, see `Trajectory.law_residual`."""
+        return float(self.facts["law_residual"])
+
+    @property
+    def iterations(self) -> int:
+        """Of the method."""
+        return int(self.facts["iterations"])
+
+    @property
+    def time(self) -> float:
+        """Wall time of the search [s]."""
+        return float(self.facts["search_time"])
+
+    @property
+    def contacts(self) -> list[Phase]:
+        """When which foot is on the ground, in the order of the feet."""
+        return contact_phases(self)
+
+    def raise_if_failed(self) -> Plan:
+        """Return the plan if it is SOLVED.
+
+        Raises
+        ------
+        NoSolution
+            If it is not; the error carries the plan as `solution`.
+        """
+        if self.status is not Status.SOLVED:
+            said = f"the plan for {self.task} is {self.status.value}: {self.facts['goal']}"
+            raise NoSolution(said, None, self)
+        return self
+
+    @classmethod
+    def read(cls, path: Path | str) -> Plan:
+        """Return a plan that was saved with `save`.
+
+        Raises
+        ------
+        ProblemError
+            If the file is no log, or a log that is no plan.
+        """
+        return cls.of(read_log(path))
+
+    @classmethod
+    def of(cls, log: Log) -> Plan:
+        """Return a log as the plan that it holds.
+
+        Raises
+        ------
+        ProblemError
+            If it does not tell what a plan tells.
+        """
+        for name in ("task", "method", "status", "cost", "law_residual", "iterations", "search_time", "goal"):
+            log.fact(name)
+        return cls(log.arrays, log.facts, channels=log.channels)
+
+
+def plan_from(
+    trajectory: Trajectory, robot: Robot, search: Search, terrain: Terrain | None = None, **facts: Any
+) -> Plan:
+    """Return a trajectory and how it was found as a plan.
+
+    Parameters
+    ----------
+    trajectory
+        From `rollout`, or linked by knots of the same kind.
+    robot
+        Who moves.
+    search
+        How it was found.
+    terrain
+        None for flat ground.
+    facts
+        Further facts for the log.
+
+    Returns
+    -------
+    Plan
+        SOLVED only where the trajectory is lawful to 1e-8 and the goal reached; where it is not lawful,
+        STALLED whatever the search says, and INVALID where it is not finite. Rows after a loss are left out.
+    """
+    rows = int(np.isfinite(trajectory.q[1:]).all(axis=1).sum())
+    terrain = FlatTerrain() if terrain is None else terrain
+    arrays = _arrays(trajectory, robot, terrain, rows)
+    status = _status(trajectory, search, rows)
+    told = {
+        "kind": "plan",
+        "task": search.task,
+        "method": search.method,
+        "status": status.value,
+        "goal": search.goal,
+        "cost": float(search.cost),
+        "law_residual": trajectory.law_residual,
+        "iterations": int(search.iterations),
+        "search_time": float(search.seconds),
+        "robot": robot.name,
+        "world": "first-order steps",
+        "mass": robot.mass,
+        "mass_controller": robot.mass,
+        "dt": trajectory.dt,
+        "duration": trajectory.dt * len(trajectory),
+        "feet": list(robot.foot_names),
+        "joints": list(robot.joint_names),
+        "contact_foot": robot.contact_points.foot,
+        "contact_centres": robot.contact_points.centres,
+        "effort_limits": robot.effort_limits,
+        "normal_min": 0.0,
+        "normal_max": float("inf"),
+        "mu_controller": trajectory.mu,
+        "outcome": "done" if rows == len(trajectory) else "invalid",
+        "end_q": trajectory.q[rows],
+        "end_v": trajectory.v[rows],
+        **facts,
+    }
+    return Plan(arrays, told)
+
+
+def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:
+    """Return what may be said of a plan."""
+    if rows < len(trajectory):
+        return Status.INVALID
+    if not (trajectory.lawful and trajectory.law_residual <= TOLERANCE):
+        return Status.STALLED
+    if search.reached:
+        return Status.SOLVED
+    return Status.STALLED if search.stopped is Status.SOLVED else search.stopped
+
+
+def _arrays(trajectory: Trajectory, robot: Robot, terrain: Terrain, rows: int) -> dict[str, Any]:
+    """Return the log's channels: (rows, ...)."""
+    t, now, end = trajectory, slice(0, rows), slice(1, rows + 1)
+    forces = t.impulses[now] / t.dt
+    limits = np.asarray(robot.effort_limits) * (1.0 - 1e-6)
+    return {
+        "time": t.times[now],
+        "q": t.q[now],
+        "v": t.v[now],
+        "torques": t.torques[now],
+        "forces": forces,
+        "forces_commanded": forces.copy(),
+        "gaps": t.gaps[end],
+        "contact_velocities": t.speeds[now],
+        "contact_positions": t.positions[end],
+        "normals": terrain.normal(t.positions[end][..., :2]),
+        "active": forces[:, :, 2] > 0.0,
+        "attained": np.ones(rows, dtype=bool),
+        "saturated": (np.abs(t.torques[now]) >= limits).any(axis=1),
+        "push": np.zeros((rows, 3)),
+        "mu": np.full(rows, t.mu),
+    }
+
+
+def contact_phases(log: Log) -> list[Phase]:
+    """Return when the feet of a log are on the ground: spans of rows with a normal force, foot by foot."""
+    feet: Sequence[str] = log.fact("feet")
+    foot = np.asarray(log.fact("contact_foot"), dtype=np.int64)
+    dt, least = float(log.fact("dt")), LOADED * float(log.fact("mass")) * GRAVITY
+    out = []
+    for number, name in enumerate(feet):
+        loads: FloatArray = log["forces"][:, foot == number, 2].sum(axis=1)
+        on = np.concatenate([[False], loads > least, [False]]).astype(np.int8)
+        starts, ends = np.flatnonzero(np.diff(on) == 1), np.flatnonzero(np.diff(on) == -1)
+        spans = zip(starts.tolist(), ends.tolist(), strict=True)
+        out += [Phase(name, round(a * dt, 9), round(b * dt, 9)) for a, b in spans]
+    return out

@@ -1,0 +1,26 @@
+"""The tasks by name; a task's file is imported when it is asked for."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.planning.tasks.task import Task
+
+TASKS: dict[str, str] = {}
+"""Name to "module:object"."""
+
+
+def find_task(name: str) -> Task:
+    """Return the task of a name.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
+    """
+    if name not in TASKS:
+        raise ProblemError(unknown_name("task", name, TASKS))
+    module, _, attribute = TASKS[name].partition(":")
+    task: Task = getattr(import_module(module), attribute)
+    return task

@@ -1,0 +1,108 @@
+"""What a task is: a goal for a robot, and the ways to look for a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from surefoot.planning.plan import Plan
+from surefoot.robot import Robot
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """What a search tells of itself on the way.
+
+    Attributes
+    ----------
+    number
+        Of the iteration, from 1.
+    cost
+        Of the current candidate.
+    law_residual
+        How far it is from the laws, in the method's own measure.
+    note
+        What the search does: a stage of a continuation, say.
+    """
+
+    number: int
+    cost: float
+    law_residual: float
+    note: str = ""
+
+
+Tell = Callable[[Iteration], None]
+"""Who is told of every iteration."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a task is asked for; None leaves it to the task.
+
+    Attributes
+    ----------
+    robot
+        Who moves; None for the task's own (a ball, a block, a hopper) or Go2.
+    amount
+        The task's number: a height or distance [m], a speed [m/s].
+    mu
+        Friction of the ground.
+    dt
+        Length of a knot [s].
+    knots
+        Their number.
+    method
+        The road.
+    seed
+        Of random starts.
+    max_iterations
+        Of the optimiser.
+    """
+
+    robot: Robot | None = None
+    amount: float | None = None
+    mu: float = 0.6
+    dt: float | None = None
+    knots: int | None = None
+    method: str | None = None
+    seed: int = 0
+    max_iterations: int | None = None
+
+
+class Task(Protocol):
+    """A goal that can be planned for.
+
+    Attributes
+    ----------
+    name, meaning
+        For people, the meaning in one line.
+    amount
+        What the request's number is, with its unit; empty where there is none.
+    default
+        The number where none is given.
+    robots
+        Whether a robot of the catalogue can be given; else the task has its own.
+    methods
+        The roads, the recommended first.
+    """
+
+    name: str
+    meaning: str
+    amount: str
+    default: float | None
+    robots: bool
+    methods: tuple[str, ...]
+
+    def plan(self, request: Request, tell: Tell) -> Plan:
+        """Return the plan for a request whose blanks are filled in; `tell` hears of every iteration.
+
+        A task that cannot be done returns a plan that is not SOLVED, and says why in its fact ``goal``; a
+        `KeyboardInterrupt` during the search returns the best so far.
+
+        Raises
+        ------
+        ProblemError
+            For a robot or an amount that the task is not for.
+        """
+        ...

@@ -1,0 +1,186 @@
+"""A motion of a robot as knots that exact first-order steps link: what every plan is in the end.
+
+Whatever found a plan (a softened problem, a shooting solver, a mode schedule), its torques are run through
+the same step again: rigid contact, exact Coulomb friction, every contact problem solved to 1e-8. The laws'
+residual of a plan is the residual of these problems and of nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, finite_array
+from surefoot.errors import ProblemError
+from surefoot.robot import Robot
+from surefoot.stepping.detection import Detection
+from surefoot.stepping.knot import Knot
+from surefoot.stepping.options import StepOptions
+from surefoot.stepping.stepper import Stepper
+from surefoot.terrain import Terrain
+
+TOLERANCE = 1e-8
+"""Of the contact problems of a plan, see `surefoot.contact.Residuals`."""
+Policy = Callable[[int, FloatArray, FloatArray], FloatArray]
+"""Torques (joints,) of a knot, its number and state: (k, q, v)."""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """States, torques and impulses of N knots.
+
+    Attributes
+    ----------
+    dt
+        Length of a knot [s].
+    mu
+        Friction of the ground.
+    q, v
+        (N + 1, nq), (N + 1, nv) configurations and velocities, Pinocchio's order.
+    torques
+        (N, joints) [N m].
+    impulses
+        (N, p, 3) of the ground on the contact points, contact axes [N s].
+    gaps
+        (N + 1, p) distances of the contact points to the ground [m].
+    positions
+        (N + 1, p, 3) of the contact points, world axes [m].
+    speeds
+        (N, p, 3) velocities of the contact points that go with the impulses, contact axes [m/s].
+    residuals
+        (N,) velocity error of each knot's contact problem, NaN where the motion was lost.
+    solved
+        (N,) whether it is solved to `TOLERANCE`.
+    """
+
+    dt: float
+    mu: float
+    q: FloatArray
+    v: FloatArray
+    torques: FloatArray
+    impulses: FloatArray
+    gaps: FloatArray
+    positions: FloatArray
+    speeds: FloatArray
+    residuals: FloatArray
+    solved: BoolArray
+
+    def __len__(self) -> int:
+        return len(self.torques)
+
+    @property
+    def times(self) -> FloatArray:
+        """(N + 1,) of the states [s]."""
+        return np.asarray(self.dt * np.arange(len(self) + 1), dtype=np.float64)
+
+    @property
+    def lawful(self) -> bool:
+        """Whether every contact problem is solved and everything is finite."""
+        return bool(self.solved.all() and np.isfinite(self.q).all() and np.isfinite(self.v).all())
+
+    @property
+    def law_residual(self) -> float:
+        """Largest velocity error of a contact problem, relative to its scale; infinite where one failed."""
+        worst = float(np.max(self.residuals, initial=0.0))
+        return worst if self.lawful and np.isfinite(worst) else np.inf
+
+
+def rollout(
+    robot: Robot,
+    q: FloatArray,
+    v: FloatArray,
+    torques: FloatArray | Policy,
+    *,
+    dt: float,
+    mu: float = 0.6,
+    terrain: Terrain | None = None,
+    steps: int | None = None,
+) -> Trajectory:
+    """Return where torques lead from a state, by exact first-order steps.
+
+    Parameters
+    ----------
+    robot
+        Whose feet touch the ground.
+    q, v
+        (nq,), (nv,) the first state, Pinocchio's order.
+    torques
+        (N, joints) [N m], or a policy that is asked at every knot; the torques that it gives become those of
+        the trajectory.
+    dt
+        Length of a knot [s].
+    mu
+        Friction of the ground.
+    terrain
+        None for flat ground.
+    steps
+        Number of knots for a policy.
+
+    Returns
+    -------
+    Trajectory
+        Where the motion is lost, all that follows is NaN and not solved.
+
+    Raises
+    ------
+    ProblemError
+        For states or torques of the wrong shape, or not finite, and a policy without `steps`.
+
+    Examples
+    --------
+    >>> from surefoot.robot import load_robot, place
+    >>> robot = load_robot("go2")
+    >>> falling = rollout(robot, place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
+    >>> falling.q.shape, falling.lawful, falling.law_residual < 1e-8
+    ((11, 19), True, True)
+    """
+    knot = Knot(Stepper(robot, terrain, StepOptions(dt=dt, order=1, tol=TOLERANCE)))
+    model, p = robot.model, len(robot.contact_points)
+    q, v = finite_array("q", q, (model.nq,)), finite_array("v", v, (model.nv,))
+    policy, count = _policy(robot, torques, steps)
+    out = _empty(count, int(model.nq), int(model.nv), robot.joints, p, knot.stepper.options.dt, mu)
+    out.q[0], out.v[0] = q, v
+    for k in range(count):
+        out.torques[k] = policy(k, out.q[k], out.v[k])
+        done = knot.step(out.q[k], out.v[k], out.torques[k], mu)
+        if not np.isfinite(knot.v).all():
+            break
+        out.q[k + 1], out.v[k + 1], out.impulses[k] = knot.q, knot.v, knot.impulses
+        out.residuals[k], out.solved[k] = knot.residual, done
+    _place(knot.stepper, out)
+    return out
+
+
+def _policy(robot: Robot, torques: FloatArray | Policy, steps: int | None) -> tuple[Policy, int]:
+    """Return who gives the torques, and for how many knots."""
+    if callable(torques):
+        if steps is None or steps < 1:
+            raise ProblemError(f"a rollout of a policy needs steps >= 1, got {steps!r}")
+        return torques, steps
+    given = finite_array("torques", torques, (None, robot.joints))
+    return (lambda k, q, v: given[k]), len(given)
+
+
+def _empty(count: int, nq: int, nv: int, joints: int, p: int, dt: float, mu: float) -> Trajectory:
+    """Return a trajectory of NaN."""
+    many = count + 1
+    return Trajectory(
+        dt, mu, np.full((many, nq), np.nan), np.full((many, nv), np.nan), np.zeros((count, joints)),
+        np.zeros((count, p, 3)), np.full((many, p), np.nan), np.full((many, p, 3), np.nan),
+        np.full((count, p, 3), np.nan), np.full(count, np.nan), np.zeros(count, dtype=bool),
+    )  # fmt: skip
+
+
+def _place(stepper: Stepper, out: Trajectory) -> None:
+    """Fill in where the contact points are, and how they move with the velocity at the knot's end."""
+    detection = stepper.bodies.contacts
+    assert isinstance(detection, Detection)  # order 1 is of feet on the ground
+    for k, q in enumerate(out.q):
+        if not np.isfinite(q).all():
+            return
+        seen = stepper.contacts(stepper.start(q))
+        out.gaps[k], out.positions[k] = seen.gaps, seen.positions
+        if k < len(out):
+            out.speeds[k] = seen.velocities(out.v[k + 1])
