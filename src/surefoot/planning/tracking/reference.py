@@ -174,6 +174,11 @@ class Reference:
         """(nq,) the first configuration."""
         return self.q[0].copy()
 
+    @property
+    def begins_standing(self) -> bool:
+        """Whether a foot stands at the start."""
+        return bool(self.stance[0].any())
+
     def flights(self) -> list[tuple[float, float]]:
         """Return when no foot stands, from start to end [s]."""
         off = np.concatenate([[False], ~self.stance.any(axis=1), [False]]).astype(np.int8)
