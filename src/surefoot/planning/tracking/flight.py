@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,18 @@ FURTHEST = 0.12
 """Most that feet are moved from where the plan has them at touchdown [m]."""
 SPEED_SHARE = 0.7
 """Share of a joint's speed limit that targets in the air may move with."""
+
+
+FOLLOW = 1.5
+"""Rate with which joints follow their targets, over that with which the targets follow the plan."""
+
+
+class Targets(NamedTuple):
+    """Wanted angles, speeds and accelerations of the joints, (joints,) each [rad, rad/s, rad/s²]."""
+
+    angles: FloatArray
+    speeds: FloatArray
+    accelerations: FloatArray
 
 
 @dataclass(frozen=True)
@@ -76,7 +89,7 @@ class Flight:
     robot
         Who flies.
     stiffness
-        Natural frequency of the joints about their targets [rad/s].
+        Natural frequency with which targets go to the planned angles [rad/s].
     capture
         Share of the capture point's offset that the feet go out by.
     """
@@ -90,9 +103,11 @@ class Flight:
         speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
         self._fastest = SPEED_SHARE * np.where(speed > 0.0, speed, np.inf)
 
-    def begin(self, joints: FloatArray) -> None:
-        """Start from joint angles (joints,): targets move from there."""
-        self._wanted, self._landing = joints.copy(), joints.copy()
+    def begin(self, joints: FloatArray, speeds: FloatArray) -> None:
+        """Start from joint angles and speeds (joints,): targets move on from there."""
+        self._angles, self._speeds = joints.copy(), speeds.copy()
+        self._aim: FloatArray | None = None
+        self._landing = joints.copy()
 
     def time_left(self, now: Kinematics, goal: Touchdown) -> float:
         """Return the time until the centre of mass has sunk to the planned touchdown [s], at least 0."""
@@ -132,21 +147,32 @@ class Flight:
 
     def targets(
         self, q: FloatArray, v: FloatArray, now: Kinematics, planned: FloatArray, goal: Touchdown, dt: float
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return wanted angles and speeds (joints,) of the step: from the plan's angles to the landing's."""
+    ) -> Targets:
+        """Return what is wanted of the joints at this step: from the plan's angles to the landing's."""
         left = self.time_left(now, goal)
         wanted = planned
         if left < PREPARE:
             landing = self.landing_joints(q, v, now, goal, left)
             share = minimum_jerk(min((PREPARE - left) / (PREPARE - READY), 1.0))[0]
             wanted = (1.0 - share) * planned + share * landing
-        before = self._wanted
-        most = self._fastest * dt
-        self._wanted = before + np.clip(wanted - before, -most, most)
-        return self._wanted, (self._wanted - before) / dt
+        return self._smooth(wanted, dt)
+
+    def _smooth(self, wanted: FloatArray, dt: float) -> Targets:
+        """Return targets that go to the wanted angles without a jump in speed, and not too fast."""
+        rate = np.zeros_like(wanted) if self._aim is None else (wanted - self._aim) / dt
+        self._aim, w = wanted, self._omega
+        speed = np.clip(rate, -self._fastest, self._fastest)
+        pull = w * w * (wanted - self._angles) + 2.0 * w * (speed - self._speeds)
+        before = self._speeds
+        after = before + dt * pull
+        # not faster than allowed, but from too fast only as far down as the pull goes
+        most = np.maximum(self._fastest, np.abs(before))
+        self._speeds = np.clip(after, -most, most)
+        self._angles = self._angles + dt * self._speeds
+        return Targets(self._angles, self._speeds, (self._speeds - before) / dt)
 
     def torques(
-        self, M: FloatArray, bias: FloatArray, state: tuple[FloatArray, FloatArray], targets: tuple[FloatArray, FloatArray]
+        self, M: FloatArray, bias: FloatArray, angles: FloatArray, speeds: FloatArray, targets: Targets
     ) -> FloatArray:
         """Return the torques that move the joints as wanted, while the base reacts: (joints,) [N m].
 
@@ -156,11 +182,13 @@ class Flight:
         ----------
         M, bias
             (nv, nv), (nv,) mass matrix and bias forces.
-        state, targets
-            Angles and speeds (joints,), as they are and as wanted.
+        angles, speeds
+            (joints,) as they are.
+        targets
+            As they should be.
         """
-        (angles, speeds), (wanted, rates) = state, targets
         gain = np.linalg.solve(M[:6, :6], np.column_stack([M[:6, 6:], bias[:6]]))
         reduced, rest = M[6:, 6:] - M[6:, :6] @ gain[:, :-1], bias[6:] - M[6:, :6] @ gain[:, -1]
-        w = self._omega
-        return np.asarray(reduced @ (w * w * (wanted - angles) + 2.0 * w * (rates - speeds)) + rest)
+        w = FOLLOW * self._omega
+        pull = w * w * (targets.angles - angles) + 2.0 * w * (targets.speeds - speeds)
+        return np.asarray(reduced @ (targets.accelerations + pull) + rest)

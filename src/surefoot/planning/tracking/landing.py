@@ -14,6 +14,8 @@ from surefoot.spatial import rotation_about, rotation_log
 
 DESCENT = 0.6
 """Speed with which feet that have not found the ground yet are sent down [m/s]."""
+DEPTH = 3e-4
+"""How deep in the ground stance feet are wanted [m]."""
 SWING = 30.0
 """Rate at which they take it [1/s]."""
 
@@ -42,10 +44,10 @@ class Landing:
         back = rotation_about([0.0, 0.0, 1.0], -yaw)
         self._lean = back @ rotation
         self._feet = (feet - com) @ back.T
-        self._still, self._level = np.zeros(robot.joints), np.zeros(len(robot.feet))
+        self._still = np.zeros(robot.joints)
         self._frames = np.tile(np.eye(3), (len(robot.feet), 1, 1))
         points = robot.contact_points
-        self._owner = points.foot
+        self._owner, self._radii = points.foot, points.foot_radii
 
     def begin(self, now: Kinematics) -> None:
         """Take the heading of this moment for the one to keep."""
@@ -66,6 +68,15 @@ class Landing:
         if not stance.all():
             speed = now.com_velocity * [1.0, 1.0, 0.0] - [0.0, 0.0, DESCENT]
             feet[:, :3] = SWING * (speed - now.twists[:, :3])
+        gaps = pressed(now, self._radii)
         return Tasks(
-            stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, self._level
+            stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
+
+
+def pressed(now: Kinematics, radii: FloatArray) -> FloatArray:
+    """Return the gaps (n,) that stance feet on the plane z = 0 are to close [m]: down to a little inside it.
+
+    A foot that just touches creeps out of soft ground as the leg extends, and then leaves it for an instant.
+    """
+    return np.asarray(now.centres[:, 2] - radii + DEPTH)

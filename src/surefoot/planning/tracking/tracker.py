@@ -9,7 +9,7 @@ the body over the feet that touch, like a spring and damper of critical damping,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,8 @@ from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
 from surefoot.log.channels import Channel
-from surefoot.planning.tracking.flight import Flight, touchdowns
-from surefoot.planning.tracking.landing import Landing
+from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
+from surefoot.planning.tracking.landing import Landing, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_log
@@ -30,6 +30,13 @@ GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
 """Values of the channel `phase`."""
 LOST_TIME = 0.02
 """A foot that should stand and feels nothing for this long is taken for one in the air [s]."""
+EARLY, FAST = 0.03, 0.92
+"""So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a joint moves
+with this share of its speed limit: there is nothing left to push with."""
+SPEED_MARGIN = 0.97
+"""Share of a joint's speed limit that torques may take it to."""
+BAUMGARTE = (2500.0, 100.0)
+"""Stiffness [1/s²] and damping [1/s] with which feet are held on the ground."""
 LEAST_FLIGHT = 0.3
 """Share of the planned flight in which touch is not yet a landing: feet scrape as they leave."""
 
@@ -109,13 +116,16 @@ class TrackingController(Controller):
     ) -> None:
         self.robot, self.planned, self.dt = robot, reference, dt
         self.settings = s = settings or TrackSettings()
-        self.whole_body = WholeBodyController(robot, s.mu, weights=Weights(force=s.force_share))
+        self.whole_body = WholeBodyController(
+            robot, s.mu, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
+        )
         self.flight = Flight(robot, s.joints, s.capture)
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu}
-        n = len(robot.feet)
-        self._frames, self._still = np.tile(np.eye(3), (n, 1, 1)), np.zeros(robot.joints)
-        self._level = np.zeros(n)
+        self._radii = robot.contact_points.foot_radii
+        speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
+        self._speed_limits = np.where(speed > 0.0, speed, np.inf)
+        self._frames, self._still = np.tile(np.eye(3), (len(robot.feet), 1, 1)), np.zeros(robot.joints)
         self.reset()
 
     def reset(self) -> None:
@@ -146,7 +156,8 @@ class TrackingController(Controller):
         if not stance.any():
             return self._fly(now, state)
         tasks = self._follow(now, stance) if self.phase == GROUND else self.landing.tasks(now, stance)
-        return self._told(self.whole_body.solve(tasks), stance)
+        body = self.whole_body.solve(tasks)
+        return self._told(replace(body, torques=self._not_too_fast(body.torques, state.v[6:])), stance)
 
     @property
     def _off(self) -> BoolArray:
@@ -158,7 +169,7 @@ class TrackingController(Controller):
         self._flights = touchdowns(self._reference)
         self._next = 0
         self._taken = 0.0
-        self.flight.begin(state.q[7:])
+        self.flight.begin(state.q[7:], state.v[6:])
 
     def _planned_stance(self) -> BoolArray:
         assert self._reference is not None
@@ -169,9 +180,9 @@ class TrackingController(Controller):
         assert self._reference is not None
         flights, clock = self._flights, self._clock
         if self.phase == GROUND:
-            if self._next < len(flights) and clock >= flights[self._next].start:
+            if self._next < len(flights) and self._leaves(state, felt, flights[self._next].start):
                 self.phase = FLYING
-                self.flight.begin(state.q[7:])
+                self.flight.begin(state.q[7:], state.v[6:])
             elif clock >= self._reference.duration:
                 self._land(now)
         elif self.phase == FLYING:
@@ -183,6 +194,15 @@ class TrackingController(Controller):
                 else:
                     self.phase, self._clock = GROUND, goal.end
                 self._unfelt[:] = np.where(felt, 0.0, math.inf)
+
+    def _leaves(self, state: RobotState, felt: BoolArray, start: float) -> bool:
+        """Return whether the flight begins: as planned, or just before when the legs cannot push any more."""
+        if self._clock >= start:
+            return True
+        fast = bool((np.abs(state.v[6:]) > FAST * self._speed_limits).any())
+        planned = self._planned_stance()
+        lost = 2 * int((planned & ~felt).sum()) >= int(planned.sum())
+        return self._clock >= start - EARLY and (fast or lost)
 
     def _land(self, now: Kinematics) -> None:
         self.phase = LANDED
@@ -209,7 +229,8 @@ class TrackingController(Controller):
             miss = places - want.com - (now.centres - now.com)
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
             feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
-        return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, self._level)
+        gaps = pressed(now, self._radii)
+        return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
 
     def _fly(self, now: Kinematics, state: RobotState) -> TrackCommand:
         """Return the command of a robot in the air."""
@@ -218,16 +239,28 @@ class TrackingController(Controller):
         q, v = state.q, state.v
         planned = self._reference.at(min(self._clock, goal.end - 1e-9) if goal else self._clock).q[7:]
         if goal is None:
-            targets = planned, np.zeros_like(planned)
+            targets = Targets(planned, np.zeros_like(planned), np.zeros_like(planned))
         else:
             targets = self.flight.targets(q, v, now, planned, goal, self.dt)
         M, bias = self.whole_body.dynamics()
-        torques = self.flight.torques(M, bias, (q[7:], v[6:]), targets)
+        torques = self.flight.torques(M, bias, q[7:], v[6:], targets)
         limits = self.whole_body.limits
+        torques = self._not_too_fast(np.clip(torques, -limits, limits), v[6:])
         return TrackCommand(
-            np.clip(torques, -limits, limits), np.zeros((len(self.whole_body.point_foot), 3)),
+            torques, np.zeros((len(self.whole_body.point_foot), 3)),
             self._off[self.whole_body.point_foot], True, Status.SOLVED, self.phase,
         )  # fmt: skip
+
+    def _not_too_fast(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return torques that do not take a joint beyond its speed limit by the next step, even if it is unloaded.
+
+        A foot that leaves the ground a step before its torque goes is left with nothing but its leg's inertia.
+        """
+        M, _ = self.whole_body.dynamics()
+        inertia = 1.0 / np.diag(np.linalg.inv(M[6:, 6:])) / self.dt
+        most = SPEED_MARGIN * self._speed_limits
+        high, low = inertia * (most - speeds), inertia * (-most - speeds)
+        return np.asarray(np.clip(torques, np.minimum(low, 0.0), np.maximum(high, 0.0)))
 
     def _told(self, body: Any, stance: BoolArray) -> TrackCommand:
         active = stance[self.whole_body.point_foot]
