@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 .DEFAULT_GOAL := help
-.PHONY: help setup stand test test-extras lint bench docs clean
+.PHONY: help setup stand test test-extras test-release lint bench docs clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -31,6 +31,9 @@ test: lint ## lint, then every test
 test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gigabytes) and run their tests
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp,mjx,scale]'
 	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py tests/benchmarks/test_batch_bench.py
+
+test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)
+	SUREFOOT_RELEASE=1 $(BIN)/python -m pytest -q tests/test_release.py
 
 bench: setup ## every benchmark, one after the other
 	$(BIN)/surefoot bench forces --out runs

@@ -14,8 +14,10 @@ from surefoot.cli import (
     bench,
     check,
     cone,
+    doctor,
     identify,
     model,
+    plan,
     region,
     solve,
     stand,
@@ -38,13 +40,12 @@ UsageError = cast("type[typer.BadParameter]", typer.BadParameter.__bases__[0])
 app = typer.Typer(
     name="surefoot",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds,
-    warmup.warmup,
+    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan,
+    warmup.warmup, doctor.doctor,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
 app.add_typer(bench.app, name="bench")

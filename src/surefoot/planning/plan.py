@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -65,12 +65,18 @@ class Search:
     stopped: Status = Status.STALLED
 
 
+@dataclass
 class Plan(Log):
     """A motion with its forces, as a log; one row per knot.
 
     A row holds the state at a knot's start, and the forces that act until the next; gaps and positions are
     those at the knot's end, where the contact laws of an exact first-order step hold. A plan is SOLVED only
     where its own rollout obeys the laws to 1e-8 and reaches the goal.
+
+    Attributes
+    ----------
+    robot, terrain
+        Who moves where; None for a plan from a file.
 
     Examples
     --------
@@ -83,6 +89,9 @@ class Plan(Log):
     >>> plan.status.value, plan.law_residual < 1e-8, len(plan), len(plan.contacts)
     ('solved', True, 10, 4)
     """
+
+    robot: Robot | None = field(default=None, repr=False, compare=False)
+    terrain: Terrain | None = field(default=None, repr=False, compare=False)
 
     @property
     def status(self) -> Status:
@@ -219,7 +228,7 @@ def plan_from(
         "end_v": trajectory.v[rows],
         **facts,
     }
-    return Plan(arrays, told)
+    return Plan(arrays, told, robot=robot, terrain=terrain)
 
 
 def _status(trajectory: Trajectory, search: Search, rows: int) -> Status:

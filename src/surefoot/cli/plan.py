@@ -1,0 +1,246 @@
+"""`surefoot plan`: a motion through contact, and what became of it in a simulator."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from surefoot.cli import run_options as options
+from surefoot.cli import shared_options as shared
+from surefoot.cli.console import plain_console, say
+from surefoot.cli.output import new_run_folder, to_json
+from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:
+    from surefoot.planning.plan import Plan
+    from surefoot.planning.tasks.task import Iteration
+
+EXECUTORS = ("mujoco",)
+"""Worlds that a plan can be carried out in."""
+
+
+def plan(
+    task: Annotated[
+        str,
+        typer.Argument(help="ball, hopper, push, jump, backflip, stand-up or trot; see docs/planning.md."),
+    ],
+    amount: Annotated[
+        float | None, typer.Argument(help="The task's number: a distance or height [m], a speed [m/s].")
+    ] = None,
+    robot: Annotated[str | None, typer.Option(help="A known robot (default go2).")] = None,
+    urdf: shared.Urdf = None,
+    feet: shared.FootFrames = None,
+    method: Annotated[
+        str | None, typer.Option(help="The road; each task names its own, the recommended one is taken.")
+    ] = None,
+    mu: options.Friction = 0.6,
+    dt: Annotated[float | None, typer.Option(help="Length of a knot [s].")] = None,
+    knots: Annotated[int | None, typer.Option(help="Number of knots.")] = None,
+    seed: Annotated[int, typer.Option(help="Of random starts, and of the executed run.")] = 0,
+    max_iterations: Annotated[int | None, typer.Option(help="Most iterations of the search.")] = None,
+    execute: Annotated[
+        str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
+    ] = None,
+    out: options.Out = Path("runs"),
+    video: options.Video = True,
+    report: options.Report = True,
+    as_json: options.AsJson = False,
+) -> int:
+    """Plan a motion through contact that obeys the laws, and carry it out if asked to.
+
+    Exit code 0 if the plan is solved (and, carried out, landed without a broken law), 1 if not, 2 for wrong
+    input.
+    """
+    from surefoot.cli import parsing
+    from surefoot.cli.signals import ends_softly
+    from surefoot.planning.tasks.table import find_task
+
+    console = plain_console(quiet=as_json)
+    parsing.friction("--mu", mu)
+    found = find_task(task)
+    if execute is not None and execute not in EXECUTORS:
+        raise ProblemError(unknown_name("world of --execute", execute, EXECUTORS))
+    options.require(robot, urdf, ("pin", *(["mujoco"] if execute else [])), video, report)
+    who = _robot(robot, urdf, feet, found)
+    numbers = {
+        "mu": mu, "dt": dt, "knots": knots, "method": method, "seed": seed, "max_iterations": max_iterations,
+    }  # fmt: skip
+    with ends_softly() as stop:
+        search = _Search(console, as_json)
+        made = search.run(who, task, amount, numbers)
+        folder = new_run_folder(out, f"plan-{task}")
+        executed = None if execute is None else _execute(made, execute, seed, folder)
+        good = _write(made, executed, search.iterations, folder, (video, report, as_json), console)
+        if search.interrupted:
+            return stop.code
+    return 0 if good else 1
+
+
+def _robot(name: str | None, urdf: Path | None, feet: str | None, task: Any) -> Any:
+    """Return the robot that was asked for; None for the task's own."""
+    from surefoot.cli.robots import load
+
+    if name is None and urdf is None:
+        return load(None, None, feet) if task.robots else None
+    if not task.robots:
+        given = f"--robot {name}" if urdf is None else f"--urdf {urdf}"
+        raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {given}")
+    return load(name, urdf, feet, feet_needed=True)
+
+
+@dataclass
+class _Search:
+    """Runs the search, shows how it goes and keeps its iterations."""
+
+    console: Any
+    as_json: bool
+    iterations: list[Iteration] = field(default_factory=list)
+    interrupted: bool = False
+
+    def run(self, robot: Any, task: str, amount: float | None, numbers: dict[str, Any]) -> Plan:
+        """Return the plan; after Ctrl-C the best so far."""
+        from surefoot.planning.planner import plan
+
+        screen = plain_console(stderr=True)
+        if self.as_json or not screen.is_terminal:
+            made = plan(robot, task, amount, tell=self.iterations.append, **numbers)
+        else:
+            with screen.status(f"planning {task}") as status:
+
+                def show(iteration: Iteration) -> None:
+                    self.iterations.append(iteration)
+                    status.update(_line(task, iteration))
+
+                made = plan(robot, task, amount, tell=show, **numbers)
+        self.interrupted = bool(made.facts.get("interrupted", False))
+        return made
+
+
+def _line(task: str, iteration: Iteration) -> str:
+    """Return one line about where a search is."""
+    said = f"planning {task}: iteration {iteration.number}, cost {iteration.cost:.4g}"
+    said += f", law residual {iteration.law_residual:.1e}"
+    return f"{said}, {iteration.note}" if iteration.note else said
+
+
+def _execute(made: Plan, world: str, seed: int, folder: Path) -> Any:
+    """Carry a plan out and save the run's log."""
+    from surefoot.simulation.plan_execution import execute  # type: ignore[import-not-found]
+
+    executed = execute(made, world=world, seed=seed)
+    executed.log.save(folder / "executed.npz")
+    return executed
+
+
+def _facts(made: Plan, executed: Any) -> dict[str, Any]:
+    """Return what --json prints."""
+    done = None
+    if executed is not None:
+        done = {
+            "landed": bool(executed.landed),
+            "laws": list(executed.laws),
+            "torque_use_max": float(executed.torque_use_max),
+            "speed_use_max": float(executed.speed_use_max),
+        }
+    return {
+        "task": made.task,
+        "robot": made.facts["robot"],
+        "method": made.method,
+        "status": made.status.value,
+        "goal": made.facts["goal"],
+        "cost": made.cost,
+        "law_residual": made.law_residual,
+        "iterations": made.iterations,
+        "time": made.time,
+        "knots": len(made),
+        "dt": made.facts["dt"],
+        "contacts": [vars(phase) for phase in made.contacts],
+        "executed": done,
+    }
+
+
+def _write(
+    made: Plan,
+    executed: Any,
+    iterations: list[Iteration],
+    folder: Path,
+    wanted: tuple[bool, bool, bool],
+    console: Any,
+) -> bool:
+    """Write all that a plan leaves, say what it is, and return whether all went well."""
+    from surefoot.cli import run_files
+    from surefoot.cli.progress import progress_bar
+    from surefoot.cli.run_output import print_tables
+    from surefoot.contact import Status
+    from surefoot.viz.plan_plots import draw_plan
+
+    video, report, as_json = wanted
+    written = run_files.Written()
+    written.attempt(folder / "plan.npz", lambda: made.save(folder / "plan.npz"))
+    facts = {**_facts(made, executed), "folder": str(folder), "unwritten": written.notes}
+    written.attempt(folder / "summary.json", lambda: run_files.write_summary(facts, folder))
+    shown = run_files.Pictures(made if executed is None else executed.log, folder)
+    if video and made.robot is not None and made.terrain is not None:
+        with progress_bar(not as_json, "filming", 1.0) as tell:
+            shown.film(made.robot, made.terrain, tell)
+    if as_json:
+        print(to_json(facts))
+    tables = _tables(made, facts)
+    print_tables(console, tables, [])
+    good = made.status is Status.SOLVED
+    done = facts["executed"]
+    headline = f"{made.task}: {made.status.value}; {made.facts['goal']}"
+    if done is not None:
+        good = good and done["landed"] and not done["laws"]
+        laws = "no law was broken" if not done["laws"] else "laws broken: " + "; ".join(done["laws"])
+        headline += f"; carried out: {'landed' if done['landed'] else 'did not land'}, {laws}"
+    if report:
+        from surefoot.cli.run_output import report_sections
+        from surefoot.viz.report import write_report
+
+        shown.plot(lambda log, where: draw_plan(made, where, iterations))
+        command = shlex.join(["surefoot", *sys.argv[1:]])
+        sections = [*report_sections(tables, []), *shown.sections()]
+        page = folder / "report.html"
+        written.attempt(
+            page, lambda: write_report(page, f"Plan: {made.task}", (headline, good), sections, command)
+        )
+    say(console, *shown.notes(), *written.notes)
+    say(console, headline, style="bold green" if good else "bold red")
+    page = folder / "report.html"
+    say(console, f"report: {page if page.exists() else folder}")
+    return good and not written.notes
+
+
+def _tables(made: Plan, facts: dict[str, Any]) -> list[Any]:
+    """Return the tables of a plan."""
+    from surefoot.cli.run_output import Table
+
+    rows = [
+        ["status", facts["status"]],
+        ["method", facts["method"]],
+        ["cost", f"{facts['cost']:.5g}"],
+        ["law residual", f"{facts['law_residual']:.2e}"],
+        ["iterations", str(facts["iterations"])],
+        ["time of the search [s]", f"{facts['time']:.2f}"],
+        ["knots", f"{facts['knots']} of {1e3 * facts['dt']:g} ms"],
+    ]
+    done = facts["executed"]
+    if done is not None:
+        rows += [
+            ["landed", "yes" if done["landed"] else "no"],
+            ["highest torque, share of its limit", f"{done['torque_use_max']:.2f}"],
+            ["highest joint speed, share of its limit", f"{done['speed_use_max']:.2f}"],
+        ]
+    phases: dict[str, list[str]] = {}
+    for phase in made.contacts:
+        phases.setdefault(phase.foot, []).append(f"{phase.start:.2f} to {phase.end:.2f}")
+    return [
+        Table("The plan", ("plan", made.task), rows),
+        Table("Contacts", ("foot", "on the ground [s]"), [[f, ", ".join(p)] for f, p in phases.items()]),
+    ]

@@ -1,0 +1,78 @@
+"""`surefoot doctor` tells what is there, and exits 1 only where the base install is broken."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from surefoot.cli import doctor
+from surefoot.cli.main import main
+
+
+def told(capfd: pytest.CaptureFixture[str], *options: str) -> tuple[int, dict]:
+    code = main(["doctor", "--json", "--no-draw", *options])
+    return code, json.loads(capfd.readouterr().out)
+
+
+def test_it_tells_versions_blas_and_kernels(capfd: pytest.CaptureFixture[str]) -> None:
+    code, facts = told(capfd)
+    assert code == 0
+    assert facts["sound"] is True
+    versions = {p["name"]: p["version"] for p in facts["base"]}
+    assert versions["numba"] == importlib.metadata.version("numba")
+    assert {"numpy", "scipy", "typer"} <= set(versions)
+    assert facts["blas"]["name"] != "unknown"
+    assert facts["numba"]["works"] is True
+    assert {"robot", "sim", "viz", "qp", "files"} <= set(facts["extras"])
+    assert "all" not in facts["extras"]
+
+
+def test_packages_of_an_extra_are_those_of_the_project(capfd: pytest.CaptureFixture[str]) -> None:
+    _, facts = told(capfd)
+    assert {p["name"] for p in facts["extras"]["robot"]} == {"pin", "example-robot-data"}
+    assert all(p["fits"] for p in facts["extras"]["robot"])
+
+
+def test_what_is_missing_is_said(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def absent(name: str) -> str:
+        if name in ("mujoco", "matplotlib"):
+            raise importlib.metadata.PackageNotFoundError(name)
+        return importlib.metadata.version(name)
+
+    monkeypatch.setattr(doctor, "version", absent)
+    assert main(["doctor", "--no-draw"]) == 0
+    said = capfd.readouterr().out
+    assert "missing: mujoco" in said
+    assert "pip install 'surefoot[viz]'" in said
+
+
+def test_a_broken_base_is_exit_code_1(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "version", lambda name: "0.0.1")
+    assert main(["doctor", "--no-draw"]) == 1
+    said = capfd.readouterr().out
+    assert "too old" in said
+    assert "base install is broken" in said
+
+
+def test_drawing_is_tried_in_a_process_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mujoco")
+    monkeypatch.setattr(doctor, "DRAW", "raise SystemExit('no GL here')")
+    found = doctor.examine(draw=True)["drawing"]
+    assert found["works"] is False
+    assert found["note"] == "no GL here"
+
+
+def test_the_shell_completes_commands() -> None:
+    asked = {"_SUREFOOT_COMPLETE": "complete_bash", "COMP_WORDS": "surefoot doc", "COMP_CWORD": "1"}
+    done = subprocess.run(
+        [sys.executable, "-c", "from surefoot.cli.main import run; run()"],
+        capture_output=True, text=True, env={**os.environ, **asked}, check=False,
+    )  # fmt: skip
+    assert done.stdout.split() == ["doctor"]

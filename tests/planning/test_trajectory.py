@@ -1,0 +1,94 @@
+"""A rollout is what the world does under the same torques, and says where it is not lawful."""
+
+import numpy as np
+import pytest
+
+from surefoot.errors import ProblemError
+from surefoot.planning import rollout
+from surefoot.robot import load_robot, place
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.terrain import SlopeTerrain
+
+
+@pytest.fixture(scope="module")
+def go2():
+    return load_robot("go2")
+
+
+def holding(robot, q):
+    """Return torques that hold the legs against the joints' positions, as a policy."""
+
+    def policy(k, state, v):
+        return 40.0 * (q[7:] - state[7:]) - 0.4 * v[6:]
+
+    return policy
+
+
+def test_a_rollout_is_what_the_rigid_world_does(go2):
+    q = place(go2)
+    motion = rollout(go2, q, np.zeros(18), holding(go2, q), dt=0.01, steps=30)
+    world = RigidWorld(go2, mu=0.6, dt=0.01, order=1)
+    world.reset(q)
+    for k in range(30):
+        world.step(motion.torques[k])
+        states = world.state()
+        assert np.abs(states[0] - motion.q[k + 1]).max() < 1e-9
+        assert np.abs(world.contacts().forces - motion.impulses[k] / 0.01).max() < 1e-5
+    assert motion.lawful
+    assert motion.law_residual < 1e-8
+
+
+def test_the_laws_hold_at_the_end_of_each_knot(go2):
+    q = place(go2)
+    q[2] += 0.05
+    motion = rollout(go2, q, np.zeros(18), holding(go2, q), dt=0.01, steps=40)
+    normal = motion.impulses[:, :, 2]
+    ahead = motion.gaps[:-1] + motion.dt * motion.speeds[:, :, 2]
+    assert normal.max() > 0.1  # it lands
+    assert normal.min() >= 0.0
+    assert ahead.min() > -1e-8
+    assert np.abs(normal * ahead).max() < 1e-8
+    tangential = np.linalg.norm(motion.impulses[:, :, :2], axis=2)
+    assert (tangential <= 0.6 * normal + 1e-9).all()
+
+
+def test_torques_of_a_policy_are_those_of_the_trajectory(go2):
+    q = place(go2)
+    first = rollout(go2, q, np.zeros(18), holding(go2, q), dt=0.02, steps=10)
+    again = rollout(go2, q, np.zeros(18), first.torques, dt=0.02)
+    assert np.array_equal(first.q, again.q)
+    assert np.array_equal(first.impulses, again.impulses)
+
+
+def test_a_slope_is_a_slope(go2):
+    terrain = SlopeTerrain(15.0)
+    q = place(go2, terrain)
+    motion = rollout(go2, q, np.zeros(18), holding(go2, q), dt=0.01, mu=0.8, terrain=terrain, steps=20)
+    assert motion.lawful
+    assert np.abs(motion.gaps[:, 0]).max() < 5e-3
+
+
+def test_a_lost_motion_is_not_lawful(go2):
+    torques = np.full((5, 12), 1e290)
+    motion = rollout(go2, place(go2), np.zeros(18), torques, dt=0.01)
+    assert not motion.lawful
+    assert motion.law_residual == np.inf
+    assert np.isnan(motion.q[-1]).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"q": np.zeros(3)}, "q"),
+        ({"v": np.full(18, np.nan)}, "v"),
+        ({"torques": np.zeros((4, 3))}, "torques"),
+        ({"torques": np.full((4, 12), np.inf)}, "torques"),
+        ({"mu": -1.0}, "mu"),
+        ({"dt": 0.0}, "dt"),
+        ({"torques": lambda k, q, v: np.zeros(12)}, "steps"),
+    ],
+)
+def test_bad_input_is_named(go2, change, told):
+    given = {"q": place(go2), "v": np.zeros(18), "torques": np.zeros((4, 12)), "dt": 0.01, "mu": 0.6} | change
+    with pytest.raises(ProblemError, match=told):
+        rollout(go2, given.pop("q"), given.pop("v"), given.pop("torques"), **given)

@@ -1,0 +1,119 @@
+"""What is released works where nothing of the checkout is: the wheel, the source archive, every extra.
+
+The extras are installed from the network into environments of their own, minutes and gigabytes: `make
+test-release` does that, the suite leaves it out.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tarfile
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import surefoot
+
+ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+TRY = """
+import surefoot as sf
+stance = sf.Stance([sf.PointContact(position=(x, y, 0.0), mu=0.6) for x in (-0.2, 0.2) for y in (-0.1, 0.1)])
+assert sf.can_stand(stance, (0.0, 0.0, 0.3), 16.0).feasible
+print(sf.__file__)
+"""
+IMPORTED = {
+    "robot": "pinocchio", "sim": "mujoco", "qp": "qpsolvers", "viz": "matplotlib", "files": "mcap",
+    "sweep": "pyarrow", "scale": "ray", "rerun": "rerun", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
+    "warp": "warp", "plan": "casadi", "drake": "pydrake", "models": "robot_descriptions", "cdd": "cdd",
+    "all": "pinocchio", "dev": "pytest",
+}  # fmt: skip
+"""A module that each extra brings."""
+
+
+def build(kind: str, out: Path) -> Path:
+    """Return a new wheel or source archive of the checkout."""
+    pytest.importorskip("hatchling", reason="hatchling builds the release")
+    code = f"import hatchling.build as b; print(b.build_{kind}({str(out)!r}))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    return out / done.stdout.strip().splitlines()[-1]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build("wheel", tmp_path_factory.mktemp("wheel"))
+
+
+def files_of(wheel: Path) -> set[str]:
+    return set(zipfile.ZipFile(wheel).namelist())
+
+
+def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
+    names = files_of(wheel)
+    package = Path(surefoot.__file__).parent
+    kept = {
+        f"surefoot/{p.relative_to(package).as_posix()}"
+        for p in package.rglob("*")
+        if p.is_file() and "__pycache__" not in p.parts
+    }
+    assert kept <= names
+    assert all(n.startswith(("surefoot/", "surefoot-")) for n in names)
+    assert "surefoot/py.typed" in names
+    assert any(n.endswith("licenses/LICENSE") for n in names)
+
+
+def test_the_wheel_works_away_from_the_checkout(wheel: Path, tmp_path: Path) -> None:
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    env = {**os.environ, "PYTHONPATH": str(tmp_path / "site"), "NUMBA_DISABLE_JIT": "1"}  # nothing to compile
+
+    def python(*arguments: str) -> str:
+        done = subprocess.run(
+            [sys.executable, *arguments], cwd=tmp_path, env=env, capture_output=True, text=True, check=True
+        )
+        return done.stdout
+
+    assert str(tmp_path) in python("-c", "import surefoot; print(surefoot.__file__)")
+    assert python("-m", "surefoot", "--version").strip() == f"surefoot {surefoot.__version__}"
+    assert str(tmp_path) in python("-c", TRY)
+
+
+def test_the_source_archive_builds_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
+    archive = build("sdist", tmp_path)
+    with tarfile.open(archive) as packed:
+        packed.extractall(tmp_path, filter="data")
+    source = archive.with_name(archive.name.removesuffix(".tar.gz"))
+    assert {"Makefile", "constraints.txt", "LICENSE", "tests", "docs", "benchmarks"} <= {
+        p.name for p in source.iterdir()
+    }
+    code = f"import hatchling.build as b; print(b.build_wheel({str(tmp_path)!r}))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=source, capture_output=True, text=True, check=True
+    )
+    assert files_of(tmp_path / done.stdout.strip().splitlines()[-1]) == files_of(wheel)
+
+
+def test_every_extra_has_something_to_try() -> None:
+    assert set(EXTRAS) <= set(IMPORTED) | {"docs", "lab"}
+
+
+@pytest.mark.skipif(
+    "SUREFOOT_RELEASE" not in os.environ, reason="installs from the network: make test-release"
+)
+@pytest.mark.parametrize("extra", ["", *EXTRAS])
+def test_it_installs_in_a_clean_environment(extra: str, wheel: Path, tmp_path: Path) -> None:
+    venv.create(tmp_path / "env", with_pip=True)
+    python = tmp_path / "env" / "bin" / "python"
+    what = f"{wheel}[{extra}]" if extra else str(wheel)
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*pip, "-c", ROOT / "constraints.txt", what], check=True)
+    done = subprocess.run([python, "-c", TRY], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert str(tmp_path) in done.stdout
+    if extra in IMPORTED:
+        subprocess.run([python, "-c", f"import {IMPORTED[extra]}"], cwd=tmp_path, check=True)
+    subprocess.run([python, "-m", "surefoot", "doctor", "--no-draw"], cwd=tmp_path, check=True)
