@@ -234,9 +234,10 @@ class MujocoWorld:
             surface_frames(normals, self._frames)
         gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
         contact = data.contact
+        addresses = contact.efc_address if self._links is None else self._links.addresses(data)
         forces, velocities, positions = read_contacts(
             centres, self._frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
-            contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
+            contact.geom, addresses, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
         others = None if self._links is None else self._links.force(data)
         return ContactReading(forces, gaps, velocities, positions, others)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, IntArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.collision import Geometry
 from surefoot.collision.shapes import Box, Capsule, Shape
 from surefoot.robot import Robot
@@ -86,25 +86,33 @@ class LinkContacts:
             int(kinds.mjCNSTR_CONTACT_PYRAMIDAL),
             int(kinds.mjCNSTR_CONTACT_ELLIPTIC),
         ]
+        self._stop = int(kinds.mjCNSTR_LIMIT_JOINT)
         self._foot, self._ground = np.zeros(model.ngeom, dtype=bool), np.zeros(model.ngeom, dtype=bool)
         self._foot[feet], self._ground[ground] = True, True
+
+    def _feet_on_ground(self, pairs: IntArray) -> BoolArray:
+        """Return which of the pairs (c, 2) of geoms are a foot and the ground."""
+        if not len(pairs):
+            return np.zeros(0, dtype=bool)
+        return np.asarray((self._foot[pairs] & self._ground[pairs[:, ::-1]]).any(axis=1))
+
+    def addresses(self, data: Any) -> IntArray:
+        """Return the first constraint row of the contacts of feet on the ground (c,), -1 for all others."""
+        contact = data.contact
+        return np.where(self._feet_on_ground(contact.geom), contact.efc_address, -1).astype(np.int32)
 
     def others(self, data: Any) -> IntArray:
         """Return the indices of the contacts that carry a force and are no foot's on the ground."""
         contact = data.contact
-        pairs = contact.geom
-        if not len(pairs):
-            return np.zeros(0, dtype=np.int64)
-        foot = (self._foot[pairs] & self._ground[pairs[:, ::-1]]).any(axis=1)
-        out = np.flatnonzero(~foot & (contact.efc_address >= 0))
+        out = np.flatnonzero(~self._feet_on_ground(contact.geom) & (contact.efc_address >= 0))
         return out[data.efc_force[contact.efc_address[out]] > 0.0]
 
     def force(self, data: Any) -> FloatArray:
-        """Return their generalised force (nv,) in Pinocchio's axes of a floating base [N, N m]."""
-        chosen = self.others(data)
-        if not chosen.size:
+        """Return their generalised force and that of joints at their stops (nv,), Pinocchio's axes [N, N m]."""
+        rows = np.isin(data.efc_type, self._kinds) & np.isin(data.efc_id, self.others(data))
+        rows |= data.efc_type == self._stop
+        if not rows.any():
             return np.zeros(self._nv)
-        rows = np.isin(data.efc_type, self._kinds) & np.isin(data.efc_id, chosen)
         jacobian = np.asarray(data.efc_J).reshape(-1, self._nv)
         out = np.asarray(jacobian[rows].T @ data.efc_force[rows])
         w, x, y, z = data.qpos[3:7].tolist()

@@ -13,8 +13,9 @@ from surefoot.control.controller import Controller
 from surefoot.control.motor_limits import MotorLimited, MotorLimits, motor_limits
 from surefoot.errors import ProblemError
 from surefoot.log import Ending, Log
-from surefoot.planning.tracking import Reference, TrackingController, TrackSettings
+from surefoot.planning.tracking import Reference, TrackSettings
 from surefoot.planning.tracking.legs import Legs
+from surefoot.planning.tracking.stand_up import controller_of
 from surefoot.robot import Robot, load_robot
 from surefoot.simulation.faults import believed_robot
 from surefoot.simulation.observers import Moment, Observer
@@ -33,6 +34,8 @@ SETTLE = 1.2
 AT_REST, UPRIGHT, RISEN = 0.1, math.radians(15.0), 0.6
 """A robot has landed at the end if it is slower than this [m/s, rad/s] and leans less than this against how the
 plan ends [rad], its base above this share of the height where the plan ends, with all feet on the ground."""
+LAID = 0.03
+"""Height from which a robot that lies is let down [m]: no link is in the ground, however it is displaced."""
 NEVER = Fall(-math.inf, math.pi)
 """A robot that turns over, or lies, has not fallen for good."""
 
@@ -162,14 +165,14 @@ def execute(
     if mu is None:
         mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
     surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
-    controller = TrackingController(robot, reference, settings, dt)
+    controller = controller_of(plan, robot, settings, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
     there = make_world(
         world, believed_robot(robot, surprise.mass), mu=mu * surprise.friction, dt=dt, collision="full"
     )
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
-        start=displaced(robot, reference.start, surprise),
+        start=(displaced if reference.begins_standing else laid)(robot, reference.start, surprise),
     )  # fmt: skip
     return judged(there, MotorLimited(controller, motors), scenario, reference, surprise)
 
@@ -193,6 +196,18 @@ def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
     out[7:] = Legs(robot).reach((feet - out[:3]) @ rotation, q[7:])
     points = robot.contact_points
     out[2] -= float((robot.foot_positions(out)[:, 2] - points.foot_radii).min())
+    return out
+
+
+def laid(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
+    """Return a lying configuration (nq,) with the whole robot displaced, and as high as its errors can need."""
+    out = q.copy()
+    out[:3] += surprise.place
+    out[2] += LAID
+    angle = float(np.linalg.norm(surprise.turn))
+    if angle > 0.0:
+        rotation = rotation_about(surprise.turn / angle, angle) @ rotation_from_quaternion(q[3:7])
+        out[3:7] = quaternion_from_rotation(rotation)
     return out
 
 
