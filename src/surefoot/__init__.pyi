@@ -88,6 +88,14 @@ from .estimation import estimate_forces as estimate_forces
 from .estimation import identify as identify
 from .estimation import read_tosses as read_tosses
 from .estimation import write_tosses as write_tosses
+from .interop import ContactSequence as ContactSequence
+from .interop import SequencePhase as SequencePhase
+from .interop import export_sequence as export_sequence
+from .interop import read_sequence as read_sequence
+from .interop import sequence_from_log as sequence_from_log
+from .interop import sequence_from_schedule as sequence_from_schedule
+from .interop import target_names as target_names
+from .interop import write_sequence as write_sequence
 from .log import Log as Log
 from .log import log_from_arrays as log_from_arrays
 from .log import read_log as read_log

@@ -15,6 +15,7 @@ from surefoot.cli import (
     check,
     cone,
     doctor,
+    export,
     identify,
     model,
     plan,
@@ -44,7 +45,7 @@ app = typer.Typer(
 )
 for _command in (
     stand.stand, walk.walk, cone.cone, check.check, region.region, model.model, solve.solve,
-    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan,
+    translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan, export.export,
     warmup.warmup, doctor.doctor,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

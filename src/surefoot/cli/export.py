@@ -1,0 +1,91 @@
+"""`surefoot export`: the contacts of a log, a plan or a sequence, as other tools read them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from surefoot.cli.console import plain_console, say
+from surefoot.cli.output import new_run_folder, to_json
+from surefoot.errors import ProblemError, unknown_name
+
+SEQUENCE = "sequence"
+
+
+def export(
+    source: Annotated[Path, typer.Argument(help="A contact sequence (.json), or a log or plan.")],
+    to: Annotated[
+        list[str] | None,
+        typer.Option(help="sequence, ocs2, crocoddyl, tsid, casadi, acados, drake, isaaclab; repeatable."),
+    ] = None,
+    facets: Annotated[
+        int | None, typer.Option(help="Sides of the pyramids; None for the file's, or 8.")
+    ] = None,
+    fit: Annotated[str | None, typer.Option(help="inner or outer; None for the file's, or inner.")] = None,
+    shortest: Annotated[
+        float, typer.Option(help="Phases of a log shorter than this join the one before [s].")
+    ] = 0.02,
+    out: Annotated[Path, typer.Option(help="Parent of the new folder.")] = Path("runs"),
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+) -> int:
+    """Write the contacts of a log, a plan or a sequence for other tools: data, and scripts that hold it.
+
+    Exit code 0 if every file is written, 2 for wrong input.
+    """
+    from surefoot.interop import export_sequence, target_names, write_sequence
+
+    targets = to or [SEQUENCE]
+    for name in targets:
+        if name not in (SEQUENCE, *target_names()):
+            raise ProblemError(unknown_name("target of --to", name, (SEQUENCE, *target_names())))
+    sequence = _read(source, facets, fit, shortest)
+    texts = {name: None if name == SEQUENCE else name for name in dict.fromkeys(targets)}
+    for name in texts:  # refused before a folder is made
+        if name != SEQUENCE:
+            from surefoot.interop.targets.table import find_target
+
+            find_target(name).files(sequence)
+    folder = new_run_folder(out, f"export-{source.stem}")
+    paths: list[Path] = []
+    for name in texts:
+        if name == SEQUENCE:
+            paths.append(write_sequence(sequence, folder / "contacts.json"))
+        else:
+            paths += export_sequence(sequence, name, folder)
+    _say(sequence, paths, as_json)
+    return 0
+
+
+def _read(source: Path, facets: int | None, fit: str | None, shortest: float) -> Any:
+    """Return the sequence of a file."""
+    from dataclasses import replace
+
+    from surefoot.interop import read_sequence, sequence_from_log
+    from surefoot.log import read_log
+
+    if source.suffix == ".json":
+        sequence = read_sequence(source)
+        side: Any = fit or sequence.fit
+        return replace(sequence, facets=sequence.facets if facets is None else facets, fit=side)
+    return sequence_from_log(read_log(source), facets or 8, fit or "inner", shortest)  # type: ignore[arg-type]
+
+
+def _say(sequence: Any, paths: list[Path], as_json: bool) -> None:
+    """Print what was written."""
+    facts = {
+        "robot": sequence.robot,
+        "frames": list(sequence.frames),
+        "duration": sequence.duration,
+        "phases": [{"duration": p.duration, "contacts": list(p.names)} for p in sequence.phases],
+        "files": [str(path) for path in paths],
+    }
+    if as_json:
+        print(to_json(facts))
+        return
+    console = plain_console()
+    frames = len(sequence.frames)
+    say(console, f"{len(sequence.phases)} phases, {frames} frames, {sequence.duration:.3f} s")
+    for path in paths:
+        say(console, str(path))

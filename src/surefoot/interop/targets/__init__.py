@@ -1,0 +1,1 @@
+"""What other tools read: one file per target, one line in the table."""

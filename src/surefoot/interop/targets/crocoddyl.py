@@ -1,0 +1,91 @@
+"""Crocoddyl: friction and wrench cones of every phase, and the costs that keep forces inside them."""
+
+from __future__ import annotations
+
+import math
+
+from surefoot.errors import ProblemError
+from surefoot.interop.sequence import ContactSequence
+from surefoot.interop.targets.target import header, python_data
+from surefoot.stance import PointContact
+
+BODY = '''
+HUGE = np.finfo(float).max
+COS, SIN = np.cos(TURNED), np.sin(TURNED)
+TURN = np.array([[COS, -SIN, 0.0], [SIN, COS, 0.0], [0.0, 0.0, 1.0]])
+"""Crocoddyl's first facet faces along x; the sequence's is turned from there about the normal."""
+
+
+def cone(contact):
+    """Return the FrictionCone of a point or the WrenchCone of a patch; both take forces in contact axes."""
+    low, high = contact["normal_min"], min(contact["normal_max"], HUGE)
+    if contact["patch"] is None:
+        return crocoddyl.FrictionCone(TURN, contact["mu"], FACETS, INNER, low, high)
+    return crocoddyl.WrenchCone(np.eye(3), contact["mu"], np.array(contact["patch"]), 4, INNER, low, high)
+
+
+def cones(phase):
+    """Return the cones of a phase, by frame."""
+    return {contact["frame"]: cone(contact) for contact in PHASES[phase]["contacts"]}
+
+
+def contact_model(state, actuation, phase, gains=(0.0, 50.0)):
+    """Return the ContactModelMultiple of a phase: points by 3-D, patches by 6-D contacts."""
+    import pinocchio
+
+    models = crocoddyl.ContactModelMultiple(state, actuation.nu)
+    for contact in PHASES[phase]["contacts"]:
+        frame, where = state.pinocchio.getFrameId(contact["frame"]), np.array(contact["position"])
+        turn = np.array(contact["rotation"])
+        world = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        if contact["patch"] is None:
+            model = crocoddyl.ContactModel3D(state, frame, where, world, actuation.nu, np.array(gains))
+        else:
+            pose = pinocchio.SE3(turn, where)
+            model = crocoddyl.ContactModel6D(state, frame, pose, world, actuation.nu, np.array(gains))
+        models.addContact(contact["frame"], model)
+    return models
+
+
+def cone_costs(state, actuation, phase, weight=1e1):
+    """Return a CostModelSum that keeps the forces of a phase inside their cones by a quadratic barrier."""
+    costs = crocoddyl.CostModelSum(state, actuation.nu)
+    for contact in PHASES[phase]["contacts"]:
+        frame, own = state.pinocchio.getFrameId(contact["frame"]), cone(contact)
+        turned = crocoddyl.FrictionCone if contact["patch"] is None else crocoddyl.WrenchCone
+        turn = np.array(contact["rotation"])
+        if contact["patch"] is None:
+            high = min(contact["normal_max"], HUGE)
+            bounds = turned(turn @ TURN, contact["mu"], FACETS, INNER, contact["normal_min"], high)
+            residual = crocoddyl.ResidualModelContactFrictionCone(state, frame, bounds, actuation.nu)
+        else:
+            bounds = turned(
+                turn, contact["mu"], np.array(contact["patch"]), 4, INNER,
+                contact["normal_min"], min(contact["normal_max"], HUGE),
+            )
+            residual = crocoddyl.ResidualModelContactWrenchCone(state, frame, bounds, actuation.nu)
+        barrier = crocoddyl.ActivationModelQuadraticBarrier(crocoddyl.ActivationBounds(own.lb, own.ub))
+        costs.addCost(contact["frame"], crocoddyl.CostModelResidual(state, barrier, residual), weight)
+    return costs
+'''
+
+
+class Crocoddyl:
+    """A module with `cones(phase)`, `contact_model(...)` and `cone_costs(...)`; facets must be even."""
+
+    name = "crocoddyl"
+    meaning = "a module of cones, contact models and costs for every phase"
+
+    def files(self, sequence: ContactSequence) -> dict[str, str]:
+        """Return contacts_crocoddyl.py."""
+        if sequence.facets % 2:
+            raise ProblemError(f"Crocoddyl's cones have an even number of facets, got {sequence.facets}")
+        how = "cones(phase) are Crocoddyl's own cones; contact_model and cone_costs make its models."
+        text = header(sequence, "Crocoddyl", how) + "import crocoddyl\nimport numpy as np\n\n"
+        first = PointContact((0.0, 0.0, 0.0)).sides(sequence.facets, sequence.fit)[0]
+        turned = math.atan2(first[1], first[0])
+        text += f"FACETS, INNER, TURNED = {sequence.facets}, {sequence.fit == 'inner'}, {turned!r}\n"
+        return {"contacts_crocoddyl.py": text + python_data(sequence) + BODY}
+
+
+TARGET = Crocoddyl()

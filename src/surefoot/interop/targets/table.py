@@ -1,0 +1,71 @@
+"""The targets by name."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+from surefoot.errors import ProblemError, WriteError, unknown_name
+from surefoot.interop.sequence import ContactSequence
+from surefoot.interop.targets.target import Target
+
+TARGETS: dict[str, str] = {
+    name: f"surefoot.interop.targets.{module}:TARGET"
+    for name, module in (
+        ("ocs2", "ocs2"),
+        ("crocoddyl", "crocoddyl"),
+        ("tsid", "tsid"),
+        ("casadi", "casadi"),
+        ("acados", "acados"),
+        ("drake", "drake"),
+        ("isaaclab", "isaaclab"),
+    )
+}
+"""Name to "module:object"."""
+
+
+def target_names() -> tuple[str, ...]:
+    """Return the names of the tools that sequences are written for."""
+    return tuple(TARGETS)
+
+
+def find_target(name: str) -> Target:
+    """Return the target of a name.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
+    """
+    if name not in TARGETS:
+        raise ProblemError(unknown_name("target", name, TARGETS))
+    module, _, attribute = TARGETS[name].partition(":")
+    target: Target = getattr(import_module(module), attribute)
+    return target
+
+
+def export_sequence(sequence: ContactSequence, target: str, folder: Path | str) -> list[Path]:
+    """Write a sequence for another tool into a folder and return the paths of the new files.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown target, a sequence that it cannot express, and files that exist: nothing is
+        overwritten.
+    WriteError
+        If a file cannot be written.
+    """
+    texts = find_target(target).files(sequence)
+    where = Path(folder)
+    taken = [name for name in texts if (where / name).exists()]
+    if taken:
+        raise ProblemError(f"{where / taken[0]} exists already")
+    out = []
+    for name, text in texts.items():
+        try:
+            where.mkdir(parents=True, exist_ok=True)
+            (where / name).write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise WriteError(where / name, error) from error
+        out.append(where / name)
+    return out

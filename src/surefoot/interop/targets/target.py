@@ -1,0 +1,77 @@
+"""What a target is: a sequence in, the texts of files out."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from surefoot.interop.sequence import ContactSequence
+from surefoot.stance import PatchContact
+
+WIDTH = 100
+"""Characters of a line of data."""
+
+
+class Target(Protocol):
+    """A tool that contact sequences are written for.
+
+    Attributes
+    ----------
+    name, meaning
+        For people, the meaning in one line.
+    """
+
+    name: str
+    meaning: str
+
+    def files(self, sequence: ContactSequence) -> dict[str, str]:
+        """Return names of files and their texts.
+
+        Raises
+        ------
+        ProblemError
+            For a sequence that the tool cannot express.
+        """
+        ...
+
+
+def python_data(sequence: ContactSequence) -> str:
+    """Return the assignments FRAMES and PHASES as Python text: all that a script needs, and no import.
+
+    Every phase has its duration [s], its contacts (frame, mu, normal_min, normal_max, patch, position and
+    rotation row by row in world axes, dim), and A, b with A @ forces <= b for the stacked forces in contact
+    frames.
+    """
+    lines = [f"FRAMES = {list(sequence.frames)!r}", "PHASES = ["]
+    for k, phase in enumerate(sequence.phases):
+        lines += ["    {", f'        "duration": {phase.duration!r},', '        "contacts": [']
+        for contact in phase.stance:
+            size = (contact.length, contact.width) if isinstance(contact, PatchContact) else None
+            entry = {
+                "frame": contact.name, "dim": contact.dim, "mu": contact.mu, "normal_min": contact.normal_min,
+                "normal_max": contact.normal_max, "patch": size, "position": contact.position.tolist(),
+                "rotation": contact.rotation_world_contact.tolist(),
+            }  # fmt: skip
+            lines += ["            {"]
+            lines += [f"                {key!r}: {_number(value)}," for key, value in entry.items()]
+            lines += ["            },"]
+        A, b = sequence.bounded_rows(k)
+        lines += ["        ],", '        "A": [']
+        lines += [f"            {row!r}," for row in A.tolist()]
+        lines += ["        ],", f'        "b": {b.tolist()!r},', "    },"]
+    return "\n".join([*lines, "]"]) + "\n"
+
+
+def _number(value: object) -> str:
+    """Return Python text of a value; infinity has no literal of its own."""
+    return repr(value).replace("inf", 'float("inf")') if isinstance(value, float) else repr(value)
+
+
+def header(sequence: ContactSequence, tool: str, how: str) -> str:
+    """Return the docstring of a script."""
+    robot = f" of {sequence.robot}" if sequence.robot else ""
+    cones = f"{sequence.facets} facets, {sequence.fit}"
+    return (
+        f'"""Contacts{robot} for {tool}, written by Surefoot.\n\n{how}\n'
+        f"Forces act on the robot, in contact frames (x, y tangential, z out of the ground); {cones}.\n"
+        '"""\n\n'
+    )

@@ -1,0 +1,69 @@
+"""TSID: point and planar contacts of every phase.
+
+TSID's own pyramids have four sides that touch the round cone from outside along its tangents; with friction
+divided by sqrt(2) they are inside it. That is what an inner fit writes, whatever the number of facets.
+"""
+
+from __future__ import annotations
+
+from surefoot.interop.sequence import ContactSequence
+from surefoot.interop.targets.target import header, python_data
+
+BODY = '''
+MOST = 1e6
+"""What stands for no upper bound on a normal force [N]."""
+
+
+def friction(contact):
+    """Return the coefficient of TSID's four-sided pyramid."""
+    return contact["mu"] / math.sqrt(2.0) if INNER else contact["mu"]
+
+
+def contacts(robot, phase):
+    """Return TSID's contacts of a phase, by frame; `robot` is a tsid.RobotWrapper."""
+    out = {}
+    for contact in PHASES[phase]["contacts"]:
+        frame, normal = contact["frame"], np.array(contact["rotation"])[:, 2]
+        low, high = contact["normal_min"], min(contact["normal_max"], MOST)
+        if contact["patch"] is None:
+            made = tsid.ContactPoint(frame, robot, frame, normal, friction(contact), low, high)
+        else:
+            x, y = 0.5 * contact["patch"][0], 0.5 * contact["patch"][1]
+            corners = np.array([[-x, -x, x, x], [-y, y, -y, y], [0.0] * 4])
+            made = tsid.Contact6d(frame, robot, frame, corners, normal, friction(contact), low, high)
+        out[frame] = made
+    return out
+
+
+def schedule():
+    """Return (time, frames to add, frames to remove) of every switch."""
+    before, time, out = set(), 0.0, []
+    for phase in PHASES:
+        now = {contact["frame"] for contact in phase["contacts"]}
+        out.append((time, sorted(now - before), sorted(before - now)))
+        before, time = now, time + phase["duration"]
+    return out
+'''
+
+
+class Tsid:
+    """A module with `contacts(robot, phase)` and `schedule()`."""
+
+    name = "tsid"
+    meaning = "a module of ContactPoint and Contact6d for every phase"
+
+    def files(self, sequence: ContactSequence) -> dict[str, str]:
+        """Return contacts_tsid.py."""
+        how = "contacts(robot, phase) are TSID's contacts, schedule() says when to add and remove them."
+        text = header(sequence, "TSID", how) + "import math\n\nimport numpy as np\nimport tsid\n\n"
+        text += f"INNER = {sequence.fit == 'inner'}\n" + python_data(sequence) + BODY
+        if sequence.facets != 4:
+            text = text.replace(
+                f"{sequence.facets} facets, {sequence.fit}",
+                f"{sequence.facets} facets, {sequence.fit} (TSID itself has four)",
+                1,
+            )
+        return {"contacts_tsid.py": text}
+
+
+TARGET = Tsid()
