@@ -11,6 +11,8 @@ from surefoot.errors import ProblemError
 from surefoot.robot import Robot
 
 
+SLOW = 0.6
+"""Share of the joints' speed limits that postures are reached with at most: feet then touch down softly."""
 TAPER = 0.4
 """Share of the speed limit over which the torque along the motion falls to nothing."""
 
@@ -77,6 +79,6 @@ class Postures:
 
 
 def speed_limits(robot: Robot) -> FloatArray:
-    """Return the speed limits of a robot's joints (joints,) [rad/s], infinite where its model gives none."""
+    """Return the speeds that joints may have in postures (joints,) [rad/s], infinite where the model says none."""
     speed = np.array(robot.model.velocityLimit, dtype=np.float64)[robot.base_dof :]
-    return np.where((speed <= 0.0) | (speed > 1e100), np.inf, speed)
+    return np.where((speed <= 0.0) | (speed > 1e100), np.inf, SLOW * speed)

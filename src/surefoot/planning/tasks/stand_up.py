@@ -26,6 +26,8 @@ from surefoot.planning.tasks.task import Iteration, Request, Tell
 from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY
 
+STEP, FINER = 1e-3, 0.5
+"""Length of a step of the search [s], and of one of the plan's own rollout over it."""
 ROLLS, ROLL_TIME = 5, 0.3
 """Number of postures that are sought, and the time to each [s]."""
 GATHER, RISE, HOLD = (0.3, 0.4), 0.7, 0.5
@@ -56,7 +58,8 @@ class StandUp:
         """Return the plan; see `Task.plan`."""
         robot = request.robot or load_robot("go2")
         legs = _legs(robot)
-        model = self.model or RigidModel(robot, request.mu, request.dt or 1e-3)
+        dt = request.dt or STEP
+        model = self.model or RigidModel(robot, request.mu, dt)
         search = _Search(robot, model, legs)
         begin = clock.perf_counter()
         start = search.lie(math.radians(request.amount if request.amount is not None else 180.0))
@@ -68,8 +71,8 @@ class StandUp:
         told = Search(
             self.name, "sampling", found.cost, found.reached, found.evaluations, clock.perf_counter() - begin
         )
-        rigid = model if isinstance(model, RigidModel) else RigidModel(robot, request.mu, request.dt or 1e-3)
-        return lying_plan(rigid, search.postures(found.point), start, told, legs)
+        fine = RigidModel(robot, request.mu, FINER * dt)
+        return lying_plan(fine, search.postures(found.point), start, told, legs)
 
 
 def _legs(robot: Robot) -> FloatArray:

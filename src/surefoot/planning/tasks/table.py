@@ -7,7 +7,9 @@ from importlib import import_module
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.planning.tasks.task import Task
 
-TASKS: dict[str, str] = {}
+TASKS: dict[str, str] = {
+    "stand-up": "surefoot.planning.tasks.stand_up:STAND_UP",
+}
 """Name to "module:object"."""
 
 

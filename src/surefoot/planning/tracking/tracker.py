@@ -19,6 +19,7 @@ from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
 from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
 from surefoot.planning.tracking.landing import Landing, pressed
@@ -66,8 +67,8 @@ class TrackSettings:
     """
 
     mu: float = 0.5
-    body: float = 12.0
-    turn: float = 15.0
+    body: float = 20.0
+    turn: float = 20.0
     swing: float = 40.0
     joints: float = 60.0
     landing: float = 11.0
@@ -79,6 +80,8 @@ class TrackSettings:
     def __post_init__(self) -> None:
         for name in self.__dataclass_fields__:
             real_number(name, getattr(self, name), low=0.0)
+        if not self.force_share > 0.0:
+            raise ProblemError(f"force_share must be positive, got {self.force_share:g}")
 
 
 @dataclass(frozen=True)
