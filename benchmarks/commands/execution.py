@@ -31,8 +31,8 @@ def execution(
 ) -> None:
     """Execute a jump, a backflip and a stand-up of Go2 in MuJoCo; print who lands, within which limits.
 
-    The start, the friction and the mass are off by what the seed says; the motors are a box of the URDF's torque
-    and speed, or give less torque the faster they turn.
+    The start, the friction and the mass are off by what the seed says; the motors are a box of the URDF's
+    torque and speed, or give less torque the faster they turn.
     """
     from benchmarks.execution.trials import measure
     from surefoot.cli import extras
@@ -62,7 +62,9 @@ def execution(
         _print(rows)
     if out is not None:
         folder = new_run_folder(out, "bench-execution")
-        (folder / "execution.json").write_text(to_json([asdict(row) for row in rows]) + "\n", encoding="utf-8")
+        (folder / "execution.json").write_text(
+            to_json([asdict(row) for row in rows]) + "\n", encoding="utf-8"
+        )
         typer.echo(f"written: {folder / 'execution.json'}", err=True)
 
 
@@ -85,13 +87,23 @@ def _print(rows: list[Row]) -> None:
     from rich.table import Table
 
     table = Table(title="Go2 in MuJoCo: start, friction and mass as no plan expects them")
-    names = ("task", "motors", "landed", "lawful", "torque use", "speed use", "moved [m]", "turned [deg]", "failures")
+    names = (
+        "task",
+        "motors",
+        "landed",
+        "lawful",
+        "torque use",
+        "speed use",
+        "moved [m]",
+        "turned [deg]",
+        "failures",
+    )
     for name in names:
         table.add_column(name, justify="left" if name in ("task", "motors", "failures") else "right")
     for row in rows:
         table.add_row(
-            row.task, row.motors, f"{row.landed} of {row.seeds}", str(row.lawful), f"{row.torque_use_max:.2f}",
-            f"{row.speed_use_max:.2f}", f"{row.moved:.2f}", f"{row.turned:.0f}",
+            row.task, row.motors, f"{row.landed} of {row.seeds}", str(row.lawful),
+            f"{row.torque_use_max:.2f}", f"{row.speed_use_max:.2f}", f"{row.moved:.2f}", f"{row.turned:.0f}",
             "; ".join((*row.failures, *row.laws)) or "none",
         )  # fmt: skip
     plain_console().print(table)

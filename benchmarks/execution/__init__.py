@@ -1,1 +1,1 @@
-"""Whether plans survive their execution: starts, friction and mass that they did not expect, two kinds of motors."""
+"""Whether plans survive their execution: starts, friction and mass they did not expect, two motor models."""

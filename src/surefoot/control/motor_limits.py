@@ -12,8 +12,8 @@ from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 
 KNEE_SHARE = 0.45
-"""Share of the no-load speed up to which a motor gives its driving torque: 13.5 of 30 rad/s of the Go2's motors."""
-DRIVING_SHARE = 0.863
+"""Share of the no-load speed up to which a motor gives its driving torque: 13.5 of 30 rad/s for the Go2."""
+DRIVING_SHARE = 20.2 / 23.4
 """Torque along the motion over torque against it, below that speed: 20.2 of 23.4 N m of the Go2's motors."""
 MOTOR_MODELS = ("box", "curve")
 """Names that `motor_limits` knows."""
@@ -23,9 +23,9 @@ MOTOR_MODELS = ("box", "curve")
 class MotorLimits:
     """Limits on every joint's torque, as a function of its speed.
 
-    Against the motion (braking) a motor gives its whole `effort`. Along it, it gives `driving` times that up to
-    the share `knee` of its no-load speed, and from there on linearly less, down to nothing at that speed: the
-    back-EMF of a motor on a battery. With `driving` and `knee` one this is a box in torque and speed.
+    Against the motion (braking) a motor gives its whole `effort`. Along it, it gives `driving` times that up
+    to the share `knee` of its no-load speed, and from there on linearly less, down to nothing at that speed:
+    the back-EMF of a motor on a battery. With `driving` and `knee` one this is a box in torque and speed.
 
     Attributes
     ----------

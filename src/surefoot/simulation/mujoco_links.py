@@ -1,4 +1,4 @@
-"""A robot's links as MuJoCo's geoms, and what touches beside its feet: ground on links, links on each other."""
+"""A robot's links as MuJoCo's geoms, and what touches beside its feet: links on ground, and on links."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ def add_links(mujoco: Any, spec: Any, robot: Robot, geometry: Geometry, surface:
     """
     joints = range(1, robot.model.njoints)
     bodies = {
-        j: spec.body("base:0" if robot.floating and j == 1 else f"joint:{robot.model.names[j]}") for j in joints
+        j: spec.body("base:0" if robot.floating and j == 1 else f"joint:{robot.model.names[j]}")
+        for j in joints
     }
     names = []
     for solid in geometry.solids:
@@ -108,7 +109,7 @@ class LinkContacts:
         return out[data.efc_force[contact.efc_address[out]] > 0.0]
 
     def force(self, data: Any) -> FloatArray:
-        """Return their generalised force and that of joints at their stops (nv,), Pinocchio's axes [N, N m]."""
+        """Return their generalised force and that of joints at their stops (nv,), in Pinocchio's axes."""
         rows = np.isin(data.efc_type, self._kinds) & np.isin(data.efc_id, self.others(data))
         rows |= data.efc_type == self._stop
         if not rows.any():

@@ -26,16 +26,20 @@ from surefoot.simulation.worlds import make_world
 from surefoot.spatial import quaternion_from_rotation, rotation_about, rotation_from_quaternion
 
 START_PLACE, START_TURN = 0.02, math.radians(2.0)
-"""Largest error of the body's place at the start along each axis [m], and of its attitude about each [rad]."""
+"""Largest error of the body's place at the start along each axis [m], of its attitude about each [rad]."""
 FRICTION_ERROR, MASS_ERROR = 0.2, 0.05
 """Largest errors of the friction and of every link's mass, as shares."""
-SETTLE = 1.2
-"""Time after the end of the plan in which the robot must come to rest [s]."""
+STEP = 1e-3
+"""Of the world [s]."""
+SETTLE, AGAIN = 1.2, 4.0
+"""Time after the end of the plan in which the robot must come to rest [s], also where it gets up at last."""
 AT_REST, UPRIGHT, RISEN = 0.1, math.radians(15.0), 0.6
-"""A robot has landed at the end if it is slower than this [m/s, rad/s] and leans less than this against how the
-plan ends [rad], its base above this share of the height where the plan ends, with all feet on the ground."""
+"""A robot has landed at the end if it is slower than this [m/s, rad/s], leans less than this against how the
+plan ends [rad], its base is above this share of the plan's last height, and all feet are on the ground."""
 LAID = 0.03
 """Height from which a robot that lies is let down [m]: no link is in the ground, however it is displaced."""
+OFF, OFF_TURN = 0.12, math.radians(40.0)
+"""Most that the feet's middle may be off where the plan lands it [m], and the whole turn off the planned [rad]."""
 NEVER = Fall(-math.inf, math.pi)
 """A robot that turns over, or lies, has not fallen for good."""
 
@@ -73,8 +77,9 @@ class Execution:
     Attributes
     ----------
     landed
-        Whether the robot stands on all its feet at the end, at rest, and no other link touched the ground or
-        another link on the way (for motions that begin on the feet).
+        Whether the robot stands on all its feet at the end, at rest. Of motions that begin on the feet also
+        whether that is where the plan ends, after the same turns, and no other link touched the ground or
+        another link on the way.
     laws
         Names of the laws that the audit found broken.
     torque_use_max, speed_use_max
@@ -86,7 +91,7 @@ class Execution:
     links
         What touched beside feet on the ground, by name.
     moved
-        (3,) by how much the feet's middle went, world axes [m].
+        (3,) by how much the feet's middle went, in the heading of the start [m].
     turned
         Angle that the base turned by about its own lateral axis, all in all [rad].
     why
@@ -118,8 +123,8 @@ def execute(
     mu: float | None = None,
     settings: TrackSettings | None = None,
     surprise: Surprise | None = None,
-    dt: float = 1e-3,
-    settle: float = SETTLE,
+    dt: float | None = None,
+    settle: float | None = None,
 ) -> Execution:
     """Run a plan in a world and return what became of it.
 
@@ -145,9 +150,9 @@ def execute(
     surprise
         In place of a seed.
     dt
-        Length of a step [s].
+        Length of a step [s]; None for `STEP` or, where the robot lies and falls hard, half of it.
     settle
-        Time after the end of the plan [s].
+        Time after the end of the plan [s]; None for `SETTLE`, or `AGAIN` where it may try again.
 
     Raises
     ------
@@ -165,6 +170,9 @@ def execute(
     if mu is None:
         mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
     surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
+    standing = reference.begins_standing
+    dt = (STEP if standing else 0.5 * STEP) if dt is None else dt
+    settle = (SETTLE if standing else AGAIN) if settle is None else settle
     controller = controller_of(plan, robot, settings, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
     there = make_world(
@@ -172,7 +180,7 @@ def execute(
     )
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,
-        start=(displaced if reference.begins_standing else laid)(robot, reference.start, surprise),
+        start=(displaced if standing else laid)(robot, reference.start, surprise),
     )  # fmt: skip
     return judged(there, MotorLimited(controller, motors), scenario, reference, surprise)
 
@@ -200,7 +208,7 @@ def displaced(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
 
 
 def laid(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
-    """Return a lying configuration (nq,) with the whole robot displaced, and as high as its errors can need."""
+    """Return a lying configuration (nq,) with the whole robot displaced, as high as its errors can need."""
     out = q.copy()
     out[:3] += surprise.place
     out[2] += LAID
@@ -246,18 +254,42 @@ def judged(
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     with np.errstate(divide="ignore"):
         fastest = float(np.abs(v[:, 6:] / np.where(speed > 0.0, speed, np.inf)).max())
-    middle = robot.foot_positions(q[-1]).mean(axis=0) - robot.foot_positions(q[0]).mean(axis=0)
     return Execution(
         not why, sorted({v.law for v in report.violations}),
         float(np.abs(np.asarray(log["torques"]) / robot.effort_limits).max()), fastest, log, report.verdict,
-        tuple(sorted(watch.names)), middle, float(v[:, 4].sum() * world.dt), why, surprise,
+        tuple(sorted(watch.names)), _moved(robot, q), _turned(np.asarray(log["time"]), v), why, surprise,
     )  # fmt: skip
 
 
-def _shortfall(
-    robot: Robot, log: Log, reference: Reference, links: tuple[tuple[str, str], ...]
-) -> str:
-    """Return why a robot has not landed, or nothing."""
+def _missed(robot: Robot, log: Log, reference: Reference) -> str:
+    """Return by how much a motion that begins on the feet has missed its end, or nothing."""
+    if not reference.begins_standing:
+        return ""
+    moved, planned = _moved(robot, np.asarray(log["q"])), _moved(robot, reference.q)
+    if float(np.linalg.norm(moved - planned)) > OFF:
+        return f"its feet went {moved[0]:.2f} m ahead, the plan's {planned[0]:.2f} m"
+    turned = _turned(np.asarray(log["time"]), np.asarray(log["v"]))
+    wanted = _turned(reference.time, reference.v)
+    if abs(turned - wanted) > OFF_TURN:
+        return f"it turned by {math.degrees(turned):.0f} deg, the plan by {math.degrees(wanted):.0f} deg"
+    return ""
+
+
+def _moved(robot: Robot, q: FloatArray) -> FloatArray:
+    """Return by how much the feet's middle went (3,), in the heading of the start [m]."""
+    rotation = rotation_from_quaternion(q[0, 3:7])
+    yaw = math.atan2(rotation[1, 0], rotation[0, 0])
+    way = robot.foot_positions(q[-1]).mean(axis=0) - robot.foot_positions(q[0]).mean(axis=0)
+    return np.asarray(rotation_about([0.0, 0.0, 1.0], -yaw) @ way)
+
+
+def _turned(time: FloatArray, v: FloatArray) -> float:
+    """Return the angle that the base turned by about its own lateral axis [rad]."""
+    return float((0.5 * (v[1:, 4] + v[:-1, 4]) * np.diff(time)).sum())
+
+
+def _shortfall(robot: Robot, log: Log, reference: Reference, links: tuple[tuple[str, str], ...]) -> str:
+    """Return why a robot has not landed where the plan lands it, or nothing."""
     if log.facts["outcome"] != str(Ending.DONE):
         return f"the run ended with {log.facts['outcome']}"
     q, v = np.asarray(log["q"])[-1], np.asarray(log["v"])[-1]
@@ -274,6 +306,9 @@ def _shortfall(
     feet = np.array([last[robot.contact_points.foot == k].sum() for k in range(len(robot.feet))])
     if (feet <= 0.0).any():
         return f"{robot.feet[int(np.argmin(feet))].name} does not stand"
+    missed = _missed(robot, log, reference)
+    if missed:
+        return missed
     if links and reference.begins_standing:
         return "touched: " + ", ".join(" on ".join(pair) for pair in links)
     return ""

@@ -1,4 +1,4 @@
-"""References made by hand: a body on ballistic paths with its feet where the legs reach them, no optimiser."""
+"""References made by hand: a body on ballistic paths, its feet where the legs reach them, no optimiser."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def hop(
     acceleration = np.zeros((len(x) - 1, 3))
     acceleration[1:, 0], acceleration[1:, 2] = np.diff(x, 2) / STEP**2, np.diff(z, 2) / STEP**2
     forces = np.zeros((len(x) - 1, 4, 3))
-    forces[:] = 0.25 * robot.mass * (acceleration + [0.0, 0.0, GRAVITY])[:, None, :]
+    forces[:] = 0.25 * robot.mass * (acceleration + np.array([0.0, 0.0, GRAVITY]))[:, None, :]
     stance = np.repeat(on[:-1, None], 4, axis=1)
     forces[~stance] = 0.0
     return Reference(robot, time, q, v, np.zeros((len(x) - 1, robot.joints)), forces, stance)

@@ -16,7 +16,10 @@ from surefoot.planning.sampling.postures import Postures
 from surefoot.planning.trajectory import TOLERANCE
 
 STANDS_UP, STANDS_HIGH = math.cos(math.radians(10.0)), 0.9
-"""A robot has got up if its vertical axis leans less than 10 degrees, and it is this share of its height high."""
+"""A robot has got up if its vertical axis leans less than 10 degrees and it has this share of its height."""
+
+STOP = 0.02
+"""Most that a joint may go beyond its range [rad]."""
 
 
 def upright(q: FloatArray) -> float:
@@ -24,9 +27,12 @@ def upright(q: FloatArray) -> float:
     return 1.0 - 2.0 * float(q[3] ** 2 + q[4] ** 2)
 
 
-def lying_plan(
-    model: RigidModel, law: Postures, start: FloatArray, search: Search, legs: IntArray
-) -> Plan:
+def beyond(angles: FloatArray, low: FloatArray, high: FloatArray) -> float:
+    """Return by how much a joint is at most beyond its range [rad]; rigid steps have no stops."""
+    return max(float((low - angles).max()), float((angles - high).max()), 0.0)
+
+
+def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Search, legs: IntArray) -> Plan:
     """Roll postures out from a start (nq,) and return the plan; SOLVED if it gets up, lawfully.
 
     Parameters
@@ -54,10 +60,15 @@ def lying_plan(
     q, v = model.state()
     arrays: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     lean, height = upright(q), float(q[2]) / float(robot.nominal[2])
-    reached = lean > STANDS_UP and height > STANDS_HIGH
+    ends = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    over = max(beyond(row, *ends) for row in arrays["q"][:, 7:])
+    reached = lean > STANDS_UP and height > STANDS_HIGH and over <= STOP
     lawful = model.unsolved == 0 and model.worst_residual <= TOLERANCE
     status = (Status.SOLVED if reached else Status.STALLED) if lawful else Status.STALLED
-    goal = f"stand up: {math.degrees(math.acos(min(max(lean, -1.0), 1.0))):.1f} deg off, {height:.2f} of its height"
+    tilt = math.degrees(math.acos(min(max(lean, -1.0), 1.0)))
+    goal = (
+        f"stand up: {tilt:.1f} deg off, {height:.2f} of its height, joints {over:.3f} rad beyond their range"
+    )
     return Plan(
         _finished(arrays, model, law.effort),
         {**_facts(model, replace(search, reached=reached, goal=goal), status, q, v), **_law(law, legs)},

@@ -1,4 +1,4 @@
-"""A motion as postures to pass through: joint targets at times, straight lines between, tracked by a PD law."""
+"""A motion as postures to pass through: joint targets at times, straight lines between, a PD law."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-
 
 SLOW = 0.6
 """Share of the joints' speed limits that postures are reached with at most: feet then touch down softly."""
@@ -79,6 +78,6 @@ class Postures:
 
 
 def speed_limits(robot: Robot) -> FloatArray:
-    """Return the speeds that joints may have in postures (joints,) [rad/s], infinite where the model says none."""
+    """Return the speeds that joints may have in postures (joints,) [rad/s], infinite where none is known."""
     speed = np.array(robot.model.velocityLimit, dtype=np.float64)[robot.base_dof :]
     return np.where((speed <= 0.0) | (speed > 1e100), np.inf, SLOW * speed)

@@ -20,7 +20,7 @@ from surefoot.errors import ProblemError, SimulationError
 from surefoot.planning.plan import Plan, Search
 from surefoot.planning.sampling.cross_entropy import cross_entropy
 from surefoot.planning.sampling.forward import ForwardModel, RigidModel
-from surefoot.planning.sampling.lying import lying_plan, upright
+from surefoot.planning.sampling.lying import beyond, lying_plan, upright
 from surefoot.planning.sampling.postures import Postures, speed_limits
 from surefoot.planning.tasks.task import Iteration, Request, Tell
 from surefoot.robot import Robot, load_robot
@@ -38,7 +38,9 @@ ENOUGH = 0.65
 """Cost of a rollout that got up without a hard fall."""
 BLOW_TIME = 4e-3
 """The hardest blow that the base takes counts as the change of its velocity in this time [s]."""
-FOLDED = (1.3, -2.65)
+WITHIN = 0.12
+"""By how much targets stay within the joints' ranges [rad]: loaded legs give way."""
+FOLDED = (1.3, -2.6)
 """Thigh and calf of a folded leg [rad]; the hips at zero."""
 
 
@@ -100,7 +102,8 @@ class _Search:
         feet = robot.foot_positions(robot.nominal)
         self._side = np.sign(feet[:, 1])
         low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
-        self._low, self._high = np.array(low) + 0.03, np.array(high) - 0.03
+        self._ends = np.array(low), np.array(high)
+        self._low, self._high = self._ends[0] + WITHIN, self._ends[1] - WITHIN
 
     def first_guess(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and deviation of the first samples."""
@@ -143,10 +146,10 @@ class _Search:
         return model.state()[0].copy()
 
     def cost(self, point: FloatArray, start: FloatArray) -> float:
-        """Return the cost of a sample: not or late upright, not over folded legs, not risen, not at rest, blows."""
+        """Return the cost of a sample: not upright or late, not over folded legs, not risen, not at rest."""
         model, law = self.model, self.postures(point)
         model.reset(start)
-        late, blow, gathered = 0.0, 0.0, float(law.times[-3])
+        late, blow, over, gathered = 0.0, 0.0, 0.0, float(law.times[-3])
         window = max(1, round(BLOW_TIME / model.dt))
         speeds = [np.zeros(3)] * window
         try:
@@ -158,6 +161,7 @@ class _Search:
                     if missing > 1.0:  # does not get up: not worth the rest
                         return 10.0 + missing + late
                 late += model.dt * (1.0 - upright(q))
+                over = max(over, beyond(q[7:], *self._ends))
                 blow = max(blow, float(np.abs(v[:3] - speeds[k % window]).max()))
                 speeds[k % window] = v[:3].copy()
                 model.step(law.torques(law.at(time, start[7:]), q[7:], v[6:]))
@@ -166,7 +170,7 @@ class _Search:
         q, v = model.state()
         low = abs(float(q[2] - self.robot.nominal[2])) / float(self.robot.nominal[2])
         rest = float(np.abs(v[:6]).max()) + float(np.abs(q[7:] - self.robot.nominal[7:]).max())
-        return 4.0 * (1.0 - upright(q)) + 2.0 * low + 0.3 * rest + 0.05 * late + blow
+        return 4.0 * (1.0 - upright(q)) + 2.0 * low + 0.3 * rest + 0.05 * late + blow + 10.0 * over
 
 
 STAND_UP = StandUp()

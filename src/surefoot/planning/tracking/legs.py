@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.robot import Robot
 
 DAMPING = 1e-3
@@ -68,7 +68,20 @@ class Legs:
                 columns = J[:, 6 + leg]  # twists at the base's origin, moved to the foot
                 place = feet[foot] - miss[foot]
                 rows = columns[:3] + np.cross(columns[3:], place, axis=0)
-                step = rows.T @ np.linalg.solve(rows @ rows.T + DAMPING**2 * np.eye(3), miss[foot])
-                out[leg] += step * min(1.0, LARGEST_TURN / max(float(np.abs(step).max()), 1e-12))
+                out[leg] += self._step(rows, miss[foot], out[leg], leg)
             out = np.clip(out, self.low + self._inside, self.high - self._inside)
         return out
+
+    def _step(self, rows: FloatArray, miss: FloatArray, angles: FloatArray, leg: IntArray) -> FloatArray:
+        """Return the turn of a leg's joints; those at a limit that would go beyond it stay."""
+        low, high = (self.low + self._inside)[leg], (self.high - self._inside)[leg]
+        free = np.ones(len(leg), dtype=bool)
+        step = np.zeros(len(leg))
+        for _ in range(len(leg)):
+            J = rows * free
+            step = J.T @ np.linalg.solve(J @ J.T + DAMPING**2 * np.eye(3), miss)
+            beyond = free & (((angles <= low) & (step < 0.0)) | ((angles >= high) & (step > 0.0)))
+            if not beyond.any():
+                break
+            free &= ~beyond
+        return step * min(1.0, LARGEST_TURN / max(float(np.abs(step).max()), 1e-12))

@@ -32,8 +32,10 @@ GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
 LOST_TIME = 0.02
 """A foot that should stand and feels nothing for this long is taken for one in the air [s]."""
 EARLY, FAST = 0.03, 0.92
-"""So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a joint moves
-with this share of its speed limit: there is nothing left to push with."""
+"""So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a
+joint moves with this share of its speed limit: there is nothing left to push with."""
+GONE = 4e-3
+"""A foot that pushes off and feels nothing for this long has left the ground [s]; soft ground lets go at times."""
 SPEED_MARGIN = 0.97
 """Share of a joint's speed limit that torques may take it to."""
 BAUMGARTE = (2500.0, 100.0)
@@ -126,6 +128,7 @@ class TrackingController(Controller):
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu}
         self._radii = robot.contact_points.foot_radii
+        self._support = robot.contact_points.foot_support[:, 6:]
         speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
         self._speed_limits = np.where(speed > 0.0, speed, np.inf)
         self._frames, self._still = np.tile(np.eye(3), (len(robot.feet), 1, 1)), np.zeros(robot.joints)
@@ -160,7 +163,9 @@ class TrackingController(Controller):
             return self._fly(now, state)
         tasks = self._follow(now, stance) if self.phase == GROUND else self.landing.tasks(now, stance)
         body = self.whole_body.solve(tasks)
-        return self._told(replace(body, torques=self._not_too_fast(body.torques, state.v[6:])), stance)
+        loose = ~self._support[stance & felt].any(axis=0)
+        slow = self._not_too_fast(body.torques, state.v[6:])
+        return self._told(replace(body, torques=np.where(loose, slow, body.torques)), stance)
 
     @property
     def _off(self) -> BoolArray:
@@ -183,7 +188,7 @@ class TrackingController(Controller):
         assert self._reference is not None
         flights, clock = self._flights, self._clock
         if self.phase == GROUND:
-            if self._next < len(flights) and self._leaves(state, felt, flights[self._next].start):
+            if self._next < len(flights) and self._leaves(state, flights[self._next].start):
                 self.phase = FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
             elif clock >= self._reference.duration:
@@ -198,13 +203,13 @@ class TrackingController(Controller):
                     self.phase, self._clock = GROUND, goal.end
                 self._unfelt[:] = np.where(felt, 0.0, math.inf)
 
-    def _leaves(self, state: RobotState, felt: BoolArray, start: float) -> bool:
+    def _leaves(self, state: RobotState, start: float) -> bool:
         """Return whether the flight begins: as planned, or just before when the legs cannot push any more."""
         if self._clock >= start:
             return True
         fast = bool((np.abs(state.v[6:]) > FAST * self._speed_limits).any())
         planned = self._planned_stance()
-        lost = 2 * int((planned & ~felt).sum()) >= int(planned.sum())
+        lost = 2 * int((planned & (self._unfelt > GONE)).sum()) >= int(planned.sum())
         return self._clock >= start - EARLY and (fast or lost)
 
     def _land(self, now: Kinematics) -> None:
@@ -255,10 +260,7 @@ class TrackingController(Controller):
         )  # fmt: skip
 
     def _not_too_fast(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
-        """Return torques that do not take a joint beyond its speed limit by the next step, even if it is unloaded.
-
-        A foot that leaves the ground a step before its torque goes is left with nothing but its leg's inertia.
-        """
+        """Return torques that take no joint of an unloaded leg beyond its speed limit by the next step."""
         M, _ = self.whole_body.dynamics()
         inertia = 1.0 / np.diag(np.linalg.inv(M[6:, 6:])) / self.dt
         most = SPEED_MARGIN * self._speed_limits
