@@ -168,7 +168,7 @@ def _apart(robot: Robot, solids: list[Solid]) -> frozenset[tuple[int, int]]:
     for a, b in combinations(range(len(solids)), 2):
         one, two = solids[a].joint, solids[b].joint
         up, over = int(model.parents[one]), int(model.parents[two])
-        # two first links of one body, as both hips on a trunk: boxes around what turns in its place would meet
+        # two links on one body, as hips on a trunk: boxes around what turns in its place would meet
         near = two in (one, up) or one == over or up == over > 0
         if near or (
             library.distance(

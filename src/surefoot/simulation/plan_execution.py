@@ -29,8 +29,11 @@ START_PLACE, START_TURN = 0.02, math.radians(2.0)
 """Largest error of the body's place at the start along each axis [m], of its attitude about each [rad]."""
 FRICTION_ERROR, MASS_ERROR = 0.2, 0.05
 """Largest errors of the friction and of every link's mass, as shares."""
-STEP = 1e-3
+STEP = 5e-4
 """Of the world [s]."""
+STIFF = (4.0, 1.0)
+"""Time constant of MuJoCo's contact over the step, and its damping ratio: fast joints lift feet from softer
+ground, since MuJoCo's contact knows nothing of the acceleration that their speed means."""
 SETTLE, AGAIN = 1.2, 4.0
 """Time after the end of the plan in which the robot must come to rest [s], also where it gets up at last."""
 AT_REST, UPRIGHT, RISEN = 0.1, math.radians(15.0), 0.6
@@ -39,7 +42,7 @@ plan ends [rad], its base is above this share of the plan's last height, and all
 LAID = 0.03
 """Height from which a robot that lies is let down [m]: no link is in the ground, however it is displaced."""
 OFF, OFF_TURN = 0.12, math.radians(40.0)
-"""Most that the feet's middle may be off where the plan lands it [m], and the whole turn off the planned [rad]."""
+"""Most that the feet's middle may be off the plan's last place [m], and the whole turn off the plan's [rad]."""
 NEVER = Fall(-math.inf, math.pi)
 """A robot that turns over, or lies, has not fallen for good."""
 
@@ -150,7 +153,7 @@ def execute(
     surprise
         In place of a seed.
     dt
-        Length of a step [s]; None for `STEP` or, where the robot lies and falls hard, half of it.
+        Length of a step [s]; None for `STEP`.
     settle
         Time after the end of the plan [s]; None for `SETTLE`, or `AGAIN` where it may try again.
 
@@ -171,12 +174,17 @@ def execute(
         mu = float(plan["mu"][0]) if isinstance(plan, Log) and "mu" in plan else 0.6
     surprise = surprise or (Surprise() if seed is None else Surprise.drawn(seed))
     standing = reference.begins_standing
-    dt = (STEP if standing else 0.5 * STEP) if dt is None else dt
+    dt = STEP if dt is None else dt
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
     controller = controller_of(plan, robot, settings, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
     there = make_world(
-        world, believed_robot(robot, surprise.mass), mu=mu * surprise.friction, dt=dt, collision="full"
+        world,
+        believed_robot(robot, surprise.mass),
+        mu=mu * surprise.friction,
+        dt=dt,
+        collision="full",
+        **({"solref": (STIFF[0] * dt, STIFF[1])} if world == "mujoco" else {}),
     )
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,

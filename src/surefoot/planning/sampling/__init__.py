@@ -2,6 +2,6 @@
 
 from surefoot.planning.sampling.cross_entropy import Sampled, cross_entropy
 from surefoot.planning.sampling.forward import ForwardModel, RigidModel
-from surefoot.planning.sampling.postures import Postures
+from surefoot.planning.sampling.postures import Postures, postures
 
-__all__ = ["ForwardModel", "Postures", "RigidModel", "Sampled", "cross_entropy"]
+__all__ = ["ForwardModel", "Postures", "RigidModel", "Sampled", "cross_entropy", "postures"]

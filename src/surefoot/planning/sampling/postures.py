@@ -12,6 +12,8 @@ from surefoot.robot import Robot
 
 SLOW = 0.6
 """Share of the joints' speed limits that postures are reached with at most: feet then touch down softly."""
+CUSHION, HARDER = 0.08, 8.0
+"""How far before the ends of its range a joint is pushed back [rad], and by how much stiffer a spring."""
 TAPER = 0.4
 """Share of the speed limit over which the torque along the motion falls to nothing."""
 
@@ -31,6 +33,8 @@ class Postures:
     effort, speed
         (joints,) torque limits [N m] and speed limits [rad/s]: torque along the motion falls to nothing over
         the last part of the speed, see `TAPER`.
+    low, high
+        (joints,) the joints' range [rad]; before its ends a stiffer spring pushes back.
 
     Raises
     ------
@@ -44,6 +48,8 @@ class Postures:
     damping: float
     effort: FloatArray
     speed: FloatArray
+    low: FloatArray
+    high: FloatArray
 
     def __post_init__(self) -> None:
         if len(self.times) != len(self.targets) or self.targets.shape[1:] != self.effort.shape:
@@ -71,13 +77,31 @@ class Postures:
     def torques(self, target: FloatArray, angles: FloatArray, speeds: FloatArray) -> FloatArray:
         """Return the torques (joints,) that pull joints to a target [N m]."""
         pull = self.stiffness * (target - angles) - self.damping * speeds
+        over = np.maximum(self.low + CUSHION - angles, 0.0) - np.maximum(angles - self.high + CUSHION, 0.0)
+        pull += HARDER * self.stiffness * over
         driving = self.effort * np.clip((1.0 - np.abs(speeds) / self.speed) / TAPER, 0.0, 1.0)
         high = np.where(speeds > 0.0, driving, self.effort)
         low = np.where(speeds < 0.0, driving, self.effort)
         return np.asarray(np.minimum(np.maximum(pull, -low), high))
 
 
-def speed_limits(robot: Robot) -> FloatArray:
-    """Return the speeds that joints may have in postures (joints,) [rad/s], infinite where none is known."""
-    speed = np.array(robot.model.velocityLimit, dtype=np.float64)[robot.base_dof :]
-    return np.where((speed <= 0.0) | (speed > 1e100), np.inf, SLOW * speed)
+def postures(
+    robot: Robot, times: FloatArray, targets: FloatArray, stiffness: float, damping: float
+) -> Postures:
+    """Return postures of a robot, with the limits that its model gives; speeds only to `SLOW` of them.
+
+    Parameters
+    ----------
+    robot
+        Whose joints.
+    times, targets, stiffness, damping
+        See `Postures`.
+    """
+    base = robot.base_dof
+    speed = np.array(robot.model.velocityLimit, dtype=np.float64)[base:]
+    speed = np.where((speed <= 0.0) | (speed > 1e100), np.inf, SLOW * speed)
+    first = int(robot.model.nq) - robot.joints
+    low, high = robot.model.lowerPositionLimit[first:], robot.model.upperPositionLimit[first:]
+    return Postures(
+        times, targets, stiffness, damping, robot.effort_limits, speed, np.array(low), np.array(high)
+    )

@@ -21,7 +21,7 @@ from surefoot.planning.plan import Plan, Search
 from surefoot.planning.sampling.cross_entropy import cross_entropy
 from surefoot.planning.sampling.forward import ForwardModel, RigidModel
 from surefoot.planning.sampling.lying import beyond, lying_plan, upright
-from surefoot.planning.sampling.postures import Postures, speed_limits
+from surefoot.planning.sampling.postures import Postures, postures
 from surefoot.planning.tasks.task import Iteration, Request, Tell
 from surefoot.robot import Robot, load_robot
 from surefoot.spatial import GRAVITY
@@ -38,8 +38,9 @@ ENOUGH = 0.65
 """Cost of a rollout that got up without a hard fall."""
 BLOW_TIME = 4e-3
 """The hardest blow that the base takes counts as the change of its velocity in this time [s]."""
-WITHIN = 0.12
-"""By how much targets stay within the joints' ranges [rad]: loaded legs give way."""
+WITHIN, NEAR = 0.12, 0.04
+"""By how much targets stay within the joints' ranges [rad], since loaded legs give way, and from where on it
+costs that they do."""
 FOLDED = (1.3, -2.6)
 """Thigh and calf of a folded leg [rad]; the hips at zero."""
 
@@ -98,12 +99,11 @@ class _Search:
         self.robot, self.model, self._legs = robot, model, legs.astype(np.int64)
         weight = robot.mass * GRAVITY
         self._gains = STIFFNESS * weight, DAMPING * weight
-        self._limits = robot.effort_limits, speed_limits(robot)
         feet = robot.foot_positions(robot.nominal)
         self._side = np.sign(feet[:, 1])
         low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
-        self._ends = np.array(low), np.array(high)
-        self._low, self._high = self._ends[0] + WITHIN, self._ends[1] - WITHIN
+        self._ends = np.array(low) + NEAR, np.array(high) - NEAR
+        self._low, self._high = np.array(low) + WITHIN, np.array(high) - WITHIN
 
     def first_guess(self) -> tuple[FloatArray, FloatArray]:
         """Return mean and deviation of the first samples."""
@@ -130,7 +130,7 @@ class _Search:
         times = ROLL_TIME * np.arange(1, ROLLS + 1)
         more = times[-1] + np.cumsum([*GATHER, RISE, HOLD])
         targets = np.array([*rolls, self.folded, self.folded, stand, stand])
-        return Postures(np.concatenate([times, more]), targets, *self._gains, *self._limits)
+        return postures(self.robot, np.concatenate([times, more]), targets, *self._gains)
 
     def lie(self, roll: float) -> FloatArray:
         """Return where the robot comes to lie (nq,) when it is laid down turned by `roll` [rad]."""
@@ -139,7 +139,7 @@ class _Search:
         q[7:] = folded
         q[3:7] = (math.sin(0.5 * roll), 0.0, 0.0, math.cos(0.5 * roll))
         model.reset(q)
-        law = Postures(np.ones(1), folded[None], *self._gains, *self._limits)
+        law = postures(self.robot, np.ones(1), folded[None], *self._gains)
         for _ in range(round(1.5 / model.dt)):
             q, v = model.state()
             model.step(law.torques(folded, q[7:], v[6:]))

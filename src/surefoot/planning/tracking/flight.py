@@ -23,11 +23,14 @@ from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_about, rotation_log
 
-PREPARE, READY = 0.25, 0.04
+PREPARE, READY = 0.25, 0.07
 """Legs begin and end to reach for the landing this long before the touchdown [s]."""
 FURTHEST = 0.12
 """Most that feet are moved from where the plan has them at touchdown [m]."""
-SPEED_SHARE = 0.7
+SOFT, EXTRA = 0.7, 0.08
+"""Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and by how
+much they reach further down before that [m]."""
+SPEED_SHARE = 0.9
 """Share of a joint's speed limit that targets in the air may move with."""
 
 
@@ -140,6 +143,9 @@ class Flight:
         offset = self._capture * math.sqrt(goal.height / GRAVITY) * (now.com_velocity - planned)[:2]
         length = float(np.linalg.norm(offset))
         feet[:, :2] += offset * min(1.0, FURTHEST / max(length, 1e-12))
+        # further down now than at touchdown: from there they give way to the ground
+        sinking = max(GRAVITY * left - float(now.com_velocity[2]), 0.0)
+        feet[:, 2] -= min(max(sinking - SOFT, 0.0) * left, EXTRA)
         # from the centre of mass to the base's origin, with the body as it will be
         base = feet + rotation @ (now.rotation.T @ (now.com - q[:3]))
         self._landing = self.legs.reach(base @ rotation, self._landing, iterations=2)

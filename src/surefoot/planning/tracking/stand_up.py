@@ -18,7 +18,7 @@ from surefoot.control.damping import computable
 from surefoot.control.whole_body import Weights, WholeBodyController
 from surefoot.log import Log
 from surefoot.planning.sampling.lying import upright
-from surefoot.planning.sampling.postures import Postures, speed_limits
+from surefoot.planning.sampling.postures import Postures, postures
 from surefoot.planning.tracking.landing import Landing
 from surefoot.planning.tracking.reference import Reference
 from surefoot.planning.tracking.tracker import BAUMGARTE, TrackCommand, TrackingController, TrackSettings
@@ -137,7 +137,7 @@ def postures_of(plan: Log, robot: Robot) -> Postures:
     """
     times, targets = (np.asarray(plan.fact(f"posture_{k}"), dtype=np.float64) for k in ("times", "targets"))
     gains = (float(plan.fact(f"posture_{k}")) for k in ("stiffness", "damping"))
-    return Postures(times, targets, *gains, robot.effort_limits, speed_limits(robot))
+    return postures(robot, times, targets, *gains)
 
 
 def controller_of(
