@@ -106,7 +106,7 @@ class LinkContacts:
         """Return the indices of the contacts that carry a force and are no foot's on the ground."""
         contact = data.contact
         out = np.flatnonzero(~self._feet_on_ground(contact.geom) & (contact.efc_address >= 0))
-        return out[data.efc_force[contact.efc_address[out]] > 0.0]
+        return np.asarray(out[data.efc_force[contact.efc_address[out]] > 0.0])
 
     def force(self, data: Any) -> FloatArray:
         """Return their generalised force and that of joints at their stops (nv,), in Pinocchio's axes."""
@@ -123,4 +123,5 @@ class LinkContacts:
     def names(self, data: Any, model: Any) -> list[tuple[str, str]]:
         """Return the names of what touches, pair by pair, without their kind."""
         pairs = data.contact.geom[self.others(data)].tolist()
-        return [tuple(model.geom(g).name.split(":", 1)[-1] for g in pair) for pair in pairs]  # type: ignore[misc]
+        first, second = ([model.geom(pair[k]).name.split(":", 1)[-1] for pair in pairs] for k in (0, 1))
+        return list(zip(first, second, strict=True))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ STEP = 5e-4
 """Of the world [s]."""
 STIFF = (4.0, 1.0)
 """Time constant of MuJoCo's contact over the step, and its damping ratio: fast joints lift feet from softer
-ground, since MuJoCo's contact knows nothing of the acceleration that their speed means."""
+ground, since MuJoCo's contact leaves out the acceleration that their speed means."""
 SETTLE, AGAIN = 1.2, 4.0
 """Time after the end of the plan in which the robot must come to rest [s], also where it gets up at last."""
 AT_REST, UPRIGHT, RISEN = 0.1, math.radians(15.0), 0.6
@@ -41,8 +42,8 @@ AT_REST, UPRIGHT, RISEN = 0.1, math.radians(15.0), 0.6
 plan ends [rad], its base is above this share of the plan's last height, and all feet are on the ground."""
 LAID = 0.03
 """Height from which a robot that lies is let down [m]: no link is in the ground, however it is displaced."""
-OFF, OFF_TURN = 0.12, math.radians(40.0)
-"""Most that the feet's middle may be off the plan's last place [m], and the whole turn off the plan's [rad]."""
+OFF, OFF_TURN = 0.15, math.radians(40.0)
+"""Most that the feet's middle may be off the plan's last place [m], the whole turn off the plan's [rad]."""
 NEVER = Fall(-math.inf, math.pi)
 """A robot that turns over, or lies, has not fallen for good."""
 
@@ -178,13 +179,15 @@ def execute(
     settle = (SETTLE if standing else AGAIN) if settle is None else settle
     controller = controller_of(plan, robot, settings, dt)
     motors = motor_limits(robot, limits) if isinstance(limits, str) else limits
+    own: dict[str, Any] = {"solref": (STIFF[0] * dt, STIFF[1])} if world == "mujoco" else {}
     there = make_world(
         world,
         believed_robot(robot, surprise.mass),
-        mu=mu * surprise.friction,
+        None,
+        mu * surprise.friction,
         dt=dt,
         collision="full",
-        **({"solref": (STIFF[0] * dt, STIFF[1])} if world == "mujoco" else {}),
+        **own,
     )
     scenario = Scenario(
         reference.duration + settle, mu * surprise.friction, seed=seed, fall=NEVER,

@@ -40,7 +40,9 @@ def test_a_hop_lands_where_it_should(jump: Reference, world: str) -> None:
 
 def test_the_flight_ends_when_the_feet_touch(jump: Reference) -> None:
     """Not when the plan says so: robots that are lighter and heavier than it knows land when they touch."""
-    light, heavy = (execute(jump, "mujoco", surprise=Surprise(mass=factor)) for factor in (0.92, 1.08))
+    light, heavy = (
+        execute(jump, "mujoco", surprise=Surprise(mass=factor), dt=1e-3) for factor in (0.92, 1.08)
+    )
     for done in (light, heavy):
         phases, feet = np.asarray(done.log["phase"]), np.asarray(done.log["forces"])[:, :, 2]
         touch = int(np.flatnonzero(phases == 2.0)[0])

@@ -69,7 +69,7 @@ class Postures:
         """Return the target (joints,) at a time since the start in posture `start` (joints,)."""
         k = int(np.searchsorted(self.times, time, side="right"))
         if k == len(self.times):
-            return self.targets[-1]
+            return np.asarray(self.targets[-1])
         before, when = (start, 0.0) if k == 0 else (self.targets[k - 1], float(self.times[k - 1]))
         share = max(time - when, 0.0) / (float(self.times[k]) - when)
         return np.asarray((1.0 - share) * before + share * self.targets[k])

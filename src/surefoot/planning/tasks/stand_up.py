@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError, SimulationError
 from surefoot.planning.plan import Plan, Search
 from surefoot.planning.sampling.cross_entropy import cross_entropy
@@ -78,7 +78,7 @@ class StandUp:
         return lying_plan(fine, search.postures(found.point), start, told, legs)
 
 
-def _legs(robot: Robot) -> FloatArray:
+def _legs(robot: Robot) -> IntArray:
     """Return the joints (n, 3) of a four-legged robot's legs: hip, thigh, calf.
 
     Raises
@@ -89,14 +89,14 @@ def _legs(robot: Robot) -> FloatArray:
     rows = [np.flatnonzero(row[6:]) for row in robot.contact_points.foot_support]
     if len(rows) != 4 or any(len(row) != 3 for row in rows):
         raise ProblemError(f"stand-up is for robots on four legs of three joints, {robot.name} is none")
-    return np.array(rows)
+    return np.array(rows, dtype=np.int64)
 
 
 class _Search:
     """Rollouts of one robot in one model."""
 
-    def __init__(self, robot: Robot, model: ForwardModel, legs: FloatArray) -> None:
-        self.robot, self.model, self._legs = robot, model, legs.astype(np.int64)
+    def __init__(self, robot: Robot, model: ForwardModel, legs: IntArray) -> None:
+        self.robot, self.model, self._legs = robot, model, legs
         weight = robot.mass * GRAVITY
         self._gains = STIFFNESS * weight, DAMPING * weight
         feet = robot.foot_positions(robot.nominal)

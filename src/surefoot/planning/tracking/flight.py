@@ -24,12 +24,12 @@ from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_about, rotation_log
 
 PREPARE, READY = 0.25, 0.07
-"""Legs begin and end to reach for the landing this long before the touchdown [s]."""
+"""Legs begin and end to reach for the landing so long before the touchdown [s]."""
 FURTHEST = 0.12
 """Most that feet are moved from where the plan has them at touchdown [m]."""
 SOFT, EXTRA = 0.7, 0.08
-"""Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and by how
-much they reach further down before that [m]."""
+"""Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and how
+much further down they reach before that [m]."""
 SPEED_SHARE = 0.9
 """Share of a joint's speed limit that targets in the air may move with."""
 

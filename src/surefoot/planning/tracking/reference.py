@@ -172,7 +172,7 @@ class Reference:
     @property
     def start(self) -> FloatArray:
         """(nq,) the first configuration."""
-        return self.q[0].copy()
+        return np.array(self.q[0])
 
     @property
     def begins_standing(self) -> bool:

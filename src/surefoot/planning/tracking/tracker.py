@@ -35,7 +35,7 @@ EARLY, FAST = 0.03, 0.92
 """So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a
 joint moves with this share of its speed limit: there is nothing left to push with."""
 GONE = 4e-3
-"""A foot that pushes off and feels nothing for so long has left the ground [s]: soft ground lets go at times."""
+"""A foot that pushes off and feels nothing for so long is gone [s]; soft ground lets go for less."""
 SPEED_MARGIN = 0.97
 """Share of a joint's speed limit that torques may take it to."""
 BAUMGARTE = (2500.0, 100.0)
