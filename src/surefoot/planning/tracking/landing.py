@@ -66,12 +66,17 @@ class Landing:
         turn = self._turn**2 * upright - 2.0 * self._turn * now.angular_velocity
         feet = np.zeros((len(stance), 6))
         if not stance.all():
-            speed = now.com_velocity * [1.0, 1.0, 0.0] - [0.0, 0.0, DESCENT]
-            feet[:, :3] = SWING * (speed - now.twists[:, :3])
+            feet[:, :3] = lowered(now)
         gaps = pressed(now, self._radii)
         return Tasks(
             stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
         )
+
+
+def lowered(now: Kinematics) -> FloatArray:
+    """Return the accelerations (n, 3) that send feet down to the ground, moving on with the body [m/s²]."""
+    speed = now.com_velocity * np.array([1.0, 1.0, 0.0]) - [0.0, 0.0, DESCENT]
+    return np.asarray(SWING * (speed - now.twists[:, :3]))
 
 
 def pressed(now: Kinematics, radii: FloatArray) -> FloatArray:

@@ -22,10 +22,10 @@ from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyCon
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
 from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
-from surefoot.planning.tracking.landing import Landing, pressed
+from surefoot.planning.tracking.landing import Landing, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
-from surefoot.spatial import rotation_log
+from surefoot.spatial import GRAVITY, rotation_log
 
 GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
 """Values of the channel `phase`."""
@@ -40,6 +40,8 @@ SPEED_MARGIN = 0.97
 """Share of a joint's speed limit that torques may take it to."""
 BAUMGARTE = (2500.0, 100.0)
 """Stiffness [1/s²] and damping [1/s] with which feet are held on the ground."""
+LEAST = 0.03
+"""Least normal force of a stance foot, over m g: one without leaves the ground as soon as the body turns."""
 LEAST_FLIGHT = 0.3
 """Share of the planned flight in which touch is not yet a landing: feet scrape as they leave."""
 
@@ -121,12 +123,13 @@ class TrackingController(Controller):
     ) -> None:
         self.robot, self.planned, self.dt = robot, reference, dt
         self.settings = s = settings or TrackSettings()
+        least = LEAST * robot.mass * GRAVITY
         self.whole_body = WholeBodyController(
-            robot, s.mu, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
+            robot, s.mu, least, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
         )
         self.flight = Flight(robot, s.joints, s.capture)
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
-        self.facts = {"kind": "track", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu}
+        self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
         self._radii = robot.contact_points.foot_radii
         self._support = robot.contact_points.foot_support[:, 6:]
         speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
@@ -237,6 +240,8 @@ class TrackingController(Controller):
             miss = places - want.com - (now.centres - now.com)
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
             feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
+            lost = want.stance & ~stance
+            feet[lost, :3] = lowered(now)[lost]
         gaps = pressed(now, self._radii)
         return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
 
