@@ -27,6 +27,9 @@ PREPARE, READY = 0.25, 0.07
 """Legs begin and end to reach for the landing so long before the touchdown [s]."""
 FURTHEST = 0.12
 """Most that feet are moved from where the plan has them at touchdown [m]."""
+LEAD = 0.015
+"""Over this time before the touchdown feet are level with the ground under the attitude of the moment [s]: a body
+that still turns would put some of them down too early."""
 SOFT, EXTRA = 0.7, 0.08
 """Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and how
 much further down they reach before that [m]."""
@@ -133,7 +136,7 @@ class Flight:
         """Return the angles (joints,) that have the feet where they are needed after `left` seconds."""
         speed = self._average_rate(q, v)
         rate = float(np.linalg.norm(speed))
-        turned = rotation_about(speed / rate, rate * left) if rate > 1e-9 else np.eye(3)
+        turned = rotation_about(speed / rate, rate * max(left - LEAD, 0.0)) if rate > 1e-9 else np.eye(3)
         rotation = turned @ now.rotation
         # the plan's feet, turned to the heading that the body will have
         twist = rotation_log(rotation @ goal.rotation.T)

@@ -75,7 +75,7 @@ class TrackSettings:
     turn: float = 20.0
     swing: float = 40.0
     joints: float = 60.0
-    landing: float = 11.0
+    landing: float = 14.0
     landing_turn: float = 14.0
     sway: float = 7.0
     capture: float = 0.7
