@@ -28,7 +28,7 @@ PREPARE, READY = 0.25, 0.07
 FURTHEST = 0.12
 """Most that feet are moved from where the plan has them at touchdown [m]."""
 LEAD = 0.015
-"""Over this time before the touchdown feet are level with the ground under the attitude of the moment [s]: a body
+"""So long before the touchdown feet are level with the ground under the attitude of that moment [s]: a body
 that still turns would put some of them down too early."""
 SOFT, EXTRA = 0.7, 0.08
 """Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and how
