@@ -7,6 +7,7 @@ import typer
 from benchmarks.commands import (
     batch,
     contact,
+    execution,
     faults,
     forces,
     momentum,
@@ -28,6 +29,6 @@ def bench() -> None:
 
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
-    batch.batch, plan.plan, softening.softening,
+    batch.batch, plan.plan, softening.softening, execution.execution,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

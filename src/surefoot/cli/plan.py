@@ -130,7 +130,7 @@ def _line(task: str, iteration: Iteration) -> str:
 
 def _execute(made: Plan, world: str, seed: int, folder: Path) -> Any:
     """Carry a plan out and save the run's log."""
-    from surefoot.simulation.plan_execution import execute  # type: ignore[import-not-found]
+    from surefoot.simulation.plan_execution import execute
 
     executed = execute(made, world=world, seed=seed)
     executed.log.save(folder / "executed.npz")

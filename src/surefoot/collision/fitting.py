@@ -27,8 +27,8 @@ def robot_geometry(robot: Robot) -> Geometry:
 
     Spheres, boxes and capsules are taken as they are, cylinders and meshes by the box or capsule that fits
     best (`fitted`). A foot's own geometry gives way to its contact spheres, which keep their own contacts
-    with the ground. Pairs on one joint, of neighbouring joints, and those that overlap in the nominal pose
-    are never tested.
+    with the ground. Pairs on one joint, of neighbouring joints, of two joints on one moving body, and those
+    that overlap in the nominal pose are never tested.
 
     Examples
     --------
@@ -167,7 +167,9 @@ def _apart(robot: Robot, solids: list[Solid]) -> frozenset[tuple[int, int]]:
     out = set()
     for a, b in combinations(range(len(solids)), 2):
         one, two = solids[a].joint, solids[b].joint
-        near = two in (one, int(model.parents[one])) or one == int(model.parents[two])
+        up, over = int(model.parents[one]), int(model.parents[two])
+        # two links on one body, as hips on a trunk: boxes around what turns in its place would meet
+        near = two in (one, up) or one == over or up == over > 0
         if near or (
             library.distance(
                 shapes[a], poses[a], shapes[b], poses[b], library.DistanceRequest(), library.DistanceResult()

@@ -166,6 +166,10 @@ class WholeBodyController:
         )
         return self._now
 
+    def dynamics(self) -> tuple[FloatArray, FloatArray]:
+        """Return mass matrix (nv, nv) and bias forces (nv,) of the last `update`."""
+        return self._mass_matrix, self._nle
+
     def solve(self, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for the state of the last `update`.
 

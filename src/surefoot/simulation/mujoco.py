@@ -16,13 +16,16 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.collision import Geometry
 from surefoot.contact.laws.soft import MujocoLaw
 from surefoot.errors import MissingExtra, ModelError, SimulationError
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
+from surefoot.simulation.mujoco_links import LinkContacts, add_links
 from surefoot.simulation.record_softness import world_softness
+from surefoot.simulation.rigid import chosen_geometry
 from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.spatial import (
     quaternion_from_rotation,
@@ -92,6 +95,8 @@ class MujocoWorld:
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
+    collision
+        What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     solref, solimp
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
@@ -118,6 +123,7 @@ class MujocoWorld:
         dt: float = 1e-3,
         payload: float = 0.0,
         *,
+        collision: str | Geometry = "feet",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
     ) -> None:
@@ -127,6 +133,10 @@ class MujocoWorld:
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         spec = robot_spec(robot, self.payload)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
+        geometry = chosen_geometry(robot, collision)
+        if geometry is not None:
+            add_links(mujoco, spec, robot, geometry, _surface(mu, solref, solimp))
+            spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         spec.option.timestep = self.dt
         self._mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is told, not hidden
@@ -146,6 +156,9 @@ class MujocoWorld:
         names = [self.model.geom(i).name for i in range(self.model.ngeom)]
         self.ground_geoms = [i for i, name in enumerate(names) if name.startswith("ground")]
         self.base_body = int(self.model.body("base:0").id) if robot.floating else 0
+        self._links = None
+        if geometry is not None:
+            self._links = LinkContacts(mujoco, self.model, self._geoms, self.ground_geoms)
         self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(geoms)).reshape(-1, 3, 3)
         self.reset(robot.nominal)
 
@@ -230,11 +243,17 @@ class MujocoWorld:
             surface_frames(normals, self._frames)
         gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
         contact = data.contact
+        addresses = contact.efc_address if self._links is None else self._links.addresses(data)
         forces, velocities, positions = read_contacts(
             centres, self._frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
-            contact.geom, contact.efc_address, contact.frame, data.efc_force, self._geoms,
+            contact.geom, addresses, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
-        return ContactReading(forces, gaps, velocities, positions)
+        others = None if self._links is None else self._links.force(data)
+        return ContactReading(forces, gaps, velocities, positions, others)
+
+    def touching(self) -> list[tuple[str, str]]:
+        """Return the names of links, feet or ground that touched in the last step, without feet on ground."""
+        return [] if self._links is None else self._links.names(self.data, self.model)
 
 
 def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
@@ -304,22 +323,21 @@ def add_ground(
     ProblemError
         If this world has no shape for the terrain, or for numbers that are no softness.
     """
-    mujoco = import_mujoco()
+    common = {"contype": 1, "conaffinity": 0, "condim": 3, "priority": 1, "rgba": [0.91, 0.89, 0.85, 1.0]}
+    add_shapes(import_mujoco(), spec, terrain, {**common, **_surface(mu, solref, solimp)})
+
+
+def _surface(mu: float, solref: Sequence[float] | None, solimp: Sequence[float] | None) -> dict[str, Any]:
+    """Return the attributes of a geom that say its friction and its softness."""
     softness = MujocoLaw(
         (CONTACT_TIME, 1.0) if solref is None else tuple(solref),  # type: ignore[arg-type]
         IMPEDANCE if solimp is None else tuple(solimp),
     )
-    common = {
-        "contype": 1,
-        "conaffinity": 0,
-        "condim": 3,
-        "priority": 1,
+    return {
         "friction": [max(mu, 1e-5), 0.0, 0.0],
         "solref": list(softness.solref),
         "solimp": list(softness.solimp),
-        "rgba": [0.91, 0.89, 0.85, 1.0],
     }
-    add_shapes(mujoco, spec, terrain, common)
 
 
 def _set_inertia(body: Any, inertia: Any) -> None:

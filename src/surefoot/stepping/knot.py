@@ -200,7 +200,8 @@ class Knot:
     @property
     def moved(self) -> tuple[FloatArray, FloatArray]:
         """(nv, nv) derivatives of q ⊕ dt v⁺ by q and by dt v⁺, of the last call of `derivative`."""
-        return self._moved
+        by_q, by_step = self._moved
+        return by_q, by_step
 
     def contact_rates(self) -> FloatArray:
         """Return the derivative (3p, nv) of the contact velocities J(q) v at the step's start by q."""

@@ -38,7 +38,7 @@ LIGHTEST = 1e-6
 """Mass [kg] and inertia [kg m2] of a link that has none, in a model that is only drawn."""
 POINT_SIZE = 0.012
 """Radius of the ball that stands for a foot without one [m]."""
-_WIDER = {WANTED_COLOUR: 1.6, BONE_COLOUR: 5.0}
+_WIDER: dict[tuple[float, ...], float] = {WANTED_COLOUR: 1.6, BONE_COLOUR: 5.0}
 CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
 
 Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]

@@ -67,7 +67,10 @@ class Engine:
         return Horizon(p.robot, p.knots, p.dt, p.mu, p.terrain, tol)
 
     def take(self, q: FloatArray, v: FloatArray, torques: FloatArray) -> bool:
-        """Start from states and torques as they are, gaps and all; return whether every step is solved."""
+        """Start from (N + 1, nq), (N + 1, nv) states and (N, joints) torques [N m] as they are, gaps and all.
+
+        Returns whether every step is solved.
+        """
         self.limits.bounds(v, self.bounds)
         torques = np.clip(torques, self.bounds[:, 0], self.bounds[:, 1])
         done = self.now.take(q, v, torques)
@@ -75,7 +78,7 @@ class Engine:
         return done
 
     def restart(self, q: FloatArray, v: FloatArray) -> bool:
-        """Roll the current policy out from another state; return whether every step is solved.
+        """Roll the policy out from another state (nq,), (nv,); return whether every step is solved.
 
         Where one is not, the motion stays as it was.
         """

@@ -176,12 +176,12 @@ class Horizon:
 
     @property
     def motion(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """q, v and torques."""
+        """(N + 1, nq) q, (N + 1, nv) v and (N, joints) torques [N m]."""
         return self.q, self.v, self.torques
 
     @property
     def feet(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """J, rates and heights of the contact points."""
+        """(N, 3p, nv) J, its rates, and (N, p) heights [m] of the contact points."""
         return self.J, self.rates, self.heights
 
     @property

@@ -89,6 +89,8 @@ class TorqueLimits:
     ) -> TorqueLimits:
         """Return a share of a robot's own limits, with a line from torque to speed where one is given.
 
+        `no_load` and `corner` are (joints,) speeds [rad/s], or numbers.
+
         Raises
         ------
         ProblemError

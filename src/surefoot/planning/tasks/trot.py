@@ -69,8 +69,10 @@ class Trot:
         done, said = judge(robot, motion, speed)
         spent, cost = clock.perf_counter() - start, float(mpc.engine.now.cost)
         search = Search(self.name, METHOD, cost, done, steps // every, spent, said, Status.STALLED)
-        stopped = {"interrupted": True} if begun else {}
-        return plan_from(motion, robot, search, **stopped)
+        made = plan_from(motion, robot, search)
+        if begun:
+            made.facts["interrupted"] = True
+        return made
 
 
 _ENOUGH = np.zeros(0)
@@ -102,7 +104,7 @@ def gait_of(robot: Robot, down: BoolArray) -> str:
     moving = down[:, order].astype(np.float64)
     if (moving.std(axis=0) < 1e-9).any():
         return "keeps a foot on the ground, or in the air, all the time"
-    like = np.corrcoef(moving.T)
+    like = np.asarray(np.corrcoef(moving.T)).reshape(4, 4)
     share = {name: float(np.mean([like[a, b] for a, b in two])) for name, two in pairs.items()}
     best = max(share, key=lambda name: share[name])
     return best if share[best] >= PAIRED else "has no regular gait"

@@ -1,0 +1,109 @@
+"""`surefoot bench execution`: plans executed in MuJoCo from 20 seeds, with two motor models."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli.progress import progress_bar
+from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:
+    from benchmarks.execution.trials import Row
+    from surefoot.planning import Plan
+
+TASKS: dict[str, float | None] = {"jump": 0.4, "backflip": None, "stand-up": None}
+"""Tasks and their numbers."""
+
+
+def execution(
+    task: Annotated[list[str] | None, typer.Option(help="Only this task; may be repeated.")] = None,
+    plan: Annotated[Path | None, typer.Option(help="Execute this saved plan instead.")] = None,
+    seeds: Annotated[int, typer.Option(min=1, max=1000, help="Runs of each.")] = 20,
+    quick: Annotated[bool, typer.Option("--quick", help="The stand-up alone, two seeds.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Execute a jump, a backflip and a stand-up of Go2 in MuJoCo; print who lands, within which limits.
+
+    The start, the friction and the mass are off by what the seed says; the motors are a box of the URDF's
+    torque and speed, or give less torque the faster they turn.
+    """
+    from benchmarks.execution.trials import measure
+    from surefoot.cli import extras
+    from surefoot.planning import Plan as SavedPlan
+
+    check_out(out)
+    extras.require((*extras.robot_packages("go2"), "mujoco"))
+    if quick:
+        task, seeds = task or ["stand-up"], min(seeds, 2)
+    chosen = tuple(task or TASKS)
+    for name in chosen:
+        if name not in TASKS:
+            raise ProblemError(unknown_name("task", name, tuple(TASKS)))
+    rows: list[Row] = []
+    if plan is not None:
+        read = SavedPlan.read(plan)
+        with progress_bar(not as_json, f"execute {plan.name}", 1.0) as show:
+            rows += measure(read, read.task, seeds, tell=show)
+    else:
+        for name in chosen:
+            made = planned(name, quick)
+            with progress_bar(not as_json, f"execute {name}", 1.0) as show:
+                rows += measure(made, name, seeds, tell=show)
+    if as_json:
+        print(to_json([asdict(row) for row in rows]))
+    else:
+        _print(rows)
+    if out is not None:
+        folder = new_run_folder(out, "bench-execution")
+        (folder / "execution.json").write_text(
+            to_json([asdict(row) for row in rows]) + "\n", encoding="utf-8"
+        )
+        typer.echo(f"written: {folder / 'execution.json'}", err=True)
+
+
+def planned(task: str, quick: bool = False) -> Plan:
+    """Return the plan of a task for Go2; a quick stand-up is looked for in MuJoCo, which is faster."""
+    from surefoot.planning.planner import plan as make_plan
+    from surefoot.planning.tasks.stand_up import StandUp
+    from surefoot.planning.tasks.task import Request
+    from surefoot.robot import load_robot
+    from surefoot.simulation.mujoco import MujocoWorld
+
+    robot = load_robot("go2")
+    if task == "stand-up" and quick:
+        model = MujocoWorld(robot, dt=2e-3, collision="full")
+        return StandUp(model=model).plan(Request(robot, 180.0, seed=1), lambda iteration: None)
+    return make_plan(robot, task, TASKS[task])
+
+
+def _print(rows: list[Row]) -> None:
+    from rich.table import Table
+
+    table = Table(title="Go2 in MuJoCo: start, friction and mass as no plan expects them")
+    names = (
+        "task",
+        "motors",
+        "landed",
+        "lawful",
+        "torque use",
+        "speed use",
+        "moved [m]",
+        "turned [deg]",
+        "failures",
+    )
+    for name in names:
+        table.add_column(name, justify="left" if name in ("task", "motors", "failures") else "right")
+    for row in rows:
+        table.add_row(
+            row.task, row.motors, f"{row.landed} of {row.seeds}", str(row.lawful),
+            f"{row.torque_use_max:.2f}", f"{row.speed_use_max:.2f}", f"{row.moved:.2f}", f"{row.turned:.0f}",
+            "; ".join((*row.failures, *row.laws)) or "none",
+        )  # fmt: skip
+    plain_console().print(table)

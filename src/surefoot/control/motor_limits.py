@@ -1,0 +1,134 @@
+"""What a joint's motor can give: torque limits that depend on the speed, and a controller behind them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.errors import ProblemError, unknown_name
+from surefoot.robot import Robot
+
+KNEE_SHARE = 0.45
+"""Share of the no-load speed up to which a motor gives its driving torque: 13.5 of 30 rad/s for the Go2."""
+DRIVING_SHARE = 20.2 / 23.4
+"""Torque along the motion over torque against it, below that speed: 20.2 of 23.4 N m of the Go2's motors."""
+MOTOR_MODELS = ("box", "curve")
+"""Names that `motor_limits` knows."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotorLimits:
+    """Limits on every joint's torque, as a function of its speed.
+
+    Against the motion (braking) a motor gives its whole `effort`. Along it, it gives `driving` times that up
+    to the share `knee` of its no-load speed, and from there on linearly less, down to nothing at that speed:
+    the back-EMF of a motor on a battery. With `driving` and `knee` one this is a box in torque and speed.
+
+    Attributes
+    ----------
+    effort
+        (joints,) largest torque [N m].
+    speed
+        (joints,) no-load speed, beyond which a motor only brakes [rad/s].
+    knee, driving
+        Shares, from 0 to 1.
+
+    Raises
+    ------
+    ProblemError
+        For limits that are not positive, or shares outside 0 to 1.
+
+    Examples
+    --------
+    >>> motor = MotorLimits(np.array([20.0]), np.array([30.0]), knee=0.5)
+    >>> [motor.clip(np.array([25.0]), np.array([speed])).item() for speed in (-30.0, 15.0, 22.5, 30.0)]
+    [20.0, 20.0, 10.0, 0.0]
+    """
+
+    effort: FloatArray
+    speed: FloatArray
+    knee: float = 1.0
+    driving: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in ("effort", "speed"):
+            limits = np.asarray(getattr(self, name), dtype=np.float64)
+            if limits.ndim != 1 or not (limits > 0.0).all():
+                raise ProblemError(f"{name} limits must be positive, one for every joint, got {limits}")
+        for name in ("knee", "driving"):
+            share = getattr(self, name)
+            if not 0.0 <= share <= 1.0:
+                raise ProblemError(f"{name} must be a share from 0 to 1, got {share:g}")
+
+    def driving_limit(self, speed: FloatArray) -> FloatArray:
+        """Return the largest torque along the motion at joint speeds (joints,) of either sign [N m]."""
+        share = np.abs(speed) / self.speed
+        if self.knee >= 1.0:
+            falling = (share < 1.0).astype(np.float64)
+        else:
+            falling = np.clip((1.0 - share) / (1.0 - self.knee), 0.0, 1.0)
+        return np.asarray(self.driving * falling * self.effort)
+
+    def clip(self, torques: FloatArray, speed: FloatArray) -> FloatArray:
+        """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""
+        driving = self.driving_limit(speed)
+        high = np.where(speed > 0.0, driving, self.effort)
+        low = np.where(speed < 0.0, driving, self.effort)
+        return np.asarray(np.minimum(np.maximum(torques, -low), high))
+
+
+def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:
+    """Return the limits of a robot's motors: torque and speed limits of its URDF.
+
+    Parameters
+    ----------
+    robot
+        Limits that its model does not give are infinite.
+    model
+        "box": full torque up to the speed limit; "curve": falling torque, see `KNEE_SHARE` and
+        `DRIVING_SHARE`, which Unitree publishes for the Go2's motors; the URDF's limits stay the scale.
+
+    Raises
+    ------
+    ProblemError
+        For another name.
+    """
+    if model not in MOTOR_MODELS:
+        raise ProblemError(unknown_name("motor model", model, MOTOR_MODELS))
+    speed = np.array(robot.model.velocityLimit, dtype=np.float64)[robot.base_dof :]
+    speed = np.where((speed <= 0.0) | (speed > 1e100), np.inf, speed)
+    shares = (1.0, 1.0) if model == "box" else (KNEE_SHARE, DRIVING_SHARE)
+    return MotorLimits(robot.effort_limits, speed, *shares)
+
+
+class MotorLimited(Controller):
+    """A controller whose torques pass through motors: what they cannot give at a joint's speed is cut off.
+
+    Parameters
+    ----------
+    controller
+        Who commands.
+    limits
+        Of the motors.
+    """
+
+    def __init__(self, controller: Controller, limits: MotorLimits) -> None:
+        self.controller, self.limits = controller, limits
+        self.channels, self.facts = controller.channels, controller.facts
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self.controller.reset()
+
+    def step(self, state: RobotState) -> Command:
+        """Return the controller's command with the torques that the motors give."""
+        command = self.controller.step(state)
+        speed = state.v[-len(self.limits.speed) :]
+        return replace(command, torques=self.limits.clip(command.torques, np.nan_to_num(speed)))
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that the controller's step may call."""
+        self.controller.warm_up(state)

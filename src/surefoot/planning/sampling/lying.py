@@ -1,0 +1,111 @@
+"""The plan of postures: its exact rollout as a log, with the postures that a controller executes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.contact import Status
+from surefoot.planning.plan import Plan, Search
+from surefoot.planning.sampling.forward import RigidModel
+from surefoot.planning.sampling.postures import Postures
+from surefoot.planning.trajectory import TOLERANCE
+
+STANDS_UP, STANDS_HIGH = math.cos(math.radians(10.0)), 0.9
+"""A robot has got up if its vertical axis leans less than 10 degrees and it has this share of its height."""
+
+STOP = 0.02
+"""Most that a joint may go beyond its range [rad]."""
+
+
+def upright(q: FloatArray) -> float:
+    """Return the vertical part of the base's own vertical axis, 1 upright to -1 on the back."""
+    return 1.0 - 2.0 * float(q[3] ** 2 + q[4] ** 2)
+
+
+def beyond(angles: FloatArray, low: FloatArray, high: FloatArray) -> float:
+    """Return by how much a joint is at most beyond its range [rad]; rigid steps have no stops."""
+    return max(float((low - angles).max()), float((angles - high).max()), 0.0)
+
+
+def lying_plan(model: RigidModel, law: Postures, start: FloatArray, search: Search, legs: IntArray) -> Plan:
+    """Roll postures out from a start (nq,) and return the plan; SOLVED if it gets up, lawfully.
+
+    Parameters
+    ----------
+    model
+        Exact rigid steps with all contacts.
+    law
+        The postures.
+    start
+        (nq,) lying.
+    search
+        How they were found.
+    legs
+        (n, k) joints of the legs, for the controller.
+    """
+    robot = model.robot
+    model.reset(start)
+    steps = round(law.duration / model.dt)
+    rows: list[dict[str, Any]] = []
+    for k in range(steps):
+        q, v = model.state()
+        torques = law.torques(law.at(k * model.dt, start[7:]), q[7:], v[6:])
+        model.step(torques)
+        rows.append({"q": q.copy(), "v": v.copy(), "torques": torques, **model.row()})
+    q, v = model.state()
+    arrays: dict[str, Any] = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    lean, height = upright(q), float(q[2]) / float(robot.nominal[2])
+    ends = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    over = max(beyond(row, *ends) for row in arrays["q"][:, 7:])
+    reached = lean > STANDS_UP and height > STANDS_HIGH and over <= STOP
+    lawful = model.unsolved == 0 and model.worst_residual <= TOLERANCE
+    status = (Status.SOLVED if reached else Status.STALLED) if lawful else Status.STALLED
+    tilt = math.degrees(math.acos(min(max(lean, -1.0), 1.0)))
+    goal = (
+        f"stand up: {tilt:.1f} deg off, {height:.2f} of its height, joints {over:.3f} rad beyond their range"
+    )
+    return Plan(
+        _finished(arrays, model, law.effort),
+        {**_facts(model, replace(search, reached=reached, goal=goal), status, q, v), **_law(law, legs)},
+    )
+
+
+def _finished(arrays: dict[str, Any], model: RigidModel, effort: FloatArray) -> dict[str, Any]:
+    """Return the log's channels: what was recorded, and what follows from it."""
+    rows = len(arrays["q"])
+    forces, normals = arrays["forces"], np.zeros_like(arrays["forces"])
+    normals[:, :, 2] = 1.0
+    return {
+        "time": model.dt * np.arange(rows, dtype=np.float64), **arrays, "forces_commanded": forces.copy(),
+        "normals": normals, "active": forces[:, :, 2] > 0.0, "attained": np.ones(rows, dtype=bool),
+        "saturated": (np.abs(arrays["torques"]) >= effort * (1.0 - 1e-6)).any(axis=1),
+        "push": np.zeros((rows, 3)), "mu": np.full(rows, model.mu),
+    }  # fmt: skip
+
+
+def _facts(model: RigidModel, search: Search, status: Status, q: FloatArray, v: FloatArray) -> dict[str, Any]:
+    """Return what is said once of a plan."""
+    robot, points = model.robot, model.robot.contact_points
+    return {
+        "kind": "plan", "task": search.task, "method": search.method, "status": status.value,
+        "goal": search.goal, "cost": search.cost, "law_residual": model.worst_residual,
+        "iterations": search.iterations, "search_time": search.seconds, "robot": robot.name,
+        "world": "rigid steps with all links", "mass": robot.mass, "mass_controller": robot.mass,
+        "dt": model.dt, "duration": 0.0, "feet": list(robot.foot_names), "joints": list(robot.joint_names),
+        "contact_foot": points.foot, "contact_centres": points.centres, "effort_limits": robot.effort_limits,
+        "normal_min": 0.0, "normal_max": math.inf, "mu_controller": model.mu, "outcome": "done",
+        "end_q": q.copy(), "end_v": v.copy(),
+    }  # fmt: skip
+
+
+def _law(law: Postures, legs: IntArray) -> dict[str, Any]:
+    """Return the postures as facts."""
+    return {
+        "posture_times": law.times, "posture_targets": law.targets, "posture_stiffness": law.stiffness,
+        "posture_damping": law.damping, "posture_legs": legs,
+    }  # fmt: skip

@@ -1,0 +1,87 @@
+"""From the first touch on: brake the body over the feet that stand, then hold it there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.whole_body import Kinematics, Tasks
+from surefoot.planning.tracking.reference import Reference
+from surefoot.robot import Robot
+from surefoot.spatial import rotation_about, rotation_log
+
+DESCENT = 0.6
+"""Speed with which feet that have not found the ground yet are sent down [m/s]."""
+DEPTH = 3e-4
+"""How deep in the ground stance feet are wanted [m]."""
+SWING = 30.0
+"""Rate at which they take it [1/s]."""
+
+
+class Landing:
+    """Tasks of a whole body that has touched the ground.
+
+    The body is pulled to where the plan ends it over its feet: the place along the ground from the middle
+    of the feet that stand now, the height from theirs, upright at the heading of the touchdown.
+
+    Parameters
+    ----------
+    robot, reference
+        Who lands, and the plan.
+    height, turn, sway
+        Natural frequencies of the height, the attitude and the place along the ground [rad/s].
+    """
+
+    def __init__(self, robot: Robot, reference: Reference, height: float, turn: float, sway: float) -> None:
+        self.robot = robot
+        self._omega = np.array([sway, sway, height])
+        self._turn = turn
+        feet, com = reference.feet[-1], reference.com[-1]
+        rotation = reference.rotation[-1]
+        yaw = math.atan2(rotation[1, 0], rotation[0, 0])
+        back = rotation_about([0.0, 0.0, 1.0], -yaw)
+        self._lean = back @ rotation
+        self._feet = (feet - com) @ back.T
+        self._still = np.zeros(robot.joints)
+        self._frames = np.tile(np.eye(3), (len(robot.feet), 1, 1))
+        points = robot.contact_points
+        self._owner, self._radii = points.foot, points.foot_radii
+
+    def begin(self, now: Kinematics) -> None:
+        """Take the heading of this moment for the one to keep."""
+        ahead = now.rotation[:, 0]
+        yaw = math.atan2(ahead[1], ahead[0])
+        self._heading = rotation_about([0.0, 0.0, 1.0], yaw)
+
+    def tasks(self, now: Kinematics, stance: BoolArray) -> Tasks:
+        """Return the tasks for a stance of one foot or more."""
+        around = self._feet @ self._heading.T
+        # where the weight belongs as seen from every foot that stands
+        wanted = (now.centres[stance] - around[stance]).mean(axis=0)
+        w = self._omega
+        com = w * w * (wanted - now.com) - 2.0 * w * now.com_velocity
+        upright = rotation_log(self._heading @ self._lean @ now.rotation.T)
+        turn = self._turn**2 * upright - 2.0 * self._turn * now.angular_velocity
+        feet = np.zeros((len(stance), 6))
+        if not stance.all():
+            feet[:, :3] = lowered(now)
+        gaps = pressed(now, self._radii)
+        return Tasks(
+            stance, com, turn, feet, self._still, np.zeros((len(self._owner), 3)), self._frames, gaps
+        )
+
+
+def lowered(now: Kinematics) -> FloatArray:
+    """Return the accelerations (n, 3) that send feet down to the ground, moving on with the body [m/s²]."""
+    speed = now.com_velocity * np.array([1.0, 1.0, 0.0]) - [0.0, 0.0, DESCENT]
+    return np.asarray(SWING * (speed - now.twists[:, :3]))
+
+
+def pressed(now: Kinematics, radii: FloatArray) -> FloatArray:
+    """Return the gaps (n,) that stance feet on the plane z = 0 are to close [m]: down to a little inside it.
+
+    A foot that just touches creeps out of soft ground as the leg extends, and then leaves it for an instant.
+    """
+    return np.asarray(now.centres[:, 2] - radii + DEPTH)

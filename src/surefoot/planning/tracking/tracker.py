@@ -1,0 +1,277 @@
+"""Executes a plan: whole-body control where it stands, joint control where it flies, and the landing.
+
+On the ground the centre of mass and the base follow the plan with its accelerations and forces as
+feedforward; torques come from `WholeBodyController`, inside friction cones and torque limits. The plan's
+last knot of a stance begins the flight; what the feet feel ends it, early or late. The landing then brakes
+the body over the feet that touch, like a spring and damper of critical damping, and holds it there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.contact import Status
+from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.damping import computable
+from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.errors import ProblemError
+from surefoot.log.channels import Channel
+from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
+from surefoot.planning.tracking.landing import Landing, lowered, pressed
+from surefoot.planning.tracking.reference import Reference
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY, rotation_log
+
+GROUND, FLYING, LANDED = 0.0, 1.0, 2.0
+"""Values of the channel `phase`."""
+LOST_TIME = 0.02
+"""A foot that should stand and feels nothing for this long is taken for one in the air [s]."""
+EARLY, FAST = 0.03, 0.92
+"""So long before the planned end of a push [s] it ends as soon as half the feet have left the ground, or a
+joint moves with this share of its speed limit: there is nothing left to push with."""
+GONE = 4e-3
+"""A foot that pushes off and feels nothing for so long is gone [s]; soft ground lets go for less."""
+SPEED_MARGIN = 0.97
+"""Share of a joint's speed limit that torques may take it to."""
+BAUMGARTE = (2500.0, 100.0)
+"""Stiffness [1/s²] and damping [1/s] with which feet are held on the ground."""
+LEAST = 0.03
+"""Least normal force of a stance foot, over m g: one without leaves the ground as soon as the body turns."""
+LEAST_FLIGHT = 0.3
+"""Share of the planned flight in which touch is not yet a landing: feet scrape as they leave."""
+
+
+@dataclass(frozen=True)
+class TrackSettings:
+    """How a plan is followed; frequencies are natural frequencies of critically damped feedback.
+
+    Attributes
+    ----------
+    mu
+        Friction that the controller counts on.
+    body, turn
+        Of the centre of mass and of the base's attitude on the ground [rad/s].
+    swing
+        Of feet in the air while others stand [rad/s].
+    joints
+        Of the joints in flight [rad/s].
+    landing, landing_turn
+        Of the body's height and of its attitude from touchdown on [rad/s].
+    sway
+        Of its place along the ground from touchdown on [rad/s].
+    capture
+        Share of the capture point's offset that feet are moved by before they land.
+    force_share
+        Weight of the plan's forces, see `Weights.force`.
+    """
+
+    mu: float = 0.5
+    body: float = 20.0
+    turn: float = 20.0
+    swing: float = 40.0
+    joints: float = 60.0
+    landing: float = 14.0
+    landing_turn: float = 14.0
+    sway: float = 7.0
+    capture: float = 0.7
+    force_share: float = 0.01
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            real_number(name, getattr(self, name), low=0.0)
+        if not self.force_share > 0.0:
+            raise ProblemError(f"force_share must be positive, got {self.force_share:g}")
+
+
+@dataclass(frozen=True)
+class TrackCommand(Command):
+    """What the tracking controller asks for at one step; `phase` is GROUND, FLYING or LANDED."""
+
+    phase: float
+
+    def rows(self) -> dict[str, Any]:
+        """Return the phase."""
+        return {"phase": self.phase}
+
+
+class TrackingController(Controller):
+    """Makes a robot do what a plan says; call `step` at a fixed rate.
+
+    The plan is laid from where the feet stand at the first step: its places and its heading are moved there.
+
+    Parameters
+    ----------
+    robot
+        Who executes the plan, as the controller knows it.
+    reference
+        The motion; its flight ends where the feet feel the ground.
+    settings
+        None for the defaults.
+    dt
+        Time between steps [s].
+    """
+
+    channels = (Channel("phase", (), "1", meaning="0 on the ground, 1 in flight, 2 landed or at the end"),)
+
+    def __init__(
+        self, robot: Robot, reference: Reference, settings: TrackSettings | None = None, dt: float = 1e-3
+    ) -> None:
+        self.robot, self.planned, self.dt = robot, reference, dt
+        self.settings = s = settings or TrackSettings()
+        least = LEAST * robot.mass * GRAVITY
+        self.whole_body = WholeBodyController(
+            robot, s.mu, least, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
+        )
+        self.flight = Flight(robot, s.joints, s.capture)
+        self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
+        self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
+        self._radii = robot.contact_points.foot_radii
+        self._support = robot.contact_points.foot_support[:, 6:]
+        speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
+        self._speed_limits = np.where(speed > 0.0, speed, np.inf)
+        self._frames, self._still = np.tile(np.eye(3), (len(robot.feet), 1, 1)), np.zeros(robot.joints)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: the next step is the first of the plan."""
+        self.whole_body.reset()
+        self.phase = GROUND
+        self._reference: Reference | None = None
+        self._clock, self._last = 0.0, -math.inf
+        self._unfelt = np.zeros(len(self.robot.feet))
+
+    def step(self, state: RobotState) -> TrackCommand:
+        """Return the command for a state; where no foot feels, the plan is taken for the contacts.
+
+        Never raises on a hard instance; a state that is not finite gets a command that slows the joints.
+        """
+        if not computable(state.q, state.v):
+            return self._told(self.whole_body.damping(state.v), self._off)
+        now = self.whole_body.update(state.q, state.v)
+        if self._reference is None:
+            self._begin(now, state)
+        since = state.time - self._last if math.isfinite(self._last) else 0.0
+        self._clock, self._last = self._clock + since, state.time
+        felt = self._planned_stance() if state.contact is None else np.asarray(state.contact, dtype=bool)
+        self._advance(now, state, felt)
+        if self.phase == FLYING:
+            return self._fly(now, state)
+        stance = self._stance(felt, since)
+        if not stance.any():
+            return self._fly(now, state)
+        tasks = self._follow(now, stance) if self.phase == GROUND else self.landing.tasks(now, stance)
+        body = self.whole_body.solve(tasks)
+        loose = ~self._support[stance & felt].any(axis=0)
+        slow = self._not_too_fast(body.torques, state.v[6:])
+        return self._told(replace(body, torques=np.where(loose, slow, body.torques)), stance)
+
+    @property
+    def _off(self) -> BoolArray:
+        return np.zeros(len(self.robot.feet), dtype=bool)
+
+    def _begin(self, now: Kinematics, state: RobotState) -> None:
+        """Lay the plan where the feet are."""
+        self._reference = self.planned.laid(now.centres)
+        self._flights = touchdowns(self._reference)
+        self._next = 0
+        self._taken = 0.0
+        self.flight.begin(state.q[7:], state.v[6:])
+
+    def _planned_stance(self) -> BoolArray:
+        assert self._reference is not None
+        return self._reference.at(self._clock).stance
+
+    def _advance(self, now: Kinematics, state: RobotState, felt: BoolArray) -> None:
+        """Go from one phase to the next: by the plan into flight, by touch out of it."""
+        assert self._reference is not None
+        flights, clock = self._flights, self._clock
+        if self.phase == GROUND:
+            if self._next < len(flights) and self._leaves(state, flights[self._next].start):
+                self.phase = FLYING
+                self.flight.begin(state.q[7:], state.v[6:])
+            elif clock >= self._reference.duration:
+                self._land(now)
+        elif self.phase == FLYING:
+            goal = flights[self._next]
+            if felt.any() and clock - goal.start > LEAST_FLIGHT * (goal.end - goal.start):
+                self._next += 1
+                if self._next == len(flights):
+                    self._land(now)
+                else:
+                    self.phase, self._clock = GROUND, goal.end
+                self._unfelt[:] = np.where(felt, 0.0, math.inf)
+
+    def _leaves(self, state: RobotState, start: float) -> bool:
+        """Return whether the flight begins: as planned, or just before when the legs cannot push any more."""
+        if self._clock >= start:
+            return True
+        fast = bool((np.abs(state.v[6:]) > FAST * self._speed_limits).any())
+        planned = self._planned_stance()
+        lost = 2 * int((planned & (self._unfelt > GONE)).sum()) >= int(planned.sum())
+        return self._clock >= start - EARLY and (fast or lost)
+
+    def _land(self, now: Kinematics) -> None:
+        self.phase = LANDED
+        self.landing.begin(now)
+
+    def _stance(self, felt: BoolArray, since: float) -> BoolArray:
+        """Return which feet may push: those that should and feel the ground, or have just lost it."""
+        self._unfelt = np.where(felt, 0.0, self._unfelt + since)
+        touching = self._unfelt <= LOST_TIME
+        return np.asarray(touching & self._planned_stance() if self.phase == GROUND else touching)
+
+    def _follow(self, now: Kinematics, stance: BoolArray) -> Tasks:
+        """Return the tasks of the plan at this moment."""
+        assert self._reference is not None
+        s, want = self.settings, self._reference.at(self._clock)
+        com = want.com_acceleration + s.body**2 * (want.com - now.com)
+        com = com + 2.0 * s.body * (want.com_velocity - now.com_velocity)
+        turn = want.turn_acceleration + s.turn**2 * rotation_log(want.rotation @ now.rotation.T)
+        turn = turn + 2.0 * s.turn * (want.turn_rate - now.angular_velocity)
+        feet = np.zeros((len(stance), 6))
+        if not stance.all():
+            places, speeds = self._reference.feet_at(self._clock)
+            # around the weight as it is, not as it was planned
+            miss = places - want.com - (now.centres - now.com)
+            slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
+            feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
+            lost = want.stance & ~stance
+            feet[lost, :3] = lowered(now)[lost]
+        gaps = pressed(now, self._radii)
+        return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
+
+    def _fly(self, now: Kinematics, state: RobotState) -> TrackCommand:
+        """Return the command of a robot in the air."""
+        assert self._reference is not None
+        goal = self._flights[min(self._next, len(self._flights) - 1)] if self._flights else None
+        q, v = state.q, state.v
+        planned = self._reference.at(min(self._clock, goal.end - 1e-9) if goal else self._clock).q[7:]
+        if goal is None:
+            targets = Targets(planned, np.zeros_like(planned), np.zeros_like(planned))
+        else:
+            targets = self.flight.targets(q, v, now, planned, goal, self.dt)
+        M, bias = self.whole_body.dynamics()
+        torques = self.flight.torques(M, bias, q[7:], v[6:], targets)
+        limits = self.whole_body.limits
+        torques = self._not_too_fast(np.clip(torques, -limits, limits), v[6:])
+        return TrackCommand(
+            torques, np.zeros((len(self.whole_body.point_foot), 3)),
+            self._off[self.whole_body.point_foot], True, Status.SOLVED, self.phase,
+        )  # fmt: skip
+
+    def _not_too_fast(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return torques that take no joint of an unloaded leg beyond its speed limit by the next step."""
+        M, _ = self.whole_body.dynamics()
+        inertia = 1.0 / np.diag(np.linalg.inv(M[6:, 6:])) / self.dt
+        most = SPEED_MARGIN * self._speed_limits
+        high, low = inertia * (most - speeds), inertia * (-most - speeds)
+        return np.asarray(np.clip(torques, np.minimum(low, 0.0), np.maximum(high, 0.0)))
+
+    def _told(self, body: Any, stance: BoolArray) -> TrackCommand:
+        active = stance[self.whole_body.point_foot]
+        return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, self.phase)
