@@ -83,6 +83,19 @@ def test_a_plan_is_saved_as_a_log_and_read_again(go2, standing, tmp_path):
     assert read_log(path).fact("goal") == "stands"
 
 
+def test_a_plan_from_a_file_can_be_run_again(go2, standing, tmp_path):
+    path = plan_from(standing, go2, FOUND).save(tmp_path / "plan.npz")
+    plan = Plan.read(path)
+    with pytest.raises(ProblemError, match="robot"):
+        plan.again()
+    motion = plan.again(go2)
+    assert motion.law_residual == plan.law_residual
+    assert np.array_equal(motion.q[:-1], plan["q"])
+    assert np.array_equal(motion.q[-1], plan.fact("end_q"))
+    plan.arrays["torques"] = plan["torques"] + 0.5  # a file that was changed
+    assert np.abs(plan.again(go2).q[-1] - plan.fact("end_q")).max() > 1e-6
+
+
 def test_a_log_that_is_no_plan_is_refused(go2, standing, tmp_path):
     plan = plan_from(standing, go2, FOUND)
     del plan.facts["status"]

@@ -11,9 +11,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
-from surefoot.errors import NoSolution
+from surefoot.errors import NoSolution, ProblemError
 from surefoot.log import Log, read_log
-from surefoot.planning.trajectory import TOLERANCE, Trajectory
+from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
@@ -132,6 +132,29 @@ class Plan(Log):
     def contacts(self) -> list[Phase]:
         """When which foot is on the ground, in the order of the feet."""
         return contact_phases(self)
+
+    def again(self, robot: Robot | None = None, terrain: Terrain | None = None) -> Trajectory:
+        """Return where the plan's torques lead when they are run once more, by exact steps.
+
+        What a file says of itself can be checked so: `law_residual` of the result, and its states (N + 1, nq)
+        against the rows' ``q`` and the fact ``end_q``.
+
+        Parameters
+        ----------
+        robot, terrain
+            Who moves where; None for those that the plan was made with.
+
+        Raises
+        ------
+        ProblemError
+            For a plan from a file without a robot, or a robot that does not fit.
+        """
+        who = self.robot if robot is None else robot
+        if who is None:
+            raise ProblemError("a plan from a file does not know its robot: give it, as in plan.again(robot)")
+        where = self.terrain if terrain is None else terrain
+        dt, mu = float(self.fact("dt")), float(self["mu"][0])
+        return rollout(who, self["q"][0], self["v"][0], self["torques"], dt=dt, mu=mu, terrain=where)
 
     def raise_if_failed(self) -> Plan:
         """Return the plan if it is SOLVED.

@@ -17,12 +17,15 @@ from surefoot.planning.trajectory import Trajectory
 if TYPE_CHECKING:
     from surefoot.planning.schedule import ScheduleProblem
     from surefoot.planning.schedule.search import ScheduledMotion
+    from surefoot.robot import Robot
 
 METHOD = "schedule"
 FEEDBACK = 0.95
 """Share of the torque limits that the exact motion may use: the optimiser used less."""
 DRIFT = 5e-3
 """How far the exact motion may be from the optimiser's [m, rad]."""
+OVER = 1e-3
+"""By how much a joint may exceed a limit [N m, rad/s, rad]: rounding, and a little feedback."""
 Goal = Callable[[Trajectory], tuple[bool, str]]
 """Whether a motion does what it should, and what it does, in words."""
 
@@ -66,6 +69,23 @@ def carry_out(problem: ScheduleProblem, request: Request, tell: Tell) -> Attempt
     return Attempt(motion, trajectory, drift)
 
 
+def beyond_limits(robot: Robot, motion: Trajectory) -> str:
+    """Return which limits of a robot's joints a motion exceeds, in words; empty for none."""
+    model, base = robot.model, robot.base_dof
+    first = int(model.nq) - robot.joints
+    below, above = np.array(model.lowerPositionLimit)[first:], np.array(model.upperPositionLimit)[first:]
+    speed = np.array(model.upperVelocityLimit)[base:]
+    known = below < above
+    angles = motion.q[:, first:][:, known]
+    use = {
+        "torque": float((np.abs(motion.torques) - robot.effort_limits).max()),
+        "speed": float((np.abs(motion.v[:, base:]) - np.where(speed > 0.0, speed, np.inf)).max()),
+        "position": float(np.maximum(below[known] - angles, angles - above[known]).max(initial=-np.inf)),
+    }
+    over = [f"{name} by {value:.2g}" for name, value in use.items() if value > OVER]
+    return "joints beyond their limits: " + ", ".join(over) if over else ""
+
+
 def scheduled_plan(task: str, problem: ScheduleProblem, request: Request, tell: Tell, goal: Goal) -> Plan:
     """Return the plan of a problem: SOLVED where its exact rollout is lawful and does what the goal says."""
     start = clock.perf_counter()
@@ -73,6 +93,8 @@ def scheduled_plan(task: str, problem: ScheduleProblem, request: Request, tell: 
     motion = tried.motion
     if np.isfinite(tried.trajectory.q).all():
         done, said = goal(tried.trajectory)
+        beyond = beyond_limits(problem.robot, tried.trajectory)
+        done, said = done and not beyond, f"{said}; {beyond}" if beyond else said
     else:
         done, said = False, "the motion is lost"
     if not motion.found:
