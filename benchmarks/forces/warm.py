@@ -77,7 +77,7 @@ def solve_often(
 def loop_times(instances: Sequence[Instance], warm: bool) -> tuple[FloatArray, FloatArray]:
     """Return time [s] and iterations of every step in a compiled loop."""
     first = distributor_for(instances[0])
-    work, contacts = first._work, instances[0].mu.size
+    work, contacts = first.work, instances[0].mu.size
     forces, clock = np.empty((contacts, 3)), time.perf_counter
     times, iterations = np.full(len(instances), np.inf), np.zeros(len(instances))
     for k, instance in enumerate(instances):
@@ -124,7 +124,7 @@ def measure(name: str, instances: Sequence[Instance]) -> WarmRow:
     check = distributor_for(steps[0])
     for k, (instance, cold) in enumerate(zip(steps, exact.forces, strict=True)):
         f = check.solve(instance.grasp_map, instance.wrench)
-        if check.status is not Status.SOLVED or np.abs(f - cold).max() > 2.0 * check._tol + exact.errors[k]:
+        if check.status is not Status.SOLVED or np.abs(f - cold).max() > 2.0 * check.tol + exact.errors[k]:
             raise RuntimeError(f"{name}: the warm answer of step {k} differs from the cold one")
     daqp: list[Timing | None] = [None, None]
     if available((DAQP,)):

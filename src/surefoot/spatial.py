@@ -29,7 +29,7 @@ def skew(vector: ArrayLike) -> FloatArray:
     Returns
     -------
     FloatArray
-        (..., 3, 3), antisymmetric.
+        (..., 3, 3), antisymmetric, in the unit of the vector.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def rotation_from_normal(normal: ArrayLike, heading: ArrayLike = (1.0, 0.0, 0.0)
 
 
 def rotation_about(axis: ArrayLike, angle: float) -> FloatArray:
-    """Return the rotation by `angle` [rad] about a unit axis (Rodrigues)."""
+    """Return the rotation (3, 3) by `angle` [rad] about a unit axis (3,) (Rodrigues)."""
     s = skew(unit("axis", axis))
     return np.asarray(np.eye(3) + np.sin(angle) * s + (1.0 - np.cos(angle)) * (s @ s))
 
@@ -140,12 +140,12 @@ def rotation_from_quaternion(quaternion: ArrayLike) -> FloatArray:
 
 
 def quaternion_xyzw(wxyz: ArrayLike) -> FloatArray:
-    """Turn (..., 4) quaternions from MuJoCo's order (w, x, y, z) into Pinocchio's (x, y, z, w)."""
+    """Turn (..., 4) quaternions [-] from MuJoCo's order (w, x, y, z) into Pinocchio's (x, y, z, w)."""
     return np.roll(np.asarray(wxyz, dtype=np.float64), -1, axis=-1)
 
 
 def quaternion_wxyz(xyzw: ArrayLike) -> FloatArray:
-    """Turn (..., 4) quaternions from Pinocchio's order (x, y, z, w) into MuJoCo's (w, x, y, z)."""
+    """Turn (..., 4) quaternions [-] from Pinocchio's order (x, y, z, w) into MuJoCo's (w, x, y, z)."""
     return np.roll(np.asarray(xyzw, dtype=np.float64), 1, axis=-1)
 
 
@@ -173,7 +173,7 @@ def wrench_transform(rotation: ArrayLike, translation: ArrayLike) -> FloatArray:
 
 
 def twist_transform(rotation: ArrayLike, translation: ArrayLike) -> FloatArray:
-    """Return the matrix that takes a twist [linear; angular] from frame b to frame a.
+    """Return the matrix (6, 6) [-, m] that takes a twist [linear; angular] from frame b to frame a.
 
     Its inverse transpose is `wrench_transform` of the same frames, so that power does not depend on
     the frame.
@@ -187,21 +187,21 @@ def twist_transform(rotation: ArrayLike, translation: ArrayLike) -> FloatArray:
 
 
 def featherstone_from_wrench(wrench: ArrayLike) -> FloatArray:
-    """Turn (..., 6) [force; moment] into Featherstone's [moment; force]."""
+    """Turn (..., 6) [force; moment], in any unit, into Featherstone's [moment; force]."""
     w = np.asarray(wrench, dtype=np.float64)
     return np.concatenate([w[..., 3:], w[..., :3]], axis=-1)
 
 
 def wrench_from_featherstone(wrench: ArrayLike) -> FloatArray:
-    """Turn Featherstone's (..., 6) [moment; force] into [force; moment]."""
+    """Turn Featherstone's (..., 6) [moment; force], in any unit, into [force; moment]."""
     return featherstone_from_wrench(wrench)
 
 
 def featherstone_from_twist(twist: ArrayLike) -> FloatArray:
-    """Turn (..., 6) [linear; angular] into Featherstone's [angular; linear]."""
+    """Turn (..., 6) [linear; angular], in any unit, into Featherstone's [angular; linear]."""
     return featherstone_from_wrench(twist)
 
 
 def twist_from_featherstone(twist: ArrayLike) -> FloatArray:
-    """Turn Featherstone's (..., 6) [angular; linear] into [linear; angular]."""
+    """Turn Featherstone's (..., 6) [angular; linear], in any unit, into [linear; angular]."""
     return featherstone_from_wrench(twist)

@@ -222,6 +222,12 @@ def test_wrong_arguments_are_named(changes: dict[str, Any], words: str) -> None:
         sf.solve_batch(**arguments)
 
 
+def test_an_option_that_is_none_is_refused() -> None:
+    """What comes by keyword is not swallowed: a name that is mistyped would else be ignored."""
+    with pytest.raises(TypeError, match="unexpected keyword argument 'warmstart'"):
+        sf.solve_batch(*problems(3, contacts=1), 0.5, warmstart=None)  # type: ignore[call-arg]
+
+
 def test_gradients_name_wrong_shapes() -> None:
     batch = sf.solve_batch(*problems(3, contacts=1), 0.5, derivative=True)
     with pytest.raises(sf.ProblemError, match=r"forces must have shape \(3, 1, 3\)"):

@@ -20,13 +20,13 @@ def test_contacts_switch_without_a_trace():
     """Swing feet carry exactly zero, the others what a program without the swing feet gives."""
     instance = four_feet("near-boundary", 1)[0]
     distributor = distributor_of(instance)
-    work = distributor._work
+    work = distributor.work
     for mask in ([1, 1, 1, 1], [1, 0, 1, 1], [1, 0, 0, 1], [0, 0, 0, 0], [0, 1, 1, 0], [1, 1, 1, 1]):
         on = np.array(mask, dtype=bool)
         f = distributor.solve(instance.grasp_map, instance.wrench, active=on)
         assert distributor.status is SOLVED
         assert np.all(f[~on] == 0.0)
-        assert distributor._work is work
+        assert distributor.work is work
         if on.any():
             columns = np.repeat(on, 3)
             alone = sf.ForceDistributor(0.6, 5.0, 250.0, WRENCH_WEIGHTS, FORCE_WEIGHT)
@@ -98,7 +98,7 @@ def test_a_copy_goes_on_by_itself():
         counts.add(twin.iterations)
     assert len(counts) > 1
     twin.reset()
-    assert twin._work[5, distribution_work.WARM] == 0.0
+    assert twin.work[5, distribution_work.WARM] == 0.0
 
 
 def test_warm_start_survives_a_trot():

@@ -52,7 +52,7 @@ def test_legged_robot_is_placed_on_the_ground(name: str) -> None:
     if name in MASSES:
         assert robot.mass == pytest.approx(MASSES[name], rel=1e-3)
     q = sf.place(robot)
-    np.testing.assert_allclose(robot._sphere_bottoms(q), 0.0, atol=1e-6)
+    np.testing.assert_allclose(robot.sphere_bottoms(q), 0.0, atol=1e-6)
     left, right = robot.foot_positions(q)[:2, :2]
     heading = left - right  # from right to left
     assert np.linalg.norm(heading) > 0.04

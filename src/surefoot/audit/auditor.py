@@ -107,12 +107,7 @@ def _coverage(log: Log, setting: Setting) -> dict[str, str]:
         why = f"the log has no {', '.join(missing)}" if missing else ""
         if not setting.names:
             why = "the log has no contacts"
-        elif not why and check.name == "motion":
-            why = setting.why_no_motion
-        elif not why and check.name == "pressure":
-            soles = "contact_centres" in log.facts and max(np.bincount(setting.owner)) >= 3
-            why = "" if soles else "no foot has three contact points"
-        out[check.name] = why
+        out[check.name] = why or check.doubt(log, setting)
     return out
 
 

@@ -15,6 +15,8 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.laws import CONE_LIMIT, LEAST_FRICTION, PENETRATION_LIMIT, PULL_LIMIT, SLIDE_LIMIT
 from surefoot.audit.rows import Rows, sliding_mean, sliding_sum
+from surefoot.audit.setting import Setting
+from surefoot.log import Log
 
 Measured: TypeAlias = tuple[FloatArray, FloatArray, BoolArray]
 """Measure, limit, and where it is exceeded: (T, c) each, c the contacts or contacts and body."""
@@ -59,6 +61,8 @@ class Check:
         Channels without which it cannot be judged.
     measure
         From rows to what was measured.
+    doubt
+        Why a log that has the channels cannot be judged all the same; empty where it can.
     """
 
     name: str
@@ -67,6 +71,12 @@ class Check:
     law: bool
     needs: tuple[str, ...]
     measure: Callable[[Rows], Measured]
+    doubt: Callable[[Log, Setting], str] = lambda log, setting: ""
+
+
+def _no_soles(log: Log, setting: Setting) -> str:
+    soles = "contact_centres" in log.facts and max(np.bincount(setting.owner)) >= 3
+    return "" if soles else "no foot has three contact points"
 
 
 def _over(value: FloatArray, limit: FloatArray | float) -> Measured:
@@ -245,8 +255,11 @@ CHECKS = (
         "dissipation", "what slides is braked in full", "m", True, ("forces", "contact_velocities", "mu"),
         _sliding,
     ),
-    Check("pressure", "soles press inside their edges", "m", True, FORCES, _pressure),
-    Check("motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion),
+    Check("pressure", "soles press inside their edges", "m", True, FORCES, _pressure, _no_soles),
+    Check(
+        "motion", "forces explain the motion", "N", True, ("forces", "q", "v"), _motion,
+        lambda _, setting: setting.why_no_motion,
+    ),
     Check("chatter", "switches of contact in 0.1 s", "1", False, FORCES, _chatter),
     Check("blow", "force of one row", "m g", False, FORCES, _blow),
     Check("idle", "nothing carries the robot", "share", False, FORCES, _idle),

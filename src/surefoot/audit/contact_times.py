@@ -110,7 +110,7 @@ def contact_times(log: Log, debounce: float = DEBOUNCE) -> ContactTimes:
 
 
 def load_readings(log: Log) -> tuple[FloatArray, str, FloatArray]:
-    """Return times, the channel's name and (T, n) readings."""
+    """Return times [s], the channel's name and (T, n) readings."""
     time = np.asarray(log["time"], dtype=np.float64)
     if len(time) < 2 or not (np.diff(time) > 0.0).all():
         raise ProblemError("contact times need two rows or more, and a time that grows from row to row")

@@ -58,7 +58,7 @@ class Episode:
         return self.true_of(self.column)
 
     def true_of(self, column: int) -> FloatArray | None:
-        """Return the force that joint torques ask of any contact, see `true`."""
+        """Return the force (m, 3) [N] that joint torques ask of any contact, see `true`."""
         whole = self.whole_true(column)
         if whole is None:
             return None
@@ -66,7 +66,7 @@ class Episode:
         return part if np.isfinite(part).all(axis=1).mean() > 0.5 else None
 
     def whole_true(self, column: int) -> FloatArray | None:
-        """Return the same with the surroundings of the episode."""
+        """Return the same at every row of `rows`, the surroundings of the episode with it: (T, 3) [N]."""
         missing = self.rows.missing
         return None if missing is None else self.rows.forces[:, column] + missing[:, column]
 
@@ -91,7 +91,7 @@ class Episode:
 
     @cached_property
     def mu(self) -> FloatArray:
-        """(m,) friction of the ground; infinite where the log has none."""
+        """(m,) friction of the ground [-]; infinite where the log has none."""
         if not self.rows.has("mu"):
             return np.full(len(self.force), np.inf)
         mu = self.rows.mu[self.rows.core]
@@ -120,7 +120,10 @@ class Episode:
         return bool((off[:, 2] ** 2).sum() <= 0.05 * (off**2).sum() or self.consistent)
 
     def explained(self, model: FloatArray, force: FloatArray | None = None) -> float:
-        """Return the share of the mismatch between logged and true force that a model of it explains."""
+        """Return the share of the mismatch between logged and true force that a model (m, 3) [N] explains.
+
+        `force` (m, 3) [N] takes the place of the logged one.
+        """
         true = self.true
         if true is None:
             return 0.0

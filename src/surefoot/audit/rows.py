@@ -116,13 +116,13 @@ class Rows:
 
     @cached_property
     def mu(self) -> FloatArray:
-        """Friction of the ground: (T, p) where each contact has its own, else (T, 1)."""
+        """Friction of the ground [-]: (T, p) where each contact has its own, else (T, 1)."""
         own = "contact_friction" in self.log
         return np.maximum(self._numbers("contact_friction") if own else self._numbers("mu")[:, None], 0.0)
 
     @cached_property
     def frames(self) -> FloatArray:
-        """(T, p, 3, 3) contact frames in world axes, from the ground's normals."""
+        """(T, p, 3, 3) contact frames (rotations) in world axes, from the ground's normals."""
         normals = self._numbers("normals")
         length = np.linalg.norm(normals, axis=-1, keepdims=True)
         unit = np.where(length > 0.5, normals / np.maximum(length, 0.5), [0.0, 0.0, 1.0])
@@ -184,7 +184,7 @@ class Rows:
         return out
 
     def window(self, seconds: float) -> int:
-        """Return how many rows a time has, one at least."""
+        """Return how many rows a time [s] has, one at least."""
         dt = self.setting.dt
         return max(1, min(round(seconds / dt), self.count)) if dt > 0.0 else 1
 
@@ -200,7 +200,7 @@ def _with_last(part: FloatArray, wrong: BoolArray) -> FloatArray:
 
 
 def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
-    """Return the sum over a window of so many rows about each row: the shape of (T, ...) values."""
+    """Return the sum over a window of so many rows about each row: shape and unit of (T, ...) values."""
     total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
     index = np.arange(len(values))
     low = np.maximum(index - (rows - 1) // 2, 0)
@@ -209,7 +209,10 @@ def sliding_sum(values: FloatArray, rows: int) -> FloatArray:
 
 
 def sliding_mean(values: FloatArray, rows: int) -> FloatArray:
-    """Return the mean over a window of so many rows, of what is not NaN; NaN for less than half."""
+    """Return the mean of (T, ...) values over so many rows, of what is not NaN: in shape and unit of them.
+
+    NaN for less than half.
+    """
     known = np.isfinite(values)
     count = sliding_sum(known.astype(np.float64), rows)
     total = sliding_sum(np.where(known, values, 0.0), rows)

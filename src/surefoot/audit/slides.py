@@ -87,12 +87,14 @@ def slide_on(
             normal = forces[k, c, 2]
             if normal <= threshold:
                 idle += dt[k]
+                # a lift-off ends the slide
                 if idle >= RELEASE:
                     total = peak = lost = way = x = y = 0.0
                 continue
             touchdown, idle = idle >= RELEASE, 0.0
             if touchdown:
                 continue
+            # the way of a row, and the work that friction should have taken out on it less what it did
             u, v = dt[k] * velocities[k, c, 0], dt[k] * velocities[k, c, 1]
             moved, friction = np.hypot(u, v), mu[k, c] * normal
             peak = max(peak, friction)
@@ -104,6 +106,7 @@ def slide_on(
             if lost > 0.0 and peak > 0.0:  # friction beyond the cone is the second law's matter
                 free = (total + lost * (net / way)) / min(peak, weight)
                 worst = free if free > worst or np.isnan(free) else worst
+            # a stretch is closed: what friction owed on it, as far as it led anywhere
             if net >= PIECE:
                 total += max(lost, 0.0) * (net / way)
                 lost = way = x = y = 0.0

@@ -26,8 +26,9 @@ FREE, HELD, AT_LOW, AT_HIGH = 0.0, 1.0, 2.0, 3.0
 def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, mode: FloatArray) -> int:
     """Fill mode (n, 8): normal, tangent, e, ratio, weight, ||u_t|| and λ_n; return the number of unknowns.
 
-    The modes and their equations are those of `contact.derivative_modes`; a sliding force without radius has
-    no unknown of its own.
+    G is (3n, 3n), the laws (3, n) mu and bounds, the buffer (2n + 3, 3) forces and velocities. The modes and
+    their equations are those of `contact.derivative_modes`; a sliding force without radius has no unknown of
+    its own.
     """
     n, size = laws.shape[1], 0
     for k in range(n):
@@ -38,12 +39,14 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
         slip = math.sqrt(p * p + q * q)
         mode[k, 6], mode[k, 7] = slip, z
         mode[k, 2] = mode[k, 3] = mode[k, 4] = mode[k, 5] = 0.0
+        # bilateral: three free directions
         if low == -np.inf:
             mode[k, 0], mode[k, 1] = HELD, STICK
             size += 3
             continue
         weight, own = max(G[i, i], G[i + 1, i + 1]), G[i + 2, i + 2]
         weight, own = weight if weight > 0.0 else 1.0, own if own > 0.0 else 1.0
+        # the natural map's point λ - u / w; w here the diagonal of the block, sign and order are what counts
         lifted = z - (r - (mu * slip if convex else 0.0)) / own
         normal = FREE
         if lifted <= low:
@@ -55,13 +58,16 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
         a, b = x - p / weight, y - q / weight
         length = math.sqrt(a * a + b * b)
         mode[k, 0], mode[k, 1] = normal, STICK
+        # inside its disc: it sticks
         if length <= radius and radius > 0.0:
             size += 2
             continue
         if length > 0.0:
             mode[k, 2], mode[k, 3] = a / length, b / length
+        # a disc without radius has no direction to turn in
         mode[k, 1] = BARE
         if radius > 0.0:
+            # on the cone: ratio of radii, and (1 - ratio) w against turning
             mode[k, 1], mode[k, 4] = SLIDE, radius / length
             mode[k, 5] = (1.0 - mode[k, 4]) * weight
             size += 1
@@ -75,8 +81,10 @@ def fill(
 ) -> None:  # fmt: skip
     """Fill the active matrix R G C + W in the first rows of A, or its transpose.
 
-    A row that leans is mu e, 1 where a contact slides, as the columns are (and the convex law's equations);
-    else it is 0, 0, 1. First the rows times G, then, in place, that times the columns.
+    G is (3n, 3n), laws (3, n), mode (n, 8) from `read_modes`; A has at least a row for each of the k unknowns
+    and 3n columns, of which the first k are left in the end. A row that leans is mu e, 1 where a contact
+    slides, as the columns are (and the convex law's equations); else it is 0, 0, 1. First the rows times G,
+    then, in place, that times the columns.
     """
     n, m, i = laws.shape[1], G.shape[0], 0
     for k in range(n):
@@ -90,16 +98,19 @@ def fill(
                 i += 1
             continue
         if normal == FREE:
+            # the row of the normal: with the sliding force it drags along, R or C as asked
             p, q = (mu * ex, mu * ey) if rows_lean and tangent == SLIDE else (0.0, 0.0)
             for j in range(m):
                 A[i, j] = p * G[b, j] + q * G[b + 1, j] + G[b + 2, j]
             i += 1
         if tangent == SLIDE:
+            # the row across e, shrunk by the ratio
             share = 1.0 if transposed else mode[k, 4]
             p, q = -share * ey, share * ex
             for j in range(m):
                 A[i, j] = p * G[b, j] + q * G[b + 1, j]
             i += 1
+    # the columns in place: a contact's unknowns never outnumber its rows
     for r in range(i):
         at = 0
         for k in range(n):
@@ -126,7 +137,7 @@ def fill(
 
 @inline_kernel
 def gather(laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, x: FloatArray, b: FloatArray) -> None:
-    """Fill b with Cᵀ x, or with R x."""
+    """Fill b (k,) with Cᵀ x, or with R x, for x (3n,)."""
     i = 0
     for k in range(laws.shape[1]):
         h = 3 * k
@@ -151,7 +162,7 @@ def gather(laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, x: FloatA
 
 @inline_kernel
 def scatter(laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, b: FloatArray, x: FloatArray) -> None:
-    """Fill x with C b, or with Rᵀ b."""
+    """Fill x (3n,) with C b, or with Rᵀ b, for b (k,)."""
     i = 0
     for k in range(laws.shape[1]):
         h = 3 * k
@@ -179,7 +190,7 @@ def scatter(laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, b: Float
 
 @inline_kernel
 def unscale(laws: FloatArray, mode: FloatArray, lean: bool, x: FloatArray) -> None:
-    """Divide by the squares of the equations' rows: R Rᵀ, which is diagonal."""
+    """Divide x (k,) by the squares of the equations' rows: R Rᵀ, which is diagonal."""
     i = 0
     for k in range(laws.shape[1]):
         normal, tangent = mode[k, 0], mode[k, 1]
@@ -196,7 +207,7 @@ def unscale(laws: FloatArray, mode: FloatArray, lean: bool, x: FloatArray) -> No
 
 @inline_kernel
 def regular_pivots(A: FloatArray, m: int) -> bool:
-    """Tell whether the pivots that an elimination left on A's diagonal are all clear of rounding."""
+    """Tell whether the m pivots that an elimination left on A's diagonal (at least (m, m)) clear rounding."""
     most, least = 0.0, np.inf
     for i in range(m):
         most, least = max(most, abs(A[i, i])), min(least, abs(A[i, i]))
@@ -207,7 +218,7 @@ def regular_pivots(A: FloatArray, m: int) -> bool:
 def least_squares(A: FloatArray, b: FloatArray, m: int, extra: FloatArray) -> None:
     """Replace b by A⁺ b, plus the part of `extra` that A sends to zero; leave in extra what A misses of b.
 
-    For redundant contacts: A is singular.
+    For redundant contacts: A, the first (m, m) of its memory, is singular; b and extra are (m,) of theirs.
     """
     left, values, right = np.linalg.svd(A[:m, :m].copy())
     out, rest = np.zeros(m), b[:m].copy()
@@ -229,7 +240,7 @@ def least_squares(A: FloatArray, b: FloatArray, m: int, extra: FloatArray) -> No
 
 @inline_kernel
 def add_product(G: FloatArray, x: FloatArray, sign: float, out: FloatArray) -> None:
-    """Add sign · G x to out; G is symmetric."""
+    """Add sign · G x to out (m,) for x (m,); G (m, m) is symmetric."""
     for i in range(x.size):
         a = sign * x[i]
         if a != 0.0:

@@ -77,19 +77,23 @@ def _misses(
         p, q = u[h], u[h + 1]
         speed = 0.0 if convex else math.sqrt(p * p + q * q + scale[0, k] * scale[0, k])
         over = 1.0 / (mu[k] * d) if mu[k] > 0.0 else 0.0
+        # the cone made ||·|| <= z by y = λ / (mu, mu, 1), in units of d
         yx, yy, yz = forces[h] * over, forces[h + 1] * over, forces[h + 2] / d
         x, y, z = yx - mu[k] * d * p, yy - mu[k] * d * q, yz - d * (u[h + 2] + mu[k] * speed)
         radius = math.sqrt(x * x + y * y)
         ex, ey = (x / radius, y / radius) if radius > 0.0 else (1.0, 0.0)
+        # its two eigenvalues; p_κ takes each to (a + sqrt(a² + 4 κ)) / 2 (Fukushima, Luo and Tseng 2002)
         a, b = z + radius, z - radius
         up, down = math.sqrt(a * a + 4.0 * kappa), math.sqrt(b * b + 4.0 * kappa)
         across = 0.5 + z / (up + down)
+        # slopes of the smooth plus at both
         sa, sb = 0.5 * (1.0 + a / up), 0.5 * (1.0 + b / down)
         mean, skew = 0.5 * (sa + sb), 0.5 * (sa - sb)
         turned = mean - across
         J[h, 0], J[h, 1], J[h, 2] = across + turned * ex * ex, turned * ex * ey, skew * ex
         J[h + 1, 0], J[h + 1, 1], J[h + 1, 2] = turned * ex * ey, across + turned * ey * ey, skew * ey
         J[h + 2, 0], J[h + 2, 1], J[h + 2, 2] = skew * ex, skew * ey, mean
+        # F = y - p_κ(y - s): zero on the path
         F[h], F[h + 1] = yx - across * x, yy - across * y
         F[h + 2] = yz - 0.5 * (_half(a, up, kappa) + _half(b, down, kappa))
         square += F[h] * F[h] + F[h + 1] * F[h + 1] + F[h + 2] * F[h + 2]
@@ -112,6 +116,7 @@ def _slope(
     for k in range(mu.size):
         h, d = 3 * k, scale[1, k]
         speed = math.sqrt(u[h] * u[h] + u[h + 1] * u[h + 1] + scale[0, k] * scale[0, k])
+        # ∂Γ/∂u of the rounded shift
         lean = 0.0 if convex or speed == 0.0 else mu[k] / speed
         for j in range(m):
             own = scale[1, j // 3] * (1.0 if j % 3 == 2 else mu[j // 3])
@@ -151,6 +156,7 @@ def _path_system(
         for a in range(3):
             for j in range(m):
                 A[h + a, j] = part[a, 0] * G[h, j] + part[a, 1] * G[h + 1, j] + part[a, 2] * G[h + 2, j]
+        # + P, the derivative of λ ∘ y by λ with y held
         A[h, h] += z
         A[h, h + 2] += square * x
         A[h + 1, h + 1] += z
@@ -159,6 +165,7 @@ def _path_system(
         A[h + 2, h + 1] += y
         A[h + 2, h + 2] += z
         for a in range(3):
+            # rows over their largest entry: contacts of any stiffness count alike
             size = 0.0
             for j in range(m):
                 size = max(size, abs(A[h + a, j]))
@@ -170,6 +177,7 @@ def _path_system(
                     right[h + a, j] = 0.0
                 for b in range(3):
                     right[h + a, h + b] = -size * part[a, b]
+                # ∂(λ ∘ y)/∂mu: through the shift, and through the cone's own metric
                 e = (fx * speed, fy * speed, fz * speed)[a]
                 e += 2.0 * mu[k] * fz * (x, y, 0.0)[a]
                 right[h + a, m + k] = -size * e
@@ -206,12 +214,14 @@ def follow_path(
     f, tried, u, F, J = forces.reshape(-1), np.empty(m), np.empty(m), np.empty(m), np.empty((m, 3))
     A, b, column = np.empty((m, m)), np.empty(m), np.empty((m, 1))
     for k in range(n):
+        # a frictionless contact has no tangential force to start with
         if mu[k] == 0.0:
             f[3 * k] = f[3 * k + 1] = 0.0
     _velocity(G, g, f, u)
     square = _misses(mu, scale, kappa, convex, f, u, J, F)
     moved, last, share = np.inf, np.inf, 0.0
     for _ in range(STEPS):
+        # far away Newton's method on the smooth projection, near the point on the equations themselves
         own = moved <= CLOSE and _inside(mu, scale, convex, f, u)
         if own:
             _path_system(G, mu, scale, kappa, convex, f, u, A, column, False)
@@ -226,6 +236,7 @@ def follow_path(
         if not own:
             for i in range(m):
                 b[i] *= scale[1, i // 3] * (1.0 if i % 3 == 2 else mu[i // 3])
+        # Armijo's line search on ||F||²
         share = 1.0
         for _ in range(HALVINGS):
             for i in range(m):

@@ -43,7 +43,7 @@ def solve_on_host(
 
 
 def answer(G: FloatArray, g: FloatArray, mu: FloatArray, on: BoolArray, convex: bool, tol: float) -> Forces:
-    """Return the answer of double-precision problems, any entries."""
+    """Return the answer of double-precision problems, any entries: shapes as for `solve_on_host`."""
     with np.errstate(all="ignore"):  # what overflows shows in the status
         G, g, mu, good = lawful(np, G, g, mu)
         forces = solve_on_host(G, g, mu, on, convex, tol)
@@ -54,7 +54,10 @@ def answer_gradients(
     G: FloatArray, g: FloatArray, mu: FloatArray, on: BoolArray, convex: bool,
     point: tuple[FloatArray, FloatArray], weights: tuple[FloatArray, FloatArray],
 ) -> tuple[Any, ...]:  # fmt: skip
-    """Return the gradients in G, g and mu of weights on the forces and velocities of an answer."""
+    """Return the gradients in G, g and mu of weights on the forces and velocities of an answer.
+
+    Shapes as for `solve_on_host`; the point and the weights are forces and velocities, (..., n, 3) each.
+    """
     with np.errstate(all="ignore"):
         G, g, mu, good = lawful(np, G, g, mu)
         s = scales(np, G, g, on)

@@ -81,7 +81,7 @@ def solve_within_memory(
     G: FloatArray, g: FloatArray, laws: FloatArray, convex: bool, asymmetry: float, tol: float, most: int,
     warm: bool, buffer: FloatArray, memory: FloatArray,
 ) -> int:  # fmt: skip
-    """Do what `solve_contacts` does with borrowed arrays in memory that is there."""
+    """Do as `solve_contacts`, see there for the shapes, with borrowed arrays in memory that is there."""
     m = g.size
     matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
     total = 0.0
@@ -146,19 +146,22 @@ def vjp_within(
     G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, weights: FloatArray, out: FloatArray,
     memory: FloatArray,
 ) -> bool:  # fmt: skip
-    """Do what `contact_vjp` does with borrowed arrays in memory that is there."""
+    """Do as `contact_vjp`, see there for the shapes, with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
     work, mode = window(memory, 0, m + 4, m), window(memory, (m + 4) * m, n, 8)
     p, b, back = work[m], work[m + 1], work[m + 2]
     size = read_modes(G, laws, convex, buffer, mode)
+    # what reaches the forces: their own weights and, by u = G λ + g, those of the velocities
     for k in range(n):
         for a in range(3):
             p[3 * k + a], back[3 * k + a] = weights[k, a], weights[n + k, a]
     add_product(G, back, 1.0, p)
+    # Aᵀ z = Cᵀ p: the adjoint of the active system
     fill(G, laws, mode, True, convex, True, work)
     gather(laws, mode, True, False, p, b)
     regular = size == 0 or (lu_solve(work, b, size) and regular_pivots(work, size))
+    # redundant contacts: least squares, and what A misses stays with the velocities
     if not regular:
         extra = work[m + 3]
         fill(G, laws, mode, True, convex, True, work)
@@ -166,6 +169,7 @@ def vjp_within(
         gather(laws, mode, convex, True, back, extra)
         unscale(laws, mode, convex, extra)
         least_squares(work, b, size, extra)
+    # the gradient in g is v̄ - Rᵀ z, that of a force that jumps with its bound is p - G Rᵀ z
     scatter(laws, mode, convex, True, b, back)
     add_product(G, back, -1.0, p)
     i = 0
@@ -174,7 +178,9 @@ def vjp_within(
         out[k, 0], out[k, 1] = weights[n + k, 0] - back[h], weights[n + k, 1] - back[h + 1]
         out[k, 2] = weights[n + k, 2] - back[h + 2]
         normal, tangent, e_p = mode[k, 0], mode[k, 1], mode[k, 2] * p[h] + mode[k, 3] * p[h + 1]
+        # a sliding or bare force is mu λ_n e: ∂/∂mu = λ_n e
         own = mode[k, 7] * e_p if normal != HELD else 0.0
+        # the convex law has mu ||u_t|| in its normal equation
         if convex and normal == FREE and tangent != STICK:
             own += mode[k, 6] * b[i]
         along = p[h + 2] + laws[0, k] * e_p
@@ -218,7 +224,7 @@ def jvp_within(
     G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, rates: FloatArray, out: FloatArray,
     memory: FloatArray,
 ) -> bool:  # fmt: skip
-    """Do what `contact_jvp` does with borrowed arrays in memory that is there."""
+    """Do as `contact_jvp`, see there for the shapes, with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
     work, mode = window(memory, 0, m + 5, m), window(memory, (m + 5) * m, n, 8)
@@ -226,11 +232,13 @@ def jvp_within(
     size = read_modes(G, laws, convex, buffer, mode)
     for k in range(n):
         h, mu, normal = 3 * k, laws[0, k], mode[k, 0]
+        # the known part: forces at a bound follow it, sliding ones their radius
         bound = rates[n + k, 1] if normal == AT_LOW else (rates[n + k, 2] if normal == AT_HIGH else 0.0)
         radius = mode[k, 7] * rates[n + k, 0] + mu * bound if normal != HELD else 0.0
         jump[h], jump[h + 1], jump[h + 2] = radius * mode[k, 2], radius * mode[k, 3], bound
         for a in range(3):
             v[h + a] = rates[k, a]
+    # A y = R (b + G jump), forces then move by jump - C y; see `contact.derivative.move`
     add_product(G, jump, 1.0, v)
     regular = size == 0
     for attempt in range(2):
@@ -240,6 +248,7 @@ def jvp_within(
         gather(laws, mode, convex, True, v, b)
         i = 0
         for k in range(n):
+            # the convex law's separation mu ||u_t|| is taken off the normal velocity
             if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
                 b[i] -= mode[k, 6] * rates[n + k, 0]
             i += unknowns(mode[k, 0], mode[k, 1])
@@ -259,6 +268,7 @@ def jvp_within(
         b[i] = rates[i // 3, i % 3]
         if not regular:
             b[i] -= v[i]
+    # u' = G λ' + b, less what no force can follow
     add_product(G, jump, 1.0, b)
     for i in range(m):
         out[n + i // 3, i % 3] = b[i]
@@ -280,6 +290,7 @@ def contact_blocks(
     x, b, moved = np.zeros(m), np.empty(m), np.empty(m)
     size = read_modes(G, laws, convex, buffer, mode)
     fill(G, laws, mode, convex, True, False, work)
+    # right sides: unit rates of g, then G times each contact's jump with mu
     for j in range(4 * n):
         x[:] = 0.0
         if j < m:
@@ -306,6 +317,7 @@ def contact_blocks(
         for i in range(m):
             out[i, j] = moved[i]
     for k in range(n):
+        # the jump itself
         if mode[k, 0] != HELD:
             out[3 * k, m + k] += mode[k, 7] * mode[k, 2]
             out[3 * k + 1, m + k] += mode[k, 7] * mode[k, 3]

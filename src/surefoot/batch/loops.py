@@ -168,7 +168,11 @@ def measure_range(
     G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, convex: bool, buffers: FloatArray,
     distance: FloatArray, start: int, stop: int,
 ) -> None:  # fmt: skip
-    """Fill the distance of problems start to stop - 1 to the nearest change of a mode, over their speed."""
+    """Fill the distance (B,) of problems start to stop - 1 to the nearest change of a mode, over their speed.
+
+    Velocities, or forces times their w_k = G_kk [m/s], over the largest ||g_k||: no unit left. Shapes as for
+    `solve_range`.
+    """
     n = laws.shape[2]
     mode = np.empty((n, 8))
     for b in range(start, stop):

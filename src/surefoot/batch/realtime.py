@@ -21,6 +21,8 @@ _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
 class Gradient:
     """Gradients of one number: g (3n,), mu, normal_min and normal_max (n,), G (3n, 3n), compliance (3n,).
 
+    Each in the unit of that number over theirs, see `ContactProblem`.
+
     `regular` is False where contacts are redundant, see `ContactDerivative`.
     """
 
@@ -31,33 +33,33 @@ class Gradient:
 
     @property
     def g(self) -> FloatArray:
-        """(3n,)."""
+        """(3n,) by g, in the unit of the number per that of g."""
         return self._out[: len(self._forces)].reshape(-1)
 
     @property
     def mu(self) -> FloatArray:
-        """(n,)."""
+        """(n,) by mu, in the unit of the number per that of mu."""
         return self._out[len(self._forces) :, 0]
 
     @property
     def normal_min(self) -> FloatArray:
-        """(n,)."""
+        """(n,) by normal_min, in the unit of the number per that of normal_min."""
         return self._out[len(self._forces) :, 1]
 
     @property
     def normal_max(self) -> FloatArray:
-        """(n,)."""
+        """(n,) by normal_max, in the unit of the number per that of normal_max."""
         return self._out[len(self._forces) :, 2]
 
     @property
     def G(self) -> FloatArray:
-        """(3n, 3n), symmetric."""
+        """(3n, 3n) by G, symmetric, in the unit of the number per that of G."""
         outer = np.outer(self.g, self._forces)
         return 0.5 * (outer + outer.T)
 
     @property
     def compliance(self) -> FloatArray:
-        """(3n,)."""
+        """(3n,) by compliance, in the unit of the number per that of compliance."""
         return self.g * self._forces.reshape(-1)
 
 
@@ -106,11 +108,11 @@ class DifferentiableSolver(ContactSolver):
         Parameters
         ----------
         G
-            The (3n, 3n) matrix that it was the answer to.
+            The (3n, 3n) matrix that it was the answer to [1/kg].
         answer
             What `solve` returned.
         forces, velocities
-            (n, 3) weights.
+            (n, 3) weights, in any unit: the gradient's is theirs times that of f or u.
 
         Raises
         ------
@@ -133,5 +135,5 @@ class DifferentiableSolver(ContactSolver):
         if self._added is not None:
             G = G + self._added
         out = _empty((2 * n, 3))
-        regular = self._pull(G, self._own, self._convex, answer._buffer, self._weights, out)
-        return Gradient(out, answer._forces, regular)
+        regular = self._pull(G, self._own, self._convex, answer.buffer, self._weights, out)
+        return Gradient(out, answer.forces, regular)

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,6 +40,31 @@ SHARES = 8
 """Pieces per thread that a batch is cut into, so that hard problems do not hold up the rest."""
 
 
+class BatchOptions(TypedDict, total=False):
+    """What batches seldom say, as keyword arguments of `solve_batch`."""
+
+    mask: ArrayLike | None
+    bilateral: ArrayLike | None
+    compliance: ArrayLike
+    warm_start: ArrayLike | None
+    threads: int | None
+    derivative: bool
+    device: str
+
+
+@dataclass(frozen=True)
+class _Options:
+    """The same with what holds where nothing is said; a name that is none of them is refused."""
+
+    mask: ArrayLike | None = None
+    bilateral: ArrayLike | None = None
+    compliance: ArrayLike = 0.0
+    warm_start: ArrayLike | None = None
+    threads: int | None = None
+    derivative: bool = False
+    device: str = "cpu"
+
+
 @dataclass(frozen=True)
 class BatchSolution:
     """Solutions of a batch of problems, each with its own certificate.
@@ -47,7 +72,7 @@ class BatchSolution:
     Attributes
     ----------
     forces, velocities
-        (B, n, 3); zero for contacts that are masked out.
+        (B, n, 3) in contact frames [N s] and [m/s], or [N] and [m/s²]; zero for contacts that are masked out.
     status
         (B,) of `Status`.
     residual
@@ -79,15 +104,9 @@ def solve_batch(
     normal_max: ArrayLike = np.inf,
     law: str = "coulomb",
     *,
-    mask: ArrayLike | None = None,
-    bilateral: ArrayLike | None = None,
-    compliance: ArrayLike = 0.0,
     tol: float = 1e-8,
     max_iterations: int = 10_000,
-    warm_start: ArrayLike | None = None,
-    threads: int | None = None,
-    derivative: bool = False,
-    device: str = "cpu",
+    **options: Unpack[BatchOptions],
 ) -> BatchSolution:
     """Solve many contact problems with up to 45 contacts each, on exact cones.
 
@@ -97,28 +116,24 @@ def solve_batch(
     Parameters
     ----------
     G, g
-        (B, 3n, 3n) Delassus operators and (B, 3n) free velocities. Single precision is accepted (and computed
-        in double; G may then be asymmetric by 1e-5 of its largest entry).
+        (B, 3n, 3n) Delassus operators [m/s per unit of force: 1/kg for impulses in N s] and (B, 3n) free
+        velocities [m/s]. Single precision is accepted (and computed in double; G may then be asymmetric by
+        1e-5 of its largest entry).
     mu, normal_min, normal_max
-        A number, (n,) or (B, n); see `ContactProblem`.
+        A number, (n,) or (B, n); mu dimensionless, the bounds in the forces' unit [N or N s]; see
+        `ContactProblem`.
     law
         "coulomb" or "convex".
-    mask
-        (B, n), True for the contacts that are there: problems of mixed sizes, padded to n.
-    bilateral
-        (n,) or (B, n) mask of contacts that hold in all directions.
-    compliance
-        Added to the diagonal of G: a number, (n,), (3n,) or (B, 3n).
     tol, max_iterations
         As for `ContactSolver`.
-    warm_start
-        (B, n, 3) forces to start from.
-    threads
-        None for as many as there are cores for this process.
-    derivative
-        Whether to keep what `BatchSolution.derivative` needs.
-    device
-        "cpu".
+    **options
+        mask: (B, n), True for the contacts that are there: problems of mixed sizes, padded to n.
+        bilateral: (n,) or (B, n) mask of contacts that hold in all directions.
+        compliance: added to the diagonal of G, in its unit: a number, (n,), (3n,) or (B, 3n).
+        warm_start: (B, n, 3) forces to start from.
+        threads: None for as many as there are cores for this process.
+        derivative: whether to keep what `BatchSolution.derivative` needs.
+        device: "cpu".
 
     Raises
     ------
@@ -126,31 +141,32 @@ def solve_batch(
         If an argument is out of range, naming it; never for a problem that is hard or has no solution, and
         not for one whose numbers are not finite: that one is INVALID.
     """
-    if device != "cpu":
-        raise ProblemError(unknown_name("device", device, ("cpu",)))
+    rest = _Options(**options)
+    if rest.device != "cpu":
+        raise ProblemError(unknown_name("device", rest.device, ("cpu",)))
     if not isinstance(law, str) or law not in LAWS:
         raise ProblemError(unknown_name("law", law, LAWS))
     named = LAWS[law]
     tol, most = real_number("tol", tol, low=0.0, high=1e300), whole_number("max_iterations", max_iterations)
-    threads = _cores() if threads is None else whole_number("threads", threads, low=1)
+    threads = _cores() if rest.threads is None else whole_number("threads", rest.threads, low=1)
     matrices, free, single = _read(G, g)
     B, m = free.shape
     n = m // 3
     if n > COMPILED_CONTACTS:
         raise ProblemError(f"a batch takes up to {COMPILED_CONTACTS} contacts a problem, got {n}")
-    laws = _read_laws(mu, normal_min, normal_max, bilateral, B, n)
-    present = _read_mask(mask, B, n)
-    diagonal = _read_compliance(compliance, B, n)
+    laws = _read_laws(mu, normal_min, normal_max, rest.bilateral, B, n)
+    present = _read_mask(rest.mask, B, n)
+    diagonal = _read_compliance(rest.compliance, B, n)
     if diagonal is not None:
         matrices = matrices.copy()
         matrices[:, np.arange(m), np.arange(m)] += diagonal
     buffers, done = np.empty((B, 2 * n + 3, 3)), np.empty(B, dtype=np.int64)
-    if warm_start is not None:
-        buffers[:, :n] = finite_array("warm_start", warm_start, (B, n, 3))
+    if rest.warm_start is not None:
+        buffers[:, :n] = finite_array("warm_start", rest.warm_start, (B, n, 3))
     limit = SINGLE_ASYMMETRY if single else ASYMMETRY
     in_ranges(
         lambda start, stop: solve_range(
-            matrices, free, laws, present, named == "convex", limit, tol, most, warm_start is not None,
+            matrices, free, laws, present, named == "convex", limit, tol, most, rest.warm_start is not None,
             buffers, done, start, stop,
         ),
         B, threads,
@@ -162,7 +178,7 @@ def solve_batch(
         status[b] = _solve_rest(b, matrices[b], free[b], own, here, named, tol, most, done, buffers[b])
         valid[b] = status[b] is Status.SOLVED
     found = None
-    if derivative:
+    if rest.derivative:
         found = BatchDerivative(matrices, free, laws, present, named, buffers, valid, threads, in_ranges)
     return BatchSolution(
         buffers[:, :n], buffers[:, n : 2 * n], status, buffers[:, 2 * n, 0], np.abs(done), found

@@ -51,6 +51,7 @@ def manifolds(
             # on a tie, up to rounding, the first shape's face
             flip = fit_b > fit_a + 1e-12
             ref, inc, face = (b, a, face_b) if flip else (a, b, face_a)
+            # which of the two sides of that axis looks at the other shape
             out = 1.0
             for sign in (-1.0, 1.0):
                 along = 0.0
@@ -58,6 +59,7 @@ def manifolds(
                     along += sign * rotation[ref, k, face] * n[k] * (-1.0 if flip else 1.0)
                 if along > 0.0:
                     out = sign
+            # the other's side that looks back, cut to the face
             count = _facing(
                 half[inc], rotation[inc], centre[inc], rotation[ref], centre[ref], face, out, table
             )
@@ -101,6 +103,7 @@ def _facing(
     side, cosine, sense = 0, -1.0, 1.0
     for j in range(3):
         along = out * (R[0, j] * R_ref[0, face] + R[1, j] * R_ref[1, face] + R[2, j] * R_ref[2, face])
+        # the side most against the face's normal
         if abs(along) > cosine:
             side, cosine, sense = j, abs(along), -1.0 if along > 0.0 else 1.0
     u, v = (side + 1) % 3, (side + 2) % 3
@@ -144,6 +147,7 @@ def _clipped(table: FloatArray, sheet: FloatArray, count: int, half: FloatArray,
                     sheet[kept, k] = table[i, k]
                 kept += 1
             if (here >= 0.0) != (there >= 0.0) and (count > 2 or i == 0):
+                # where the edge crosses the border
                 t = here / (here - there)
                 for k in range(3):
                     sheet[kept, k] = table[i, k] + t * (table[j, k] - table[i, k])
@@ -207,8 +211,10 @@ def _nearest(
     for k in range(3):
         cosine += along_a[k] * along_b[k]
         ends += (at_b[k] - at_a[k]) * along_a[k]
+    # lines that cross touch in one place
     if 1.0 - cosine * cosine > PARALLEL * PARALLEL:
         return
+    # the stretch along a in which b runs beside it
     reach = length_b * abs(cosine)
     low, high = max(-length_a, ends - reach), min(length_a, ends + reach)
     if high - low < 1e-6:

@@ -67,11 +67,11 @@ class Sphere(Shape):
 
     @property
     def core(self) -> FloatArray:
-        """A point."""
+        """A point: (3,) zeros."""
         return np.zeros(3)
 
     def moments(self, mass: float) -> FloatArray:
-        """Return 2/5 m r² about each axis."""
+        """Return 2/5 m r² about each axis: (3,) [kg m²]."""
         return np.full(3, 0.4 * mass * self.radius**2)
 
     def solid(self) -> Any:
@@ -98,11 +98,11 @@ class Box(Shape):
 
     @property
     def core(self) -> FloatArray:
-        """Half the edges."""
+        """Half the edges: (3,) [m]."""
         return 0.5 * np.array(self.size)
 
     def moments(self, mass: float) -> FloatArray:
-        """Return m (b² + c²) / 12 about each axis."""
+        """Return m (b² + c²) / 12 about each axis: (3,) [kg m²]."""
         squares = np.array(self.size) ** 2
         return np.asarray(mass / 12.0 * (squares.sum() - squares))
 
@@ -128,11 +128,11 @@ class Capsule(Shape):
 
     @property
     def core(self) -> FloatArray:
-        """A line."""
+        """A line along z: (3,) [m]."""
         return np.array([0.0, 0.0, 0.5 * self.length])
 
     def moments(self, mass: float) -> FloatArray:
-        """Return the moments of the cylinder and the two half balls."""
+        """Return the moments of the cylinder and the two half balls together: (3,) [kg m²]."""
         r, h = self.radius, self.length
         density = mass / (math.pi * r * r * (h + 4.0 / 3.0 * r))
         tube, ball = density * math.pi * r * r * h, density * 4.0 / 3.0 * math.pi * r**3

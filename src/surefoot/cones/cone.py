@@ -26,14 +26,14 @@ class Cone(ABC):
 
     @abstractmethod
     def project(self, x: ArrayLike) -> FloatArray:
-        """Return the nearest point of the cone (Euclidean): (..., dim)."""
+        """Return the nearest point of the cone (Euclidean), in the unit of x: (..., dim)."""
 
     @abstractmethod
     def margin(self, x: ArrayLike) -> FloatArray:
-        """Return the signed Euclidean distance to the boundary: (...), positive inside.
+        """Return the signed Euclidean distance of x (..., dim) to the boundary: (...), positive inside.
 
         It is the radius of the largest ball around x that stays inside the cone or, outside,
-        minus the distance to the cone; in newtons where x is a force.
+        minus the distance to the cone; in the unit of x.
         """
 
     @abstractmethod
@@ -41,13 +41,16 @@ class Cone(ABC):
         """Return the dual cone K* = {y : x . y >= 0 for all x in K}."""
 
     def contains(self, x: ArrayLike, tol: float = 1e-9) -> BoolArray:
-        """Tell whether x lies in the cone, within `tol` times max(1, ||x||): (...)."""
+        """Tell whether x (..., dim), in any unit, lies in the cone, within tol max(1, ||x||): (...)."""
         points = self._points(x)
         scale = np.maximum(1.0, np.linalg.norm(points, axis=-1))
         return np.asarray(self.margin(points) >= -tol * scale)
 
     def support(self, direction: ArrayLike, tol: float = 1e-9) -> FloatArray:
-        """Return sup of direction . x over the cone: 0 where the direction lies in the polar, else inf."""
+        """Return sup of direction . x over the cone for (..., dim) directions in any unit: (...).
+
+        It is 0 where the direction lies in the polar (within a relative `tol`), else inf.
+        """
         d = self._points(direction)
         return np.where(self.dual().contains(-d, tol), 0.0, np.inf)
 

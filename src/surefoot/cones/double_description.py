@@ -77,12 +77,14 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
         rays[k] = first[k] / np.sqrt(dot(first[k], first[k]))
         for j in range(d):
             if j != k:
+                # ray k is tight on all of the first d inequalities but its own
                 bits[k, j >> 6] |= _ONE << np.uint64(j & 63)
     both = np.zeros(words, dtype=np.uint64)
     for step in range(d, n):
         v = V[order[step]]
         mark = _ONE << np.uint64(step & 63)
         outside = 0
+        # which side of the new half-space each ray is on
         for k in range(count):
             slack[k] = dot(v, rays[k])
             if slack[k] > _TIGHT:
@@ -93,6 +95,7 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
         if outside == 0:
             continue
         old = count
+        # a pair on both sides gives a new ray where it spans a face (Fukuda and Prodon 1996)
         for p in range(old):
             if slack[p] <= 0.0:
                 continue
@@ -113,6 +116,7 @@ def polar_rays(V: FloatArray, first: FloatArray, order: IntArray) -> tuple[int, 
                 bits[count, step >> 6] |= mark
                 slack[count] = 0.0
                 count += 1
+        # rays outside are cut off
         kept = 0
         for k in range(count):
             if slack[k] <= 0.0:
@@ -132,8 +136,10 @@ def _adjacent(bits: _Words, count: int, p: int, m: int, d: int, both: _Words) ->
     for w in range(words):
         both[w] = bits[p, w] & bits[m, w]
         common += _ones(both[w])
+    # a face of dimension two lies on at least d - 2 borders ...
     if common < d - 2:
         return False
+    # ... and no third ray lies on all of them (the combinatorial test)
     for k in range(count):
         holds = k != p and k != m
         for w in range(words if holds else 0):

@@ -21,7 +21,7 @@ class FrictionCone(Cone):
     Parameters
     ----------
     mu
-        Friction coefficient, >= 0. Zero is the frictionless ray; infinity is the half-space f_z >= 0
+        Friction coefficient [-], >= 0. Zero is the frictionless ray; infinity is the half-space f_z >= 0
         (closed under duality: the dual of mu is 1 / mu).
 
     Raises
@@ -83,7 +83,7 @@ class FrictionCone(Cone):
         return np.where(below, -np.hypot(t, z), (self.mu * z - t) / length)
 
     def use(self, x: ArrayLike) -> FloatArray:
-        """Return the share of the friction in use, ||f_t|| / (mu f_z): (...), 1 on the boundary.
+        """Return the share of the friction in use by (..., 3) forces, ||f_t|| / (mu f_z): 1 on the boundary.
 
         Zero for a zero force, infinite for a force that pulls or drags without a normal force.
         """

@@ -64,6 +64,7 @@ def _project(
     tol = 1e-13 * math.sqrt(dot(x, x))
     count = 0
     for _ in range(10 * (r + d)):
+        # the ray along which the distance falls fastest (Lawson and Hanson 1974, NNLS)
         best, at = tol, -1
         for k in range(r):
             if used[k] != 0:
@@ -113,6 +114,7 @@ def _leave(
             beta[k] += step * (y[j] - beta[k])
         if step >= 1.0:
             return count
+        # rays whose weight has reached zero leave
         kept = 0
         for j in range(count):
             k = passive[j]
@@ -122,6 +124,7 @@ def _leave(
             else:
                 beta[k] = 0.0
                 used[k] = 0
+        # the basis without them, from the start: rays are few
         count = 0
         for j in range(kept):
             if _append(rays, passive[j], count, basis, L):

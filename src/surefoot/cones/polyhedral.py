@@ -34,9 +34,9 @@ class PolyhedralCone(Cone):
     Parameters
     ----------
     halfspaces
-        (m, dim); rows are outward normals.
+        (m, dim); rows are outward normals, of any length and in any unit.
     rays
-        (r, dim); rows generate the cone.
+        (r, dim); rows generate the cone, of any length, in the unit of its points.
 
     Raises
     ------
@@ -64,7 +64,7 @@ class PolyhedralCone(Cone):
         Parameters
         ----------
         rays
-            (r, dim); zero rows say nothing.
+            (r, dim) in the unit of the cone's points; zero rows say nothing.
         method
             "qhull", "dd", "cdd" or "exact": see `surefoot.cones.representation`.
 
@@ -109,14 +109,17 @@ class PolyhedralCone(Cone):
         return representation_gap(self.halfspaces, self.rays, samples, seed)
 
     def project(self, x: ArrayLike) -> FloatArray:
-        """Return the nearest point of the cone: (..., dim), by non-negative least squares on the rays."""
+        """Return the nearest point of the cone, (..., dim) in the unit of x: non-negative least squares."""
         from surefoot.cones.nearest import nearest_in_cone
 
         points = self._points(x)
         return nearest_in_cone(self.rays, points.reshape(-1, self.dim)).reshape(points.shape)
 
     def margin(self, x: ArrayLike) -> FloatArray:
-        """Return the signed distance to the boundary: (...), positive inside, infinite in the whole space."""
+        """Return the signed distance of x (..., dim) to the boundary, in the unit of x: (...).
+
+        Positive inside, infinite in the whole space.
+        """
         points = self._points(x)
         slack = np.asarray(-self._excess(points))
         outside = slack < 0.0
@@ -125,7 +128,7 @@ class PolyhedralCone(Cone):
         return slack
 
     def contains(self, x: ArrayLike, tol: float = 1e-9) -> BoolArray:
-        """Tell whether x violates no half-space by more than `tol` times max(1, ||x||): (...)."""
+        """Tell whether x (..., dim), in any unit, is within tol max(1, ||x||) of every half-space: (...)."""
         points = self._points(x)
         scale = np.maximum(1.0, np.linalg.norm(points, axis=-1))
         return np.asarray(self._excess(points) <= tol * scale)
@@ -161,8 +164,8 @@ class FrictionPyramid(PolyhedralCone):
     """A friction pyramid with k sides; built by `FrictionCone.polyhedral`.
 
     Its half-spaces are (k, 3), each with a tangential part of length one, so that a row's slack is in
-    newtons of tangential force; rays are (k, 3) with f_z = 1. With mu = 0 the pyramid is the ray
-    along z and one more row, -f_z <= 0, is needed.
+    newtons of tangential force; rays are (k, 3) with f_z = 1. With mu = 0 (friction coefficient [-]) the
+    pyramid is the ray along z and one more row, -f_z <= 0, is needed. `phase` turns it about z [rad].
     """
 
     def __init__(self, mu: float, facets: int = 8, fit: Fit = "inner", phase: float = 0.0) -> None:

@@ -31,7 +31,7 @@ class ProductCone(Cone):
         return f"ProductCone([{', '.join(map(repr, self.cones))}])"
 
     def project(self, x: ArrayLike) -> FloatArray:
-        """Return the nearest point of the product, factor by factor: (..., dim)."""
+        """Return the nearest point of the product, factor by factor, in the unit of x: (..., dim)."""
         points = self._points(x)
         out = np.empty_like(points)
         for cone, part in zip(self.cones, self.slices, strict=True):
@@ -39,7 +39,7 @@ class ProductCone(Cone):
         return out
 
     def margin(self, x: ArrayLike) -> FloatArray:
-        """Return the signed distance to the boundary: (...).
+        """Return the signed distance of x (..., dim) to the boundary, in the unit of x: (...).
 
         Inside, the least margin of the factors; outside, minus the root of the summed squared distances.
         """

@@ -70,7 +70,7 @@ def rays_from_halfspaces(halfspaces: FloatArray, method: Method = "qhull") -> Fl
 
 
 def convert(rays: FloatArray, method: Method = "qhull") -> tuple[FloatArray, IntArray]:
-    """Return the half-spaces of cone(rays), and which rays suffice to generate it.
+    """Return the half-spaces (m, dim) of cone(rays (r, dim)), and which rays suffice to generate it: (k,).
 
     Where the cone is not pointed, the generators of its lineality space are all kept.
     """
@@ -162,7 +162,7 @@ def _section(X: FloatArray) -> FloatArray | None:
 
 
 def lineality(X: FloatArray) -> BoolArray:
-    """Tell which rows of X lie in the lineality space of cone(X), that is whose opposite is in it too."""
+    """Tell which rows of X (r, dim) lie in cone(X)'s lineality space, whose opposite is in it too: (r,)."""
     from scipy.optimize import linprog
 
     rows, dim = X.shape

@@ -34,7 +34,7 @@ class WrenchCone(PolyhedralCone):
     length, width
         Full size along x and y [m], > 0.
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     fit
         "inner" or "outer": which pyramid stands for the friction cone.
     torsion

@@ -50,7 +50,7 @@ def _nearest_round(
 def nearest(
     x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
 ) -> tuple[float, float, float]:
-    """Return the nearest admissible force of one contact.
+    """Return the nearest admissible force of one contact, in the unit of x, y, z and the bounds.
 
     Works in the half-plane through the normal and the force; for a pyramid in the chamber between a
     face's middle and its edge, which a projection onto a set with the same mirrors never leaves.
@@ -86,7 +86,7 @@ def nearest(
 
 @inline_kernel
 def dissipation_limit(ut_x: float, ut_y: float, mu: float, facets: int, inner: bool) -> float:
-    """Return the largest -f_t . u_t over the section f_z = 1: mu ||u_t|| for the exact cone."""
+    """Return the largest -f_t . u_t over the section f_z = 1: mu ||u_t|| for the exact cone [m/s]."""
     speed = length(ut_x, ut_y)
     if facets == 0 or speed == 0.0:
         return mu * speed

@@ -70,12 +70,15 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
         return scale, gap, row, column
     for i in range(G.shape[0]):
         own = G[i, i] + add
+        # a semidefinite matrix has no negative diagonal entry,
         if own < 0.0:
             return scale, -1.0, i, i
         for j in range(i):
+            # no negative 2x2 minor
             if G[i, j] * G[i, j] > own * (G[j, j] + add):
                 return scale, -1.0, i, j
     for i in range(0, G.shape[0] - 2, 3):
+        # and no 3x3 diagonal block of negative determinant
         if block_determinant(G, i, add) < -1e-14 * (G[i, i] + G[i + 1, i + 1] + G[i + 2, i + 2]) ** 3:
             return scale, -1.0, i, i + 3
     return scale, gap, row, column
@@ -83,7 +86,7 @@ def checked_mirror(G: FloatArray, slack: float) -> tuple[float, float, int, int]
 
 @inline_kernel
 def checked_copy(G: FloatArray, slack: float, out: FloatArray) -> tuple[bool, bool]:
-    """Fill out with the symmetric part of G; return whether it is finite, and passes `checked_mirror`.
+    """Fill out with the symmetric part of G, (m, m) both; return whether it is finite, and `checked_mirror`.
 
     The largest entry of a semidefinite matrix is on its diagonal, so tests against that one are stricter;
     what they doubt (and what is not a number: it passes none) goes through `checked_mirror` itself.
@@ -161,7 +164,7 @@ def dense_blocks(G: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
 
 @kernel
 def block_product(starts: IntArray, columns: IntArray, values: FloatArray, x: FloatArray) -> FloatArray:
-    """Return the product of a block matrix and a (3n,) vector."""
+    """Return the product of a block matrix and a (3n,) vector, in the unit of both."""
     out = np.zeros(x.size)
     for k in range(starts.size - 1):
         a = b = c = 0.0

@@ -206,9 +206,9 @@ class ContactDerivative:
         Parameters
         ----------
         G
-            (3n, 3n) rate of G; its symmetric part counts.
+            (3n, 3n) rate of G [1/kg]; its symmetric part counts.
         g
-            (3n,) rate of the free velocity.
+            (3n,) rate of the free velocity [m/s].
         mu, normal_min, normal_max
             Rates, a number or (n,); at infinite bounds they change nothing, and with smoothing neither does a
             normal_min of zero, the apex of its cone.
@@ -330,7 +330,12 @@ BLOCKS = tuple(
 def move(
     system: ActiveSystem, b: FloatArray, rates: tuple[FloatArray, ...]
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return λ' and u', flat or column by column, and the norm of what was taken off."""
+    """Return λ' and u', flat or column by column, and the norm of what was taken off.
+
+    `b` is the rate of u at fixed forces, (3n,) or (3n, c); the rates are those of mu, normal_min and
+    normal_max, (n,) or (n, c) each. Differentiates the active system, A y = target, by the implicit function
+    theorem; where A misses a part of the right side, velocities keep it: no force moves there.
+    """
     mu, low, high = rates
     jump = system.jump_mu @ mu + system.jump_low @ low + system.jump_high @ high
     q = system.target_mu @ mu - system.R @ (b + system.G @ jump)

@@ -175,7 +175,8 @@ def directional(
 ) -> tuple[list[Mode], bool]:
     """Return the modes in which a perturbation continues, and whether they are consistent.
 
-    `b` is the rate of u at fixed forces, `rates` those of mu, normal_min and normal_max.
+    G is (3n, 3n), `b` (3n,) the rate of u at fixed forces, `rates` those of mu, normal_min and normal_max,
+    (n,) each.
     """
     open_ones = [k for k, c in enumerate(choices) if len(c.modes) > 1 or c.point]
     picked = [0] * len(choices)

@@ -56,7 +56,7 @@ class Section:
         )
 
     def project(self, w: FloatArray, radius: float) -> tuple[str, int]:
-        """Return on which part of `radius` times the section the nearest point to w lies."""
+        """Return on which part of `radius` times the section the nearest point to w (2,) lies, and which."""
         if radius > 0.0:
             over = self.normals @ w - radius * self.apothem
             if over.max() <= 0.0:
@@ -89,7 +89,7 @@ class Contact:
 
     @property
     def lift(self) -> float:
-        """The normal velocity that the unilateral law sees: the convex law's separation is taken off."""
+        """The normal velocity [m/s] that the unilateral law sees, less the convex law's separation."""
         u = self.velocity
         if not self.convex:
             return float(u[2])
@@ -98,7 +98,7 @@ class Contact:
         return float(u[2] - self.mu * np.max(-self.section.corners @ u[:2]))
 
     def at(self, force: FloatArray, velocity: FloatArray) -> Contact:
-        """Return the same contact in another state."""
+        """Return the same contact with another force (3,) [N s] and velocity (3,) [m/s]."""
         return replace(self, force=force, velocity=velocity)
 
 
@@ -146,7 +146,7 @@ class Mode:
 
 
 def contacts_of(problem: ContactProblem, forces: FloatArray, velocities: FloatArray) -> list[Contact]:
-    """Return the contacts of a problem with (n, 3) forces and velocities."""
+    """Return the contacts of a problem with (n, 3) forces [N s] and velocities [m/s]."""
     section = None if problem.facets is None else Section.of(problem.facets, problem.fit == "inner")
     weights = problem.scales[0]
     convex = problem.law == "convex"
@@ -173,7 +173,7 @@ def natural_mode(contact: Contact) -> Mode:
     """Return the mode that the natural map is on: where λ - u / w is projected to."""
     normal = normal_state(contact)
     if normal == HELD:
-        return stick_mode(contact, HELD)
+        return stick_mode(HELD)
     height = {LOW: contact.low, HIGH: contact.high, FREE: max(float(contact.force[2]), 0.0)}[normal]
     radius = contact.mu * height
     w = contact.force[:2] - contact.velocity[:2] / contact.weight
@@ -182,7 +182,7 @@ def natural_mode(contact: Contact) -> Mode:
         return piece(contact, normal, tangent, index)
     length = float(np.hypot(*w))
     if length <= radius and radius > 0.0:
-        return stick_mode(contact, normal)
+        return stick_mode(normal)
     direction = w / length if length > 0.0 else np.array([1.0, 0.0])
     return slide_mode(contact, normal, direction, radius / length if length > 0.0 else 0.0)
 
@@ -190,7 +190,7 @@ def natural_mode(contact: Contact) -> Mode:
 def piece(contact: Contact, normal: str, tangent: str, index: int) -> Mode:
     """Return a mode of a pyramid, or a stick, by its names."""
     if tangent == STICK:
-        return stick_mode(contact, normal)
+        return stick_mode(normal)
     return face_mode(contact, normal, index) if tangent == FACE else edge_mode(contact, normal, index)
 
 
@@ -223,7 +223,7 @@ def _mode(
     )  # fmt: skip
 
 
-def stick_mode(contact: Contact, normal: str) -> Mode:
+def stick_mode(normal: str) -> Mode:
     """Return the mode of a contact that does not slip: its tangential force is free, its velocity zero."""
     count = 3 if normal in (FREE, HELD) else 2
     up = np.array([0.0, 0.0, 0.0 if normal == HELD else 1.0])

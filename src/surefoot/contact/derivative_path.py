@@ -148,18 +148,18 @@ class SmoothSystem:
         self.loose = 0.0
 
     def tangents(self, b: FloatArray, *rates: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the (n, 3) rates of forces and velocities."""
+        """Return the (n, 3) rates of forces and velocities for those of u, (3n,), and of the laws, (n,)."""
         given = np.concatenate([b, *rates])
         forces, velocities = (block @ given for block in self.after)
         return forces.reshape(-1, 3), velocities.reshape(-1, 3)
 
     def cotangents(self, forces: FloatArray, velocities: FloatArray) -> tuple[FloatArray, ...]:
-        """Return the gradients with respect to b, mu, normal_min and normal_max."""
+        """Return the gradients in b (3n,), mu, normal_min, normal_max (n,) for weights (3n,) on λ and u."""
         back = self.after[0].T @ forces + self.after[1].T @ velocities
         return tuple(np.split(back, self._edges()))
 
     def blocks(self) -> dict[str, tuple[FloatArray, FloatArray]]:
-        """Return the dense blocks of forces and velocities after g, mu, normal_min, normal_max."""
+        """Return the blocks of forces and velocities after g (3n, 3n), mu, normal_min, normal_max (3n, n)."""
         parts = zip(*(np.split(block, self._edges(), axis=1) for block in self.after), strict=True)
         return dict(zip(("g", "mu", "normal_min", "normal_max"), parts, strict=True))
 

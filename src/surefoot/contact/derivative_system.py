@@ -89,17 +89,17 @@ class ActiveSystem:
         return float(values[0] / values[-1]) if values.size else 1.0
 
     def solve(self, q: FloatArray) -> FloatArray:
-        """Return A⁺ q."""
+        """Return A⁺ q, (k,) or (k, c) as q."""
         left, values, right = self._factors
         return np.asarray(right.T @ ((left.T @ q).T / values).T)
 
     def solve_transposed(self, y: FloatArray) -> FloatArray:
-        """Return A⁺ᵀ y."""
+        """Return A⁺ᵀ y, (k,) or (k, c) as y."""
         left, values, right = self._factors
         return np.asarray(left @ ((right @ y).T / values).T)
 
     def beyond(self, q: FloatArray) -> FloatArray:
-        """Return the part of q that A reaches by no y."""
+        """Return the part of q, (k,) or (k, c), that A reaches by no y."""
         if self.rank == self.size:
             return np.zeros_like(q)
         left = self._factors[0]
@@ -118,7 +118,7 @@ class ActiveSystem:
 def polished(
     problem: ContactProblem, forces: FloatArray, velocities: FloatArray
 ) -> tuple[FloatArray, FloatArray, list[Contact], list[Mode]]:
-    """Return forces, velocities, contacts and modes after Newton steps on the active system, to rounding.
+    """Return (n, 3) forces, velocities, contacts and modes after Newton steps on the active system.
 
     A semismooth Newton method: the modes are read anew from the natural map at every step. The steps stop
     when they shrink no more; the point with the least residual is kept, the given one if none is better.

@@ -26,7 +26,7 @@ class Redundancy:
     rank, size
         Rank of G and the number of its rows; the difference is the number of free directions.
     null_space
-        (3n, size - rank) orthonormal directions of forces that change no velocity and no net wrench.
+        (3n, size - rank) orthonormal directions [-] of forces that change no velocity and no net wrench.
     determined
         (n, 3) mask of the force components that no such direction touches.
     """
@@ -56,8 +56,8 @@ def redundancy(problem: ContactProblem, tol: float = 1e-9) -> Redundancy:
     """Return what a contact problem's matrix determines.
 
     Contacts are scaled to blocks of one size first, so that light and heavy bodies count alike; eigenvalues
-    below `tol` times the largest are zero. The null space is looked at before the cones: a contact that takes
-    off, or a cone's boundary, can only determine more.
+    below `tol` (relative) times the largest are zero. The null space is looked at before the cones: a contact
+    that takes off, or a cone's boundary, can only determine more.
 
     Examples
     --------

@@ -76,7 +76,7 @@ def _condense(group: Any) -> tuple[FloatArray, FloatArray]:
 
 
 def write(problem: ContactProblem, path: Path, forces: FloatArray | None) -> None:
-    """Write a local FCLIB problem, and (n, 3) forces that solve it if given."""
+    """Write a local FCLIB problem, and (n, 3) forces [N s] that solve it if given."""
     h5py = _h5py()
     n = problem.contacts
     back = np.argsort(turned(n))

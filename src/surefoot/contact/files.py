@@ -48,7 +48,7 @@ def read_problem(path: str | Path) -> ContactProblem:
 
 
 def write_problem(problem: ContactProblem, path: str | Path, forces: ArrayLike | None = None) -> Path:
-    """Write a contact problem, and (n, 3) forces that solve it if given, to a new file; return its path.
+    """Write a problem, and (n, 3) forces [N or N s] that solve it if given, to a new file; return its path.
 
     FCLIB and Siconos files hold Coulomb's law on exact cones without normal bounds or bilateral contacts;
     .npz holds everything.

@@ -34,7 +34,7 @@ def from_foreign(
     reference: FloatArray | None = None,
     notes: tuple[str, ...] = (),
 ) -> ContactProblem:
-    """Return the contact problem of a matrix and vectors in (normal, tangent, tangent) order."""
+    """Return the contact problem of a matrix and vectors, any unit, in (normal, tangent, tangent) order."""
     if dimension not in (2, 3):
         raise ProblemError(f"{name}: the dimension must be 2 or 3, got {dimension}")
     count = q.size // dimension

@@ -30,9 +30,9 @@ class LCP:
     Parameters
     ----------
     M
-        (n, n), any square matrix.
+        (n, n), any square matrix, in the units of w over those of z.
     q
-        (n,).
+        (n,), in the units of w: what they are is the problem's affair, and may differ from row to row.
 
     Raises
     ------
@@ -57,12 +57,12 @@ class LCP:
         return f"LCP(size={self.size})"
 
     def slack(self, z: ArrayLike) -> FloatArray:
-        """Return w = M z + q: (n,)."""
+        """Return w = M z + q, (n,) in the units of q, for z (n,)."""
         return np.asarray(self.M @ finite_array("z", z, (self.size,)) + self.q)
 
     @cached_property
     def parts(self) -> tuple[IntArray, ...]:
-        """The indices of each part that no entry of M couples to another, in ascending order."""
+        """The indices (k,) of each part that no entry of M couples to another, in ascending order."""
         from scipy.sparse import csr_matrix
         from scipy.sparse.csgraph import connected_components
 
@@ -70,11 +70,11 @@ class LCP:
         return tuple(np.flatnonzero(label == k) for k in range(count))
 
     def part(self, index: IntArray) -> LCP:
-        """Return the problem of one of `parts` alone."""
+        """Return the problem of one of `parts`, given by its indices (k,), alone."""
         return LCP(self.M[np.ix_(index, index)], self.q[index])
 
     def residual(self, z: ArrayLike) -> float:
-        """Return max |min(m z_i, w_i)| / max |q| with m = max |M|, the worst of `parts`; zero at a solution.
+        """Return max |min(m z_i, w_i)| / max |q| with m = max |M|, the worst of `parts` [-]; 0 at a solution.
 
         Each part is measured by its own q and M (by the largest |q| of all, where its own is zero), so that
         nothing unrelated makes an error look small; and twice, in the units of w as they are and in those
@@ -91,7 +91,7 @@ class LCP:
         return self._worst(z, gap)
 
     def rounding(self, z: ArrayLike) -> float:
-        """Return the largest 4 eps Σ_j |M_ij| |z_j|, in the same measure as `residual`.
+        """Return the largest 4 eps Σ_j |M_ij| |z_j| of z (n,), in the same measure as `residual` [-].
 
         What double precision cannot tell of w: a residual below it says nothing.
         """
@@ -126,8 +126,9 @@ class LCP:
     def proves_infeasible(self, v: ArrayLike) -> bool:
         """Tell whether v proves that no z >= 0 has M z + q >= 0: v >= 0, Mᵀ v <= 0, q . v < 0 (Farkas).
 
-        Row by row and without any tolerance: the numbers are taken as the rationals that they are, so that no
-        scaling of the problem can pass a vector that proves nothing.
+        v is (n,), in any unit: its length says nothing. Row by row and without any tolerance: the numbers are
+        taken as the rationals that they are, so that no scaling of the problem can pass a vector that proves
+        nothing.
         """
         x = np.asarray(v, dtype=np.float64)
         if x.shape != (self.size,) or not np.isfinite(x).all() or (x < 0.0).any():

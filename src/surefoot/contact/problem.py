@@ -49,28 +49,30 @@ class ContactProblem:
                          min 1/2 λᵀ(G + R)λ + gᵀλ over K
 
     Each contact is (tangent, tangent, normal). Impulses and velocities, or forces and accelerations:
-    the statement is the same. mu = 0 makes a contact frictionless.
+    the statement is the same. mu = 0 makes a contact frictionless. Units below are those of impulses [N s]
+    and velocities [m/s]; for forces read [N] and [m/s²].
 
     Parameters
     ----------
     G
-        (3n, 3n) Delassus operator, symmetric positive semidefinite (its diagonal, its 2x2 minors and its 3x3
-        diagonal blocks are looked at, up to rounding: 1e-8 of the largest entry, 1e-5 where all entries are
-        of single precision); an array or a SciPy sparse matrix
-        (then solvers that know how use its 3x3 blocks, and `G` is made dense only when it is read).
+        (3n, 3n) Delassus operator [1/kg], symmetric positive semidefinite (its diagonal, its 2x2 minors and
+        its 3x3 diagonal blocks are looked at, up to rounding: 1e-8 of the largest entry, 1e-5 where all
+        entries are of single precision); an array or a SciPy sparse matrix (then solvers that know how use
+        its 3x3 blocks, and `G` is made dense only when it is read).
     g
-        (3n,) free velocity.
+        (3n,) free velocity [m/s], contact frames.
     mu
-        Friction coefficient, a number or (n,), finite and >= 0.
+        Friction coefficient [-], a number or (n,), finite and >= 0.
     normal_min, normal_max
-        Bounds on the normal forces, a number or (n,); normal_max = 0 switches a contact off.
+        Bounds on the normal impulses [N s], a number or (n,); normal_max = 0 switches a contact off.
     law
         "coulomb" (exact) or "convex" (cone complementarity: adds a separation velocity mu ||u_t||
         to sliding contacts), or a value of `sf.laws`.
     facets, fit
         Replace the cones by pyramids of so many sides, "inner" or "outer"; None keeps the exact cones.
     compliance
-        R, what is added to the diagonal of G: a number, (n,) or (3n,), >= 0. The attribute `G` includes it.
+        R, what is added to the diagonal of G [1/kg]: a number, (n,) or (3n,), >= 0. The attribute `G` has it
+        in it.
     bilateral
         (n,) mask of contacts that hold in all three directions (u = 0, any force); their mu is not used,
         and their normal bounds must be the defaults (the attributes then say -inf and inf).
@@ -207,18 +209,18 @@ class ContactProblem:
 
     @property
     def g(self) -> FloatArray:
-        """The (3n,) free velocity; may be changed in place, not replaced, as all arrays of a problem."""
+        """The (3n,) free velocity [m/s]; changed in place, never replaced, as all arrays of a problem."""
         part: FloatArray = self._vectors[0] if self._own_g is None else self._own_g
         return part
 
     @property
     def vectors(self) -> FloatArray:
-        """All vectors in one array (2, 3n), as compiled calls take them: g; mu, normal_min and normal_max."""
+        """All vectors in one (2, 3n), as compiled calls take them: g [m/s]; mu [-] and the bounds [N s]."""
         return self._vectors
 
     @property
     def mu(self) -> FloatArray:
-        """The (n,) friction coefficients."""
+        """The (n,) friction coefficients [-]."""
         part: FloatArray = self._vectors[1, : self.contacts]
         return part
 
@@ -258,7 +260,7 @@ class ContactProblem:
 
     @property
     def G(self) -> FloatArray:
-        """The (3n, 3n) Delassus operator with compliance, dense and in C order."""
+        """The (3n, 3n) Delassus operator with compliance [1/kg], dense and in C order."""
         if self._dense is None:
             self._dense = np.ascontiguousarray(self._sparse.toarray())
         return self._dense
@@ -273,7 +275,7 @@ class ContactProblem:
         return Blocks(b.indptr.astype(np.int64), b.indices.astype(np.int64), np.ascontiguousarray(b.data))
 
     def velocity(self, forces: FloatArray) -> FloatArray:
-        """Return u = (G + R) λ + g for forces of the problem's shape, in that shape."""
+        """Return u = (G + R) λ + g [m/s] for impulses [N s] of the problem's shape, (n, 3), in that shape."""
         operator = self.G if self._sparse is None else self._sparse
         return np.asarray((operator @ forces.ravel() + self.g).reshape(self.shape))
 

@@ -34,8 +34,8 @@ class InfeasibilityProof:
     Attributes
     ----------
     direction
-        Direction d in the shape of the forces, contact frames, of largest entry one; zero on contacts that it
-        does not need.
+        Direction d [-] in the shape of the forces, (n, 3) or (m,), contact frames, of largest entry one; zero
+        on contacts that it does not need.
     work
         g·d < 0, with the rounding of the sum taken off [m/s].
     reach
@@ -100,7 +100,7 @@ def _admissible_general(problem: ContactProblem, d: FloatArray) -> FloatArray:
 
 
 def check_proof(problem: ContactProblem, direction: FloatArray) -> InfeasibilityProof | None:
-    """Return what a direction (n, 3) proves about a problem, or None if it proves nothing.
+    """Return what a direction (n, 3), in any unit, proves about a problem, or None if it proves nothing.
 
     The direction is made admissible first. Rounding counts against the proof in every sum. For pyramids under
     the convex law the cone inside the pyramid takes their place: a direction in it is one in both.
@@ -146,7 +146,7 @@ def _drift(problem: ContactProblem, d: FloatArray) -> FloatArray:
 
 
 def connected_parts(problem: ContactProblem) -> IntArray:
-    """Return the number of each contact's part: parts are joined by no entry of G at all."""
+    """Return the number of each contact's part, (n,): parts are joined by no entry of G at all."""
     if problem.general:
         return parts_of(
             block_sizes(problem.contact_set, problem.G), np.ones(problem.contacts, dtype=bool), 0.0

@@ -49,10 +49,10 @@ class Residuals:
         forces are the solution and others count as infinitely wrong.
     rounding
         max_k 4 eps Σ_j ||G_kj|| ||λ_j|| / s_k, bounded from above: how much of the velocities
-        double precision cannot tell. `Status.SOLVED` needs it within the tolerance, too.
+        double precision cannot tell. Dimensionless. `Status.SOLVED` needs it within the tolerance, too.
     energy_gap
         For the convex law the largest λ_k·u_k - min over K of λ·u_k over Σ s_j² / w_j, the energy of its
-        connected part: how far each contact is from its share of the least energy; 0 for Coulomb's law. A
+        connected part: how far each contact is from its share of the least energy [-]; 0 for Coulomb's law. A
         program whose least energy is approached only by ever larger forces shows here, and nowhere else.
         `Status.SOLVED` needs it within the tolerance.
     cone_violation
@@ -78,12 +78,12 @@ class Residuals:
 
     @property
     def natural_map(self) -> float:
-        """The old name of `velocity_error`, kept for one release."""
+        """The old name of `velocity_error` [-], kept for one release."""
         return self.velocity_error
 
     @property
     def worst(self) -> float:
-        """The largest of the first three numbers: what `Status.SOLVED` compares with the tolerance."""
+        """The largest of the first three numbers [-]: what `Status.SOLVED` compares with the tolerance."""
         return max(self.velocity_error, self.rounding, self.energy_gap)
 
 
@@ -139,9 +139,11 @@ def _contact_error(
     """
     if s == 0.0:
         return 0.0 if x == 0.0 and y == 0.0 and z == max(low, 0.0) else np.inf
+    # then ε is the distance of -(u + Γ) to the normal cone at λ: a λ large beside s stands for it
     if w == 0.0:
         size = math.sqrt(x * x + y * y + z * z)
         w = WEIGHTLESS * s / size if size > 0.0 else 1.0
+    # in units of s, so that nothing under- or overflows
     unit = 1.0 / s
     p, q, r = (w * x - ux) * unit, (w * y - uy) * unit, (w * z - shifted) * unit
     size = w * unit
@@ -151,7 +153,7 @@ def _contact_error(
 
 
 @inline_kernel
-def _least_power(ux: float, uy: float, uz: float, limit: float, low: float, high: float) -> float:
+def _least_power(uz: float, limit: float, low: float, high: float) -> float:
     """Return the least λ·u over the admissible forces, low (u_n - limit) where it would be without bound."""
     lift = uz - limit
     return lift * (high if lift < 0.0 and high < np.inf else low)
@@ -185,14 +187,16 @@ def _measure(
         shifted = uz + limit if coulomb else uz
         own = _contact_error(x, y, z, ux, uy, shifted, w, s, mu[k], low[k], high[k], facets, inner)
         error, lost = max(error, own), lost or own != own
+        # the convex program's gap: λ·u above its least over K, over the energy of the part
         if not coulomb:
-            own = abs(x * ux + y * uy + z * uz - _least_power(ux, uy, uz, limit, low[k], high[k]))
+            own = abs(x * ux + y * uy + z * uz - _least_power(uz, limit, low[k], high[k]))
             if own > 0.0:
                 own = own / scales[3, k] if scales[3, k] > 0.0 else np.inf
             gap, lost = max(gap, own), lost or own != own
         if facets > 0 or not (z >= 0.0 and low[k] <= z <= high[k] and x * x + y * y <= (mu[k] * z) ** 2):
             a, b, c = nearest(x, y, z, mu[k], low[k], high[k], facets, inner)
             violation = max(violation, math.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2))
+        # the unilateral law sees the velocity less the convex law's separation
         v = uz if coulomb else uz - limit
         if v < 0.0 and z < high[k]:
             approach = max(approach, -v)
@@ -200,6 +204,7 @@ def _measure(
         if v < 0.0 and high[k] < np.inf:
             power = abs(high[k] - z) * -v
         normal_power = max(normal_power, power)
+        # maximum dissipation: -λ_t·u_t = mu λ_n ||u_t||
         slip_power = max(slip_power, abs(z * limit + x * ux + y * uy))
     if lost or not abs(total) < np.inf:
         return np.nan, np.nan, np.nan, np.nan, np.nan, np.nan, np.nan

@@ -105,6 +105,7 @@ def _labels(
             continue
         label[first], queue[0] = first, first
         head, tail = 0, 1
+        # breadth first over the blocks that are no rounding: ||G_kj||² > noise² tr G_kk tr G_jj
         while head < tail:
             k = queue[head]
             head += 1
@@ -242,6 +243,7 @@ def scales_blocks(
     faint = _labels(starts, columns, values, on, trace, NOISE, label)
     _largest_speeds(velocities, on, label, 1.0, s)
     _energies(w, s, label, energy)
+    # parts that only blocks near rounding join lend each other a share of their speed
     if faint:
         _labels(starts, columns, values, on, trace, 0.0, label)
         _largest_speeds(velocities, on, label, LENT, s)

@@ -23,7 +23,7 @@ Numbers = tuple[float, float, float, float, float, float, float]
 
 
 def set_certificate(problem: ContactProblem, forces: FloatArray) -> tuple[FloatArray, Numbers]:
-    """Return the velocities of forces, in their shape, and the fields of `Residuals`."""
+    """Return the velocities of forces, in their shape, (n, d) or (m,), and the fields of `Residuals`."""
     s, scales = problem.contact_set, problem.scales
     flat = np.ravel(forces)
     with np.errstate(all="ignore"):  # said by the numbers

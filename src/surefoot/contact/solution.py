@@ -62,7 +62,8 @@ class ContactSolution:
     problem
         What was asked.
     forces, velocities
-        (n, 3), contact frames (tangent, tangent, normal), or `problem.shape`; velocities are G @ forces + g.
+        (n, 3) in contact frames (tangent, tangent, normal), or `problem.shape`; velocities are G forces + g.
+        Impulses [N s] and velocities [m/s], or forces [N] and accelerations [m/s²]: what the problem is in.
     status
         See `Status`.
     residuals
@@ -74,7 +75,7 @@ class ContactSolution:
     solve_time
         Wall time inside the solver [s].
     timings
-        Parts of the solve, name to seconds, where the solver tells.
+        Parts of the solve, name to time [s], where the solver tells.
     proof
         The proof that there is no solution where the status is INFEASIBLE, else None.
     """
@@ -112,12 +113,12 @@ class ContactSolution:
 
     @property
     def forces(self) -> FloatArray:
-        """The (n, 3) forces."""
+        """The (n, 3) forces [N s, or N]."""
         return self._forces
 
     @property
     def velocities(self) -> FloatArray:
-        """The (n, 3) velocities G @ forces + g."""
+        """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
         n = len(self._forces)
         return self._record[n : 2 * n]
 
@@ -148,7 +149,7 @@ class ContactSolution:
 
     @property
     def timings(self) -> dict[str, float]:
-        """Parts of the solve, name to seconds."""
+        """Parts of the solve, name to time [s]."""
         return self._timings or {}
 
     @property

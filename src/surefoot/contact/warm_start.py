@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError
 
 
 def persisting(before: Sequence[Hashable], after: Sequence[Hashable]) -> IntArray:
-    """Return, for each contact of `after`, its number in `before`, or -1 if it is new.
+    """Return, for each of the m contacts of `after`, its number in `before`, or -1 if it is new: (m,).
 
     Parameters
     ----------
@@ -42,14 +42,14 @@ def carry_over(forces: ArrayLike, kept: ArrayLike) -> FloatArray:
     Parameters
     ----------
     forces
-        (n, 3) forces of the last solution.
+        (n, 3) forces of the last solution [N or N s].
     kept
         (m,) whole numbers: which contact each new one was, -1 for none; see `persisting`.
 
     Returns
     -------
     FloatArray
-        (m, 3); a contact that is new starts at zero, one that is gone leaves nothing behind.
+        (m, 3) in the unit of `forces`; a contact that is new starts at zero, one that is gone leaves nothing.
 
     Raises
     ------

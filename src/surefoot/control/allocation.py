@@ -214,7 +214,10 @@ class SolverAllocation:
     def share(
         self, grasp_map: FloatArray, wrench: FloatArray, normal_min: FloatArray, normal_max: FloatArray
     ) -> FloatArray:
-        """Return the forces; the last good ones, cut to the cones, where the solver failed."""
+        """Return the (n, 3) forces [N]; the last good ones, cut to the cones, where the solver failed.
+
+        The grasp map is (6, 3n), the wrench (6,) [N, N m], the bounds on normal forces (n,) [N].
+        """
         size = max(np.abs(grasp_map).max(initial=0.0), np.abs(wrench).max())
         if not size <= LARGEST:  # not finite, or too large to square: hold the last command
             self.status, forces = Status.INVALID, self._last

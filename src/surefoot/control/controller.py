@@ -20,7 +20,7 @@ class RobotState(NamedTuple):
     Attributes
     ----------
     q, v
-        (nq,), (nv,) configuration and velocity, Pinocchio's order.
+        (nq,), (nv,) configuration [m, -, rad] and velocity [m/s, rad/s], Pinocchio's order.
     time
         Since the run began [s].
     contact

@@ -16,7 +16,7 @@ DAMPING_RATE = 10.0
 
 @kernel
 def computable(q: FloatArray, v: FloatArray) -> bool:
-    """Tell whether every number of a state (nq,), (nv,) is finite and at most `LARGEST`."""
+    """Tell whether every number of a state (nq,), (nv,) [m/s, rad/s] is finite and at most `LARGEST`."""
     for x in q:
         if not abs(x) <= LARGEST:
             return False

@@ -86,7 +86,7 @@ class FootholdSearch:
     tilt_weight: float = 0.05
 
     def choose(self, terrain: Terrain, place: FloatArray) -> FloatArray:
-        """Return the (2,) place to step on; the nominal one on a plane."""
+        """Return the (2,) place [m] to step on, world axes; the nominal one on a plane."""
         if terrain.planar:
             return place
         steps = np.linspace(-self.reach, self.reach, 9)

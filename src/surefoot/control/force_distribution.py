@@ -61,15 +61,15 @@ class ForceDistributor:
     Parameters
     ----------
     mu
-        Friction coefficient, a number or (n,), finite and >= 0.
+        Friction coefficient [-], a number or (n,), finite and >= 0.
     normal_min, normal_max
         Bounds on the normal forces [N], numbers or (n,).
     wrench_weights
-        W: a number or (6,), >= 0, for [force; moment].
+        W: a number or (6,), >= 0, for [force; moment] [-, 1/m²].
     force_weight
-        r: a number or (n,), > 0; or (n, 2) with a tangential and a normal weight per contact.
+        r: a number or (n,), > 0; or (n, 2) with a tangential and a normal weight per contact [-].
     smoothness
-        s: a number >= 0, weight on the change of the forces since the last call. Before the first
+        s: a number >= 0 [-], weight on the change of the forces since the last call. Before the first
         call, and after `reset`, the last forces are zero.
     tol
         `status` is SOLVED when no force is further than this from the optimum [N] (or when double
@@ -78,6 +78,11 @@ class ForceDistributor:
         Bound on the Newton iterations.
     torque_limit
         (joints,) largest joint torques [N·m], for calls of `solve` with a Jacobian.
+
+    Attributes
+    ----------
+    work
+        (4n + 2, 50) memory of the compiled calls, for loops of their own; see `dual_newton.work`.
 
     Raises
     ------
@@ -114,7 +119,7 @@ class ForceDistributor:
         self._given = [real_array(name, value) for name, value in given.items()]
         self._roots = np.sqrt(wrench_metric(wrench_weights))
         self._smoothness = real_number("smoothness", smoothness, low=0.0, high=1e300)
-        self._tol = real_number("tol", tol, low=0.0)
+        self.tol = real_number("tol", tol, low=0.0)
         self._limit = int(real_number("max_iterations", max_iterations, low=1, high=10**9))
         self._torque_limit = None if torque_limit is None else torque_limits(torque_limit)
         count = contact_count(self._given)
@@ -132,7 +137,7 @@ class ForceDistributor:
         self._shape = (6, 3 * count)
         self._forces_shape = (count, 3)
         self._code = layout.INVALID
-        self._work = work = layout.new_work(count)
+        self.work = work = layout.new_work(count)
         self._results, rows = work[count + 1], work[:count]
         work[count, layout.ROOT : layout.ROOT + 6] = self._roots
         total = self._weights + self._smoothness
@@ -141,7 +146,7 @@ class ForceDistributor:
         rows[:, layout.MU] = self._mu * units[:, 1] / units[:, 0]
         rows[:, layout.PULL : layout.PULL + 2] = self._weights * units
         rows[:, layout.DRAG : layout.DRAG + 2] = self._smoothness * units
-        self._results[layout.TOLERANCE] = self._tol * (1.0 / units.max() if count else 1.0)
+        self._results[layout.TOLERANCE] = self.tol * (1.0 / units.max() if count else 1.0)
         self._results[layout.LIMIT] = self._limit
         self._rows: RowsWork | None = None
         self.set_active(self._all)
@@ -149,7 +154,7 @@ class ForceDistributor:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take the state of a copy, whose results must again be part of its work space."""
         self.__dict__.update(state)
-        self._results = self._work[self._mu.size + 1]
+        self._results = self.work[self._mu.size + 1]
 
     def solve(
         self,
@@ -173,7 +178,7 @@ class ForceDistributor:
         active
             (n,) mask of the contacts that may carry force; kept until the next mask, see `set_active`.
         jacobian
-            (3n, joints) map from joint velocities to contact velocities in contact frames. With it
+            (3n, joints) map from joint velocities to contact velocities in contact frames [m]. With it
             the joint torques obey ``|jacobian.T @ f + torque_offset| <= torque_limit``. If no
             admissible force does, `status` is INFEASIBLE and the forces come close to the least
             sum of squared excess.
@@ -203,7 +208,7 @@ class ForceDistributor:
             self.set_reference(reference)
         forces = _empty(self._forces_shape)
         if jacobian is None:
-            self._code = _distribute(A, w, self._work, forces)
+            self._code = _distribute(A, w, self.work, forces)
         else:
             self._solve_with_torques(A, w, jacobian, torque_offset, forces)
         return forces
@@ -247,9 +252,9 @@ class ForceDistributor:
         grasp_map, wrench
             As for `solve`.
         rows
-            (k, 3n) acting on the stacked forces.
+            (k, 3n) acting on the stacked forces [-, or m where a row is a moment].
         low, high
-            (k,), infinite where there is no bound.
+            (k,) in the unit of rows @ f [N, or N m], infinite where there is no bound.
 
         Returns
         -------
@@ -292,7 +297,7 @@ class ForceDistributor:
             self._rows = rows_work(len(forces), low.size)
             self._results[layout.ROWS_WARM] = 0.0
         self._code = distribute_with_rows(
-            grasp_map, wrench, jacobian, low, high, self._work, *self._rows, forces
+            grasp_map, wrench, jacobian, low, high, self.work, *self._rows, forces
         )
 
     def _fit(self, grasp_map: FloatArray, wrench: FloatArray) -> None:
@@ -310,7 +315,7 @@ class ForceDistributor:
         on = np.ascontiguousarray(active, dtype=np.bool_)
         if on.shape != self._mu.shape:
             raise ProblemError(f"active must have shape {self._mu.shape}, got {on.shape}")
-        layout.set_limits(self._work, self._low, self._high, on)
+        layout.set_limits(self.work, self._low, self._high, on)
 
     def set_bounds(self, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
         """Change the bounds on the normal forces, (n,) or numbers [N]; all contacts are switched on.
@@ -328,7 +333,7 @@ class ForceDistributor:
         if (
             low.shape != shape
             or high.shape != shape
-            or layout.set_limits(self._work, low, high, self._all) >= 0
+            or layout.set_limits(self.work, low, high, self._all) >= 0
         ):
             self._low, self._high = normal_bounds(normal_min, normal_max, self._mu.size)
             self.set_active(self._all)
@@ -340,12 +345,12 @@ class ForceDistributor:
         wanted = np.asarray(forces, dtype=np.float64)
         if wanted.shape != self._forces_shape:
             raise ProblemError(f"reference must have shape {self._forces_shape}, got {wanted.shape}")
-        self._work[: len(wanted), layout.REFERENCE : layout.REFERENCE + 3] = wanted
+        self.work[: len(wanted), layout.REFERENCE : layout.REFERENCE + 3] = wanted
 
     @property
     def reference(self) -> FloatArray:
         """The wanted forces: (n, 3) [N], to be written in place by loops that cannot wait."""
-        return self._work[: self._mu.size, layout.REFERENCE : layout.REFERENCE + 3]
+        return self.work[: self._mu.size, layout.REFERENCE : layout.REFERENCE + 3]
 
     def reset(self, forces: ArrayLike | None = None) -> None:
         """Forget the warm start; the last command becomes `forces`, (n, 3) [N], or none."""
@@ -354,7 +359,7 @@ class ForceDistributor:
         last = np.zeros(self._forces_shape) if forces is None else finite_array("forces", forces)
         if last.shape != self._forces_shape:
             raise ProblemError(f"forces must have shape {self._forces_shape}, got {last.shape}")
-        self._work[: len(last), layout.LAST : layout.LAST + 3] = last
+        self.work[: len(last), layout.LAST : layout.LAST + 3] = last
 
     @property
     def status(self) -> Status:
@@ -385,5 +390,5 @@ class ForceDistributor:
 
     @property
     def wrench_error(self) -> float:
-        """``||A f - w||_W`` of the last forces; in newtons for unit weights. Infinite if that is unknown."""
+        """``||A f - w||_W`` of the last forces [N], weights included. Infinite if that is unknown."""
         return float(self._results[layout.WRENCH_ERROR])

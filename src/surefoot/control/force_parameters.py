@@ -12,7 +12,7 @@ from surefoot.errors import ProblemError
 
 
 def contact_count(parameters: Sequence[FloatArray]) -> int | None:
-    """Return how many contacts the parameters are for, None if all of them are numbers."""
+    """Return how many contacts the parameters, (n,) or numbers, are for; None if all of them are numbers."""
     sizes = {len(a) for a in parameters if a.ndim > 0}
     if len(sizes) > 1:
         raise ProblemError(
@@ -23,7 +23,7 @@ def contact_count(parameters: Sequence[FloatArray]) -> int | None:
 
 
 def wrench_metric(weights: ArrayLike) -> FloatArray:
-    """Return the weights of [force; moment] as a (6,) array."""
+    """Return the weights of [force; moment] as a (6,) array [-, 1/m²]."""
     given = finite_array("wrench_weights", weights)
     if given.shape not in ((), (6,)):
         raise ProblemError(f"wrench_weights must be a number or have shape (6,), got {given.shape}")
@@ -41,7 +41,7 @@ def torque_limits(limit: ArrayLike) -> FloatArray:
 
 
 def friction(mu: ArrayLike, count: int) -> FloatArray:
-    """Return the friction coefficients as a (n,) array."""
+    """Return the friction coefficients [-] as a (n,) array."""
     coefficients = per_contact("mu", mu, count)
     if np.isinf(coefficients).any():
         raise ProblemError("mu must be finite, got inf")
@@ -49,14 +49,14 @@ def friction(mu: ArrayLike, count: int) -> FloatArray:
 
 
 def normal_bounds(low: ArrayLike, high: ArrayLike, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return the bounds on the normal forces as (n,) arrays, checked."""
+    """Return the bounds on the normal forces [N] as (n,) arrays, checked."""
     lower, upper = per_contact("normal_min", low, count), per_contact("normal_max", high, count)
     check_order(lower, upper)
     return lower, upper
 
 
 def force_weights(weight: ArrayLike, count: int) -> FloatArray:
-    """Return the (n, 2) tangential and normal force weights."""
+    """Return the (n, 2) tangential and normal force weights [-]."""
     weights = real_array("force_weight", weight)
     if weights.ndim < 2:
         weights = np.repeat(per_contact("force_weight", weights, count)[:, None], 2, axis=1)

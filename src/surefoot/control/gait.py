@@ -81,7 +81,7 @@ class ContactSchedule(ABC):
         """
 
     def horizon(self, start: float, step: float, count: int) -> BoolArray:
-        """Return which feet carry in the middle of `count` steps of `step` seconds: (count, feet)."""
+        """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
         return self.contacts(start + step * (np.arange(count) + 0.5))
 
 
@@ -117,7 +117,7 @@ class Gait(_ModeTable):
     switching
         (m + 1,) rising times at which the mode changes [s]; the first is 0, the last the period.
     modes
-        (m, feet) which feet carry in each interval, or (m,) mode numbers with `feet` given.
+        (m, feet) mask of the feet that carry in each interval, or (m,) mode numbers with `feet` given.
     feet
         Number of feet; needed for mode numbers.
     max_flight
@@ -257,7 +257,7 @@ class Gait(_ModeTable):
         return Gait(self.name, self.switching * (length / self.period), self.table, max_flight=math.inf)
 
     def schedule(self, duration: float, start: float = 0.0) -> ModeSchedule:
-        """Return the cycles from `start` on for at least `duration` seconds, standing before and after."""
+        """Return the cycles from `start` [s] on for at least `duration` [s], standing before and after."""
         cycles = max(1, math.ceil(real_number("duration", duration, low=0.0) / self.period - SAME_TIME))
         starts = (start + self.period * np.arange(cycles)[:, None] + self._starts).ravel()
         standing = np.ones((1, self.feet), dtype=bool)
@@ -285,7 +285,7 @@ class ModeSchedule(_ModeTable):
     event_times
         (m - 1,) rising times at which the mode changes [s].
     modes
-        (m, feet) which feet carry, or (m,) mode numbers with `feet` given.
+        (m, feet) mask of the feet that carry, or (m,) mode numbers with `feet` given.
     feet
         Number of feet; needed for mode numbers.
     max_flight

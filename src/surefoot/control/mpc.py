@@ -52,7 +52,7 @@ class ConvexMpc:
     horizon, dt
         Number of steps N, and length of a step [s].
     mu
-        Friction, a number or (n,); may be replaced in `solve`.
+        Friction coefficient [-], a number or (n,); may be replaced in `solve`.
     normal_min, normal_max
         Bounds on the normal force of a foot in contact [N], numbers or (n,).
     weights
@@ -145,11 +145,11 @@ class ConvexMpc:
         foot_positions
             (n, 3) or (N, n, 3) contact points, world axes [m]; those of feet in swing do not matter.
         contacts
-            (N, n) whether each foot carries force during each step.
+            (N, n) mask: whether each foot carries force during each step.
         frames
-            (n, 3, 3) or (N, n, 3, 3) rotation_world_contact; None for level ground.
+            (n, 3, 3) or (N, n, 3, 3) rotations rotation_world_contact; None for level ground.
         mu
-            Friction, (n,) or (N, n), in place of the one given at construction.
+            Friction [-], (n,) or (N, n), in place of the one given at construction.
 
         Returns
         -------
@@ -198,7 +198,7 @@ class ConvexMpc:
         *,
         mu: ArrayLike | None = None,
     ) -> HorizonProgram:
-        """Return the program of the first pass, for another solver; same parameters and errors as `solve`."""
+        """Return the program of the first pass, for another solver; parameters and errors as for `solve`."""
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
         sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
         program = self._build(given, sway)

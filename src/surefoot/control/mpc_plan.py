@@ -27,7 +27,7 @@ class MpcWeights:
     terminal: float = 1.0
 
     def matrix(self) -> FloatArray:
-        """Return the (2, 6) weights on [position; orientation] and on their rates.
+        """Return the (2, 6) weights on [position; orientation] and on their rates, in one unit of cost.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class HorizonProgram:
     heading: FloatArray
 
     def condensed(self) -> tuple[FloatArray, FloatArray]:
-        """Return H (3c, 3c) and g (3c,) so that the cost is 1/2 fᵀ H f + gᵀ f + const in all forces."""
+        """Return H (3c, 3c) and g (3c,) so that the cost is 1/2 fᵀ H f + gᵀ f + const in all forces [N]."""
         c, N = self.step.size, self.P.shape[1]
         full = np.zeros((6, N, 3 * c))  # accelerations, axis by axis
         for i in range(c):

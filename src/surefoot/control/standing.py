@@ -87,9 +87,9 @@ class StandingController(Controller):
     terrain
         The ground that the feet are believed to touch.
     q
-        (nq,) configuration to hold: base orientation and the joints outside the legs.
+        (nq,) configuration to hold [m, -, rad]: base orientation and the joints outside the legs.
     mu
-        Friction that the controller believes in.
+        Friction [-] that the controller believes in.
     dt
         Time between steps [s].
     normal_min, normal_max
@@ -329,5 +329,5 @@ def standing_height(robot: Robot, q: FloatArray) -> float:
 
 
 def wrench_weights(robot: Robot, q: FloatArray) -> FloatArray:
-    """Return the (6,) weights of the wrench error: 1 for forces, one over the height squared for moments."""
+    """Return the (6,) weights of the wrench error: 1 for forces [-], 1 / height² for moments [1/m²]."""
     return np.array([1.0, 1.0, 1.0, *([standing_height(robot, q) ** -2] * 3)])

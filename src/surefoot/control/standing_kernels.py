@@ -144,7 +144,7 @@ def pd_wrench(
 
 @kernel
 def within_limits(torques: FloatArray, limits: FloatArray) -> tuple[FloatArray, bool, bool]:
-    """Return (joints,) torques cut to their limits, whether one met its limit, and whether all are finite."""
+    """Return (joints,) torques [N m] cut to their limits, whether one met its own, and if all are finite."""
     out, saturated, finite = np.empty(torques.size), False, True
     for j in range(torques.size):
         out[j] = min(max(torques[j], -limits[j]), limits[j])

@@ -76,7 +76,7 @@ class StandingPlan:
     terrain
         On what.
     q
-        (nq,) configuration at the start.
+        (nq,) configuration at the start [m, -, rad].
     lifts
         Feet to lift, in any order; their times may not overlap or come closer than a shift takes.
 

@@ -318,14 +318,14 @@ class WalkingController(Controller):
             later = np.flatnonzero(contacts[1:, k])
             contacts[: 1 + (later[0] if len(later) else 0), k] = True
         reference = self.body.reference(N, dt)
-        places = self._foot_places(contacts, reference.position, clock)
+        places = self._foot_places(contacts, reference.position)
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
         self._plan = self.mpc.solve(state, reference, places, contacts, feet.frames)
         self._planned_at = time
         self._from = now
 
-    def _foot_places(self, contacts: BoolArray, com: FloatArray, clock: float) -> FloatArray:
+    def _foot_places(self, contacts: BoolArray, com: FloatArray) -> FloatArray:
         """Return where each foot stands in each step of the horizon: (N, n, 3)."""
         feet, dt = self.feet, self._mpc_dt
         assert feet is not None

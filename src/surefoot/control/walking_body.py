@@ -50,7 +50,7 @@ class VelocityCommand:
 
     @staticmethod
     def constant(forward: float, left: float = 0.0, turn: float = 0.0) -> VelocityCommand:
-        """Return the command that never changes."""
+        """Return the command that never changes: forward and left [m/s], turn [rad/s]."""
         return VelocityCommand(np.zeros(1), np.array([[forward, left, turn]], dtype=np.float64))
 
     @staticmethod
@@ -85,7 +85,7 @@ class VelocityCommand:
         return VelocityCommand(table[:, 0], table[:, 1:])
 
     def at(self, time: float) -> FloatArray:
-        """Return (3,) forward, left and yaw rate at a time."""
+        """Return (3,) forward, left [m/s] and yaw rate [rad/s] at a time [s]."""
         k = int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1
         return np.asarray(self.values[max(k, 0)])
 
@@ -172,7 +172,7 @@ class BodyPlan:
         return yaw, self.position + np.column_stack([move, climb]), np.column_stack([flow, rise])
 
     def reference(self, steps: int, dt: float) -> BodyReference:
-        """Return the reference of the next `steps` steps of `dt` seconds."""
+        """Return the reference of the next `steps` steps of `dt` [s]."""
         yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]

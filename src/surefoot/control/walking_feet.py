@@ -132,7 +132,7 @@ class Feet:
         self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
 
     def aim(self, k: int, place: FloatArray) -> None:
-        """Set the target of a foot in the air: (2,) nominal place, moved to good ground."""
+        """Set the target of a foot in the air: (2,) nominal place [m], moved to good ground."""
         share = float(self.share[k])
         if share > (FREEZE if self._plane else FREEZE_ROUGH):
             return
@@ -156,7 +156,7 @@ class Feet:
             )  # fmt: skip
 
     def motion(self, k: int, time: float) -> FloatArray:
-        """Return wanted place, velocity and acceleration of a foot in the air: (3, 3)."""
+        """Return wanted place [m], velocity and acceleration of a foot in the air at a time [s]: (3, 3)."""
         share, overdue = float(self.share[k]), 0.0
         if self.late[k]:
             _, begin, _ = self.schedule.phase(k, time)

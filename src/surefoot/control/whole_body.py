@@ -52,7 +52,7 @@ class WholeBodyController:
     robot
         With a floating base and feet.
     mu
-        Friction that the controller believes in.
+        Friction [-] that the controller believes in.
     normal_min, normal_max
         Bounds on the normal force of each contact point [N].
     weights
@@ -133,7 +133,10 @@ class WholeBodyController:
             distributor.reset()
 
     def update(self, q: FloatArray, v: FloatArray) -> Kinematics:
-        """Compute what depends on the state (nq,), (nv,) alone and return the part that tasks need."""
+        """Compute what depends on the state alone and return the part that tasks need.
+
+        q is (nq,) [m, -, rad], v is (nv,) [m/s, rad/s], both in Pinocchio's order.
+        """
         self._known = computable(q, v)
         if self._known:
             return self._update(q, v)
@@ -190,7 +193,7 @@ class WholeBodyController:
         return WholeBodyCommand(clipped, accelerations, forces, feasible, max(violation, 0.0), self._status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
-        """Return the command for a state (nq,), (nv,): `update`, then `solve`."""
+        """Return the command for a state (nq,) [m, -, rad], (nv,) [m/s, rad/s]: `update`, then `solve`."""
         self.update(q, v)
         return self.solve(tasks)
 
@@ -289,6 +292,6 @@ class WholeBodyController:
     def damping(self, v: FloatArray) -> WholeBodyCommand:
         """Return the safe command when nothing can be computed: torques that slow the joints, no forces.
 
-        Joints whose speed in (nv,) `v` is not finite get no torque.
+        Joints whose speed in (nv,) `v` [m/s, rad/s] is not finite get no torque.
         """
         return replace(self._failed, torques=damping_torques(self.robot, v, self.limits))

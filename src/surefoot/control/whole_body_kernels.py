@@ -102,8 +102,12 @@ def contact_rows(
 
     A point foot is a sphere that rolls: v + ω x arm = 0 with the arm from its centre to the ground
     fixed in the world, so its rows differentiate to a_centre + α x arm, with no centripetal term. A
-    flat foot has its sole's six rows. Baumgarte: the velocity that is left decays with `damping`,
-    the gap along the normal with `stiffness`.
+    flat foot has its sole's six rows. Baumgarte: the velocity that is left decays with `damping` [1/s],
+    the gap along the normal with `stiffness` [1/s²].
+
+    The Jacobian is (6, nv) and `support` (n, nv), as for `numerics.points.point_jacobian`; flat and stance
+    are (n,) masks; centres, arms (n, 3) and gaps (n,) [m], twists (n, 6) [m/s, rad/s] and drifts (n, 6)
+    [m/s², rad/s²] of the feet, normals (n, 3), all in world axes. Filled: rows (.., nv) and wanted (..,).
     """
     at = 0
     for k in range(stance.shape[0]):
@@ -199,7 +203,7 @@ def swing_tasks(
     H: FloatArray,
     c: FloatArray,
 ) -> None:
-    """Add the tasks of the feet in the air: (n, 6) wanted acceleration of centre and orientation."""
+    """Add the tasks of the feet in the air: (n, 6) wanted acceleration of centre, turn [m/s², rad/s²]."""
     nv = jacobian.shape[1]
     rows = np.empty((3, nv))
     for k in range(stance.shape[0]):

@@ -39,7 +39,7 @@ class RegionComparison:
 
 
 def compare_regions(stance: Stance, com: FloatArray, mass: float, tol: float = 1e-3) -> RegionComparison:
-    """Work out the three regions of a stance and explain where they differ.
+    """Work out the three regions of a stance, com (3,) [m] and mass [kg], and explain where they differ.
 
     Why is found by experiment: the regions are worked out again with plenty of friction.
     """
@@ -121,7 +121,7 @@ def _percent(part: float, whole: float) -> str:
 
 
 def overlap_loss(a: FloatArray, b: FloatArray) -> float:
-    """Return the area of a convex polygon `a` that is not in the convex polygon `b`."""
+    """Return the area [m²] of a convex polygon `a` (k, 2) that is not in the convex polygon `b` (l, 2)."""
     return max(0.0, polygon_area(a) - polygon_area(clip(a, b)))
 
 

@@ -61,6 +61,7 @@ def _factor_rows(BW: FloatArray, M: FloatArray, rows: FloatArray) -> None:
         for k in range(j):
             M[j, k] = 0.0
         size = remove_rows(rows, j, M[j])
+        # a row that depends on those before carries no new equation: a huge pivot drops it
         M[j, j] = size if size > 1e-14 * math.sqrt(top) else HUGE
         scale_row(rows, j, M[j, j])
 
@@ -93,6 +94,7 @@ def _normal_matrix(
     for j in range(r):
         for k in range(lorentz):
             i = 3 * k
+            # W = η (2 v vᵀ - diag(1, -1, -1)): the Nesterov-Todd scaling of a Lorentz cone
             dot = 2.0 * (B[j, i] * v[i] + B[j, i + 1] * v[i + 1] + B[j, i + 2] * v[i + 2])
             BW[j, i] = eta[k] * (dot * v[i] - B[j, i])
             BW[j, i + 1] = eta[k] * (dot * v[i + 1] + B[j, i + 1])
@@ -114,6 +116,7 @@ def _direction(
     """Solve B dx = rp, B' dy + dz = rd, W^-1 dx + W dz = target; dx and dz come out scaled."""
     r, m = B.shape
     for j in range(r):
+        # eliminate dx and dz: B W W Bᵀ dy = rp + B W (W rd - target)
         s = rp[j]
         for i in range(m):
             s += BW[j, i] * (Wrd[i] - target[i])
@@ -193,13 +196,14 @@ def minimise(
             return OPTIMAL, iteration
         if value < floor and left <= _FEASIBLE:
             return UNBOUNDED, iteration
+        # the best iterate is kept, since the last one may be the worse for rounding
         merit = gap if max(lost, missed) <= _FEASIBLE else 1e30 * max(lost, missed)
         if merit < best:
             best = merit
             _copy(x, y, z, best_x, best_y, best_z)
         elif not gap < 1e6 * best:  # rounding has taken over
             break
-        if not scale(x, z, lorentz, v, eta):
+        if not scale(x, z, lorentz, v, eta):  # W z = W⁻¹ x = λ: both programs alike from there
             break
         apply(v, eta, lorentz, False, z, lam)
         apply(v, eta, lorentz, False, rd, Wrd)
@@ -207,8 +211,9 @@ def minimise(
         if math.isnan(kept):
             break
         sigma, primal, dual, product = 0.0, 0.0, 0.0, dot(x, z)
+        # Mehrotra 1992: the first direction aims at the gap zero and tells how far that works; the second
         for corrector in range(2):
-            if corrector:
+            if corrector:  # is centred accordingly, and takes along the first one's second-order error
                 corrector_target(lam, dx, dz, sigma * product / degree, lorentz, target)
             else:
                 for i in range(m):
@@ -218,14 +223,14 @@ def minimise(
                 _refine(BW, M, rp, dx, dz, dy, rest)
             primal = step_to_boundary(lam, dx, lorentz)
             dual = step_to_boundary(lam, dz, lorentz)
-            sigma = (1.0 - min(1.0, primal, dual)) ** 3
-        primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)
+            sigma = (1.0 - min(1.0, primal, dual)) ** 3  # the sooner it meets the boundary, the more
+        primal, dual = min(1.0, 0.99 * primal), min(1.0, 0.99 * dual)  # strictly inside
         apply(v, eta, lorentz, False, dx, ux)
         apply(v, eta, lorentz, True, dz, uz)
         advance(x, primal, ux)
         advance(z, dual, uz)
         advance(y, dual, dy)
-        if lost * (1.0 - dual) < 1e-9:
+        if lost * (1.0 - dual) < 1e-9:  # nearly feasible: z from the equation itself
             _set_slack(B, c, lorentz, y, z, rd)
         if max(primal, dual) < 1e-8:
             break

@@ -27,9 +27,9 @@ class ForceLimits:
     Attributes
     ----------
     rows
-        (l, stance.dim), over forces and patch wrenches in contact frames.
+        (l, stance.dim), over forces and patch wrenches in contact frames [unit of bound per N, N m].
     bound
-        (l,), finite.
+        (l,), finite [N, N m, or what the rows make of forces].
     names
         One per row, for messages.
     """
@@ -135,13 +135,13 @@ class Equations:
     kept: BoolArray
 
     def wrench_multiplier(self, y: FloatArray) -> FloatArray:
-        """Return the (6,) wrench multiplier of scaled multipliers, so that y.load is in newtons."""
+        """Return the (6,) wrench multiplier of scaled multipliers, so that y.load is in newtons [-, 1/m]."""
         out = y[:6].copy()
         out[3:] /= self.length
         return out
 
     def limit_multipliers(self, y: FloatArray, count: int) -> FloatArray:
-        """Return the (count,) multipliers of the bounds, zero for those left out."""
+        """Return the (count,) multipliers of the bounds [-], zero for those left out."""
         out = np.zeros(count)
         out[self.kept] = np.maximum(y[6:], 0.0) / self.row_scale
         return out

@@ -89,7 +89,9 @@ def _left_over(A: FloatArray, w: FloatArray, x: FloatArray) -> float:
 
 @kernel
 def proof_reach(A: FloatArray, w: FloatArray, y: FloatArray, lorentz: int) -> float:
-    """Return how large x in K with A x = w must at least be: the sum of its heights and half-lines.
+    """Return how large x (m,) in K with A x = w must at least be: the sum of its heights and half-lines.
+
+    A is (p, m), w and y (p,).
 
     A' y may leave K* by d, rounding included: then y.w = (A' y).x >= -d sum(x), so that the sum is at least
     |y.w| / d. Infinite where A' y is in K*; zero where y proves nothing.
@@ -286,7 +288,7 @@ def stand(
 
 @inline_kernel
 def axis_scale(mu: float) -> float:
-    """Return how far the axis must move for a distance of one to the cone's boundary (1 if frictionless)."""
+    """Return how far [-] the axis must move for a distance of one to the cone's border (1: frictionless)."""
     return math.sqrt(1.0 + mu * mu) / max(mu, LEAST_MU) if mu > 0.0 else 1.0
 
 

@@ -122,6 +122,7 @@ def trace(
     most_force = _most_force(B, b, lorentz, start, x, y, z, c)
     if most_force == math.inf:
         return WITHOUT_BOUND, count, math.inf
+    # start with the four axes: any bounded region has a support there
     for k in range(4):
         directions[k, 0], directions[k, 1] = math.cos(0.5 * math.pi * k), math.sin(0.5 * math.pi * k)
     pending, total, gap = 0, 4, math.inf
@@ -129,6 +130,7 @@ def trace(
         while pending < total:
             k = at if total > 4 else pending
             dx, dy = directions[k, 0], directions[k, 1]
+            # the farthest point along d: minimise -d·(G x + offset)
             for i in range(m):
                 c[i] = -(dx * G[0, i] + dy * G[1, i])
                 x[i] = start[i]
@@ -141,11 +143,13 @@ def trace(
                 return WITHOUT_BOUND, count, math.inf
             for q in range(2):
                 points[k, q] = offset[q] + dot(G[q], x)
+            # the half-plane comes from the dual, which proves it; the point is inside whatever the solver did
             value, lack = _lower_bound(B, b, c, lorentz, y)
             heights[k] = dx * offset[0] + dy * offset[1] - size * (value - lack * most_force)
             heights[k] = max(heights[k], dx * points[k, 0] + dy * points[k, 1])
             pending += 1
         count = total
+        # next where the polygon of half-planes stands out the most
         gap, at = _widest_gap(directions, heights, points, count)
         if gap <= tol:
             return TRACED, count, gap

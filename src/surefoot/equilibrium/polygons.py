@@ -26,7 +26,7 @@ def _turn(p: FloatArray, a: int, b: int, c: int) -> float:
 
 @inline_kernel
 def to_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
-    """Return the distance of (x, y) from the segment a-b."""
+    """Return the distance of (x, y) from the segment a-b, in the unit of both."""
     dx, dy = bx - ax, by - ay
     length = dx * dx + dy * dy
     s = 0.0
@@ -37,7 +37,7 @@ def to_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float) -
 
 @kernel
 def hull(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise (Andrew's chain).
+    """Return the corners of the convex hull of (n, 2) points [m], counter-clockwise (Andrew's chain).
 
     Corners that stand out by less than rounding are left out; equal points count once. The chain runs along
     the longer side, so that points of a line keep both its ends.
@@ -66,6 +66,7 @@ def hull(points: FloatArray) -> FloatArray:
         return points[order[:kept]]
     flat = 1e-14 * max(wide, tall) ** 2
     chain, size = np.empty(2 * kept, dtype=np.int64), 0
+    # the lower chain, then the upper one
     for side in range(2):
         first = size
         for k in range(kept):
@@ -153,7 +154,9 @@ def _farthest_from(corners: FloatArray, polygon: FloatArray) -> float:
 def enclose(
     points: FloatArray, directions: FloatArray, heights: FloatArray, slack: float, tol: float
 ) -> tuple[FloatArray, float]:
-    """Return the polygon of points of a region, less flat corners, and its gap to the half-planes around.
+    """Return the polygon of points (k, 2) of a region, less flat corners, and its gap to the half-planes.
+
+    Those are directions (h, 2) and heights (h,) [m] around it.
 
     `heights` are raised in place to hold every point, and by the rounding of the coordinates: what they
     enclose is never empty. The gap is measured between what is returned and what they enclose. Corners that

@@ -18,7 +18,9 @@ from surefoot.numerics.orthogonal import coordinates, orthonormal_rows, turn_fir
 def farthest(
     A: FloatArray, w: FloatArray, d: FloatArray, lorentz: int, start: FloatArray
 ) -> tuple[int, float]:
-    """Maximise s with A x = w + s d, x in the cone, from a strictly feasible x at s = 0.
+    """Maximise s with A x = w + s d, x (m,) in the cone, from a strictly feasible x at s = 0.
+
+    A is (p, m), w and d are (p,).
 
     Returns the solver's status and s; s is 0 where d lies outside the rows' range. (Plain Python around
     the compiled steps: compiling them once more would take longer than it saves.)
@@ -64,7 +66,7 @@ def largest_disturbance(question: Question, direction: ArrayLike) -> float:
 
 
 def nonzero(direction: ArrayLike) -> FloatArray:
-    """Return a direction as (6,) numbers.
+    """Return a direction as (6,) numbers [N, N m].
 
     Raises
     ------

@@ -24,14 +24,14 @@ class Region:
         (k, 2) corners, counter-clockwise [m]: every point of this polygon belongs to the region. Two corners
         are a segment, one is a point, none an empty region.
     directions, heights
-        (h, 2), (h,): no point of the region has ``directions @ point > heights``.
+        (h, 2) [-], (h,) [m]: no point of the region has ``directions @ point > heights``.
     gap
         Largest distance of the outer polygon from the inner one [m], measured on these two; infinite where
         rounding lets nothing be said.
     height
         Height of the plane the polygon lies in [m].
     axis
-        (3,) direction along which the region continues unchanged, third component 1 (for a centre of
+        (3,) direction [-] along which the region continues unchanged, third component 1 (for a centre of
         mass): vertical when standing still.
     force_limit
         Total normal force that had to be assumed, because the contacts can squeeze each other without
@@ -51,7 +51,7 @@ class Region:
 
     @classmethod
     def nothing(cls, height: float, axis: FloatArray, force_limit: float = math.inf) -> Region:
-        """Return the empty region."""
+        """Return the empty region at a height [m], with its (3,) axis [-] and force limit [N]."""
         empty = np.zeros((0, 2))
         return cls(empty, empty, np.zeros(0), 0.0, height, axis, force_limit)
 
@@ -80,14 +80,14 @@ class Region:
         return intersection(self.directions, self.heights, middle, 10.0 * reach + 1e-300)
 
     def contains(self, point: ArrayLike) -> bool:
-        """Tell whether a (2,) point of the plane, or a (3,) point in space, is in the inner polygon.
+        """Tell whether a (2,) point of the plane, or a (3,) point in space, is in the inner polygon [m].
 
         A point in space is first moved along `axis` to the region's height.
         """
         return self.distance(point) <= 1e-9 * max(1.0, float(np.abs(self.inner).max(initial=0.0)))
 
     def distance(self, point: ArrayLike) -> float:
-        """Return the signed distance of a point to the inner polygon's border [m]: negative inside."""
+        """Return the signed distance of a (2,) or (3,) point to the inner border [m]: negative inside."""
         if self.empty:
             return math.inf
         to_point = self._in_plane(point) - self.inner
@@ -99,7 +99,7 @@ class Region:
         return -nearest if len(edges) >= 3 and bool(np.all(left >= 0.0)) else nearest
 
     def at_height(self, height: float) -> FloatArray:
-        """Return the inner polygon in the plane of another height, moved along the axis: (k, 2)."""
+        """Return the inner polygon in the plane of another height [m], moved along the axis: (k, 2) [m]."""
         return np.asarray(self.inner + (height - self.height) * self.axis[:2])
 
     def _in_plane(self, point: ArrayLike) -> FloatArray:
@@ -110,7 +110,7 @@ class Region:
 
 
 def polygon_area(corners: FloatArray) -> float:
-    """Return the area of a polygon with (k, 2) corners, positive counter-clockwise (shoelace)."""
+    """Return the area [m²] of a polygon with (k, 2) corners, positive counter-clockwise (shoelace)."""
     if len(corners) < 3:
         return 0.0
     x, y = corners[:, 0] - corners[0, 0], corners[:, 1] - corners[0, 1]
@@ -118,5 +118,5 @@ def polygon_area(corners: FloatArray) -> float:
 
 
 def convex_hull(points: FloatArray) -> FloatArray:
-    """Return the corners of the convex hull of (n, 2) points, counter-clockwise; a line has two."""
+    """Return the corners of the convex hull of (n, 2) points [m], counter-clockwise; a line has two."""
     return hull(np.ascontiguousarray(points, dtype=np.float64))

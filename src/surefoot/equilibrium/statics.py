@@ -193,7 +193,8 @@ def friction_needed(
     Returns
     -------
     float
-        0 where the contacts hold without friction, infinite where no friction (up to 10000) helps.
+        The coefficient [-]: 0 where the contacts hold without friction, infinite where none (up to 10000)
+        helps.
 
     Raises
     ------

@@ -45,9 +45,9 @@ class Verdict:
         give the load. A cone's margin is at most mu times the normal force and vanishes with mu; a contact
         of mu = 0 has a cone without width and counts its normal force instead.
     certificate
-        (6,) separating wrench y when impossible, else None: every admissible set of contact forces f has
-        ``y @ grasp_map @ f >= 0``, and ``y @ load < 0``. Where bounds on forces take part (normal bounds,
-        joint torques) they enter with `multipliers`.
+        (6,) separating wrench y, of any length [-, 1/m], when impossible, else None: every admissible set of
+        contact forces f has ``y @ grasp_map @ f >= 0``, and ``y @ load < 0``. Where bounds on forces take
+        part (normal bounds, joint torques) they enter with `multipliers`.
     reach
         How far that proof goes [N]: forces that give the load would have normal forces that add up to this
         at least. Infinite where it holds without exception; where contacts can squeeze each other, or load
@@ -55,7 +55,7 @@ class Verdict:
     corner_forces
         (k, 3) forces of the points of `stance.points()` in contact frames [N]; None when impossible.
     multipliers
-        (l,) weights >= 0 of the rows of `limits`; empty without bounds.
+        (l,) weights >= 0 of the rows of `limits`, on the scale of y [-]; empty without bounds.
     """
 
     question: Question
@@ -118,7 +118,7 @@ class Verdict:
         return tuple(self.limits.names[k] for k in order if weight[k] > 1e-6 * weight[order[0]])
 
     def by_contact(self) -> list[FloatArray]:
-        """Return the force (3,) or wrench (6,) of each contact in its own frame, in the stance's order."""
+        """Return each contact's force (3,) or wrench (6,) [N, N m] in its frame, in the stance's order."""
         if self.forces is None:
             return []
         return [self.forces[part] for part in self.stance.slices]
@@ -126,7 +126,8 @@ class Verdict:
     def verify(self, tol: float = 1e-9) -> bool:
         """Check the proof with two matrix products; an undecided verdict has none.
 
-        Possible: the forces are in their cones and bounds and add up to the load, within `tol` of the load.
+        Possible: the forces are in their cones and bounds and add up to the load, within `tol`, relative to
+        the load.
         Impossible: the separating wrench does negative work on the load, and no work so negative on any
         admissible forces that add up to less than ten thousand loads.
         """
@@ -200,13 +201,14 @@ class Verdict:
         Parameters
         ----------
         direction
-            (6,) [force; moment about the centre of mass] on the robot, world axes. The result counts in
-            multiples of it: newtons for a unit force.
+            (6,) [force; moment about the centre of mass] on the robot, world axes [N, N m]. The result counts
+            in multiples of it: newtons for a unit force.
 
         Returns
         -------
         float
-            0 where the stance is impossible already, infinite where the contacts withstand any amount.
+            How often `direction` fits in [-]; 0 where the stance is impossible already, infinite where the
+            contacts withstand any amount.
         """
         push = nonzero(direction)
         if not self.feasible or not len(self.stance):

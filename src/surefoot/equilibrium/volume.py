@@ -48,7 +48,7 @@ class ComVolume:
         return 0.0 if self.empty else float(ConvexHull(self.corners).volume)
 
     def contains(self, points: ArrayLike, tol: float = 1e-9) -> BoolArray:
-        """Tell whether (..., 3) points are in the body: (...)."""
+        """Tell whether (..., 3) points [m] are in the body, or within `tol` [m] of it: (...)."""
         p = np.asarray(points, dtype=np.float64)
         return np.asarray(np.all(p @ self.rows.T <= self.bounds + tol, axis=-1))
 

@@ -45,7 +45,7 @@ class DetectionSettings:
     bandwidth
         K of the momentum observer [1/s]: a force is seen after about 1/K.
     touchdown, lift_off
-        Force along the normal at which a contact begins and ends, as shares of m g over the number of feet.
+        Force along the normal at which a contact begins and ends, as a share of m g over the number of feet.
     rising
         Speed along the normal away from the ground from which a foot has left it [m/s].
     confirm
@@ -147,11 +147,11 @@ class ContactDetector:
         Parameters
         ----------
         q, v
-            (nq,), (nv,) configuration and velocity now, Pinocchio's order.
+            (nq,), (nv,) configuration [m, -, rad] and velocity [m/s, rad/s] now, Pinocchio's order.
         tau
             (joints,) torques applied from now to the next update [N m].
         normals
-            (n, 3) of the ground under each foot, world axes; None for upwards.
+            (n, 3) unit normals of the ground under each foot, world axes; None for upwards.
 
         Raises
         ------
@@ -275,7 +275,7 @@ def detection_errors(
     Parameters
     ----------
     detected, truth
-        Which feet touch.
+        (T, n) which feet touch.
     dt
         Time between rows [s].
     shortest

@@ -40,7 +40,7 @@ PASSES, SAME = 4, 1e-6
 
 @inline_kernel
 def place(state: FloatArray, model: FloatArray, arms: FloatArray, gaps: FloatArray) -> None:
-    """Fill (8, 3) arms from the centre to the lowest points of the corners, and their (8,) gaps."""
+    """Fill (8, 3) arms [m] from the centre to the lowest points of the corners, and their (8,) gaps."""
     x, y, z, w = state[3], state[4], state[5], state[6]
     a, r = model[HALF] - model[RADIUS], model[RADIUS]
     X0, X1, X2 = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)
@@ -56,7 +56,7 @@ def place(state: FloatArray, model: FloatArray, arms: FloatArray, gaps: FloatArr
 
 @inline_kernel
 def rise(v: FloatArray, arms: FloatArray, k: int) -> float:
-    """Return the normal velocity of a corner; v is (6,), linear and angular."""
+    """Return the normal velocity of a corner [m/s]; v is (6,), linear and angular."""
     return float(v[2] + v[3] * arms[k, 1] - v[4] * arms[k, 0])
 
 
@@ -111,8 +111,10 @@ def _shift(
     m = packed.shape[1]
     for i in range(m // 3):
         gap, arrival = gaps[near[i]], rise(before, arms, near[i])
+        # Newton's restitution
         if arrival < -calm:
             packed[m, 3 * i + 2] += model[RESTITUTION] * arrival
+        # open: it may close within the step
         elif gap > 0.0:
             packed[m, 3 * i + 2] += gap / t
         else:
@@ -153,6 +155,7 @@ def exchange(
         speeds[i] = rise(v, arms, near[i])
     warm = _recall(near, last, t, buffer)
     done = 0
+    # a law that is not linear is linearised where the last pass ended
     for number in range(PASSES if model[LAW] == HUNT_CROSSLEY else 1):
         _fill(model, arms, near, v, packed)
         if model[LAW] == RIGID:

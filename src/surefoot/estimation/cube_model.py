@@ -84,7 +84,7 @@ class CubeModel:
         return PARAMETERS[self.law]
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
-        """Return (sum of frames, 7) positions and quaternions."""
+        """Return (sum of frames, 7) positions [m] and quaternions."""
         model, axes = self._model(values, scene), scene.plane.rotation
         origin = np.array([0.0, 0.0, scene.plane.height - self._sink(values, scene)])
         starts = np.empty((len(scene.starts), 13))

@@ -23,7 +23,7 @@ ASLEEP = 1e-7
 
 @inline_kernel
 def fly(state: FloatArray, v: FloatArray, bend: FloatArray, t: float) -> None:
-    """Move a state (position, quaternion) for a time t: p += v t + bend t² / 2, and the turn ω t."""
+    """Move a state (position, quaternion) for a time t [s]: p += v t + bend t² / 2, and the turn ω t."""
     for a in range(3):
         state[a] += t * (v[a] + 0.5 * t * bend[a])
     rate = math.sqrt(v[3] * v[3] + v[4] * v[4] + v[5] * v[5])
@@ -93,7 +93,11 @@ def step(
     state: FloatArray, v: FloatArray, model: FloatArray, dt: float, bend: FloatArray, arms: FloatArray,
     gaps: FloatArray, near: IntArray, after: FloatArray, last: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Move a cube by dt; return the contacts at the end, and whether all contact problems were solved."""
+    """Move a cube by dt; return the contacts at the end, and whether all contact problems were solved.
+
+    Moved: state (7,) position and quaternion, v (6,) linear and angular velocity, both in the plane's axes.
+    Memory: bend (3,), arms (8, 3), gaps (8,), near (8,), after (6,) and `last` (8, 4), see `exchange`.
+    """
     left, count, solved = dt, 0, True
     gravity = model[GRAVITY : GRAVITY + 3]
     calm = 2.0 * dt * abs(model[GRAVITY + 2])

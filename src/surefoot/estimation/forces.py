@@ -43,11 +43,11 @@ class ForceEstimate:
     forces
         (sum of dims,) contact forces (wrenches of soles), contact frames, in the stance's order [N, N m].
     std
-        Standard deviation of each, from those of torques and acceleration; infinite where the measurements
-        do not tell it.
+        (sum of dims,) standard deviation of each [N, N m], from those of torques and acceleration; infinite
+        where the measurements do not tell it.
     misfit
-        Root mean square of what is left over, in standard deviations: about one for a good model, far above
-        one where something else acts on the robot; zero where nothing is over-determined.
+        Root mean square of what is left over, in standard deviations [-]: about one for a good model, far
+        above one where something else acts on the robot; zero where nothing is over-determined.
     lawful
         Whether the estimated forces themselves obey friction and push.
     explainable
@@ -69,7 +69,7 @@ class ForceEstimate:
     stance: Stance
 
     def by_contact(self) -> dict[str, FloatArray]:
-        """Return the force (3,) or wrench (6,) of each contact by its name."""
+        """Return the force (3,) [N] or wrench (6,) [N, N m] of each contact by its name."""
         return {c.name: self.forces[part] for c, part in zip(self.stance, self.stance.slices, strict=True)}
 
 
@@ -93,13 +93,14 @@ def estimate_forces(
     robot
         With a floating base.
     q, v, a
-        (nq,) configuration, (nv,) velocity and acceleration in Pinocchio's order and coordinates.
+        (nq,) configuration [m, -, rad], (nv,) velocity [m/s, rad/s] and acceleration [m/s², rad/s²] in
+        Pinocchio's order and coordinates.
     tau
         (joints,) torques of the joints [N m].
     feet
         Names of the feet that touch; None for all.
     mu, terrain
-        Friction, one or one per foot, and the ground (None: flat); for the question of lawfulness only.
+        Friction [-], one or one per foot, and the ground (None: flat); for the question of lawfulness only.
     torque_std
         Standard deviation of a torque [N m].
     acceleration_std

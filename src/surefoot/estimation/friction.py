@@ -143,12 +143,12 @@ class FrictionTracker:
         return FrictionBounds(self._low.copy(), high, self._sliding.copy())
 
     def believed(self, assumed: float, margin: float = 0.1) -> FloatArray:
-        """Return (p,) friction to plan with: what was assumed, within what is known.
+        """Return (p,) friction [-] to plan with: what was assumed, within what is known.
 
         Parameters
         ----------
         assumed
-            Where nothing is known.
+            Friction [-] where nothing is known.
         margin
             Share that is left of the friction that a slide showed.
 

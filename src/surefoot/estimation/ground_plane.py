@@ -75,7 +75,7 @@ class GroundPoints:
     resting: bool
 
     def planes(self, weights: FloatArray) -> FloatArray:
-        """Return (S, 3) height and slopes for (S, B) weights of the tosses, by least squares."""
+        """Return (S, 3) height [m] and slopes [-] for (S, B) weights of the tosses, by least squares."""
         x = np.column_stack([np.ones(len(self.points)), self.points[:, :2]])
         w = weights * self.use
         normal = np.einsum("sb,bi,bj->sij", w, x, x)

@@ -62,11 +62,11 @@ class TossFit:
     train, test
         Errors on the tosses it was fitted to, and on the others (None without any).
     train_poses, test_poses
-        (N, 7) the simulated positions and quaternions behind them.
+        (N, 7) the simulated positions [m] and quaternions (x, y, z, w) behind them.
     position_noise, rotation_noise
         Standard deviations of a recorded coordinate [m] and angle [rad], from free flight.
     evaluations, seconds
-        How often all tosses were simulated, and how long the fit took.
+        How often all tosses were simulated [-], and how long the fit took [s].
     notes
         What to know about the result, a line each.
     """
@@ -106,7 +106,7 @@ class Surroundings:
 
 
 def surroundings(tosses: Tosses, draws: FloatArray) -> Surroundings:
-    """Find ground, gravity and first states; `draws` are (S, B) weights of bootstrap samples."""
+    """Find ground, gravity and first states; `draws` are (S, B) weights [-] of bootstrap samples."""
     notes = []
     points = ground_points(tosses)
     every = np.ones((1, len(tosses)))

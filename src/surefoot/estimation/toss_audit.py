@@ -166,7 +166,7 @@ def audit_tosses(tosses: Tosses, mu: float | None = None, rounding: float | None
     tosses
         Eight at least.
     mu, rounding
-        Friction of the ground, and the radius of the corners [half sides]; None for the upper ends of what
+        Friction of the ground [-], and the radius of the corners [half sides]; None: the upper ends of what
         `identify` finds.
 
     Raises

@@ -22,11 +22,11 @@ class TossErrors:
     Attributes
     ----------
     position
-        (B,) distance of the centres, in sides.
+        (B,) distance of the centres, in sides of the cube [-].
     rotation
         (B,) angle between the orientations [deg].
     corners
-        (B,) root mean square distance of the eight corners, in sides: both in one number.
+        (B,) root mean square distance of the eight corners, in sides of the cube [-]: both in one number.
     """
 
     position: FloatArray
@@ -35,7 +35,7 @@ class TossErrors:
 
 
 def toss_errors(tosses: Tosses, poses: FloatArray) -> TossErrors:
-    """Return the errors of (N, 7) poses, row by row those of the tosses."""
+    """Return the errors of (N, 7) poses (position [m], quaternion), row by row those of the tosses."""
     good = np.asarray(np.all(np.isfinite(poses), axis=1))
     poses = np.where(good[:, None], poses, tosses.states[:, :7])
     away = np.linalg.norm(poses[:, :3] - tosses.states[:, :3], axis=1)
@@ -65,7 +65,7 @@ class Difference:
 
 
 def paired_difference(ours: FloatArray, rival: FloatArray, seed: int = 0, count: int = 4000) -> Difference:
-    """Return the mean of ours - rival over (B,) tosses, with its interval.
+    """Return the mean of ours - rival over (B,) tosses, with its interval, in the unit of both.
 
     Raises
     ------

@@ -153,7 +153,7 @@ def _ground_variance(motion: TossMotion, points: GroundPoints) -> FloatArray:
 
 
 def penetration(motion: TossMotion, points: GroundPoints, rounding: float = 0.0) -> TossLaw:
-    """Judge the depth of the deepest corner, `rounding` half sides round.
+    """Judge the depth of the deepest corner [m], `rounding` half sides round.
 
     Noise moves it and turns it about the centre, and the ground is known as well as `points` tell it.
     """
@@ -187,7 +187,7 @@ def free_motion(motion: TossMotion) -> Iterator[TossLaw]:
 
 
 def contact_cone(motion: TossMotion, mu: float) -> Iterator[TossLaw]:
-    """Judge the mean force of two frames where a corner may touch: its distance from the cone."""
+    """Judge the mean force of two frames where a corner may touch: its distance from the cone of mu [-]."""
     judged, normal = motion.whole & motion.near, motion.normal
     limit = stats.chi.isf(CHANCE / max(int(judged.sum()), 1), 3) * motion.push_noise
     factor = motion.tosses.cube.mass / motion.tosses.dt**2

@@ -33,7 +33,7 @@ class Parameter:
     logarithmic: bool = False
 
     def value(self, share: FloatArray) -> FloatArray:
-        """Return the value for shares of the range in [0, 1], 0 being `low`."""
+        """Return the values (...,), in `unit`, for shares (...,) of the range in [0, 1], 0 being `low`."""
         if self.logarithmic:
             return np.asarray(self.low * (self.high / self.low) ** share)
         return np.asarray(self.low + (self.high - self.low) * share)
@@ -66,7 +66,7 @@ class Scene(NamedTuple):
     cube: Cube
 
     def subset(self, which: IntArray) -> Scene:
-        """Return the scene of the tosses with these indices."""
+        """Return the scene of the tosses with these indices (b,)."""
         return self._replace(starts=self.starts[which], frames=self.frames[which])
 
 
@@ -84,5 +84,5 @@ class TossModel(Protocol):
         ...
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
-        """Return (sum of frames, 7) positions and quaternions, for (d,) values of the parameters."""
+        """Return (sum of frames, 7) positions [m] and quaternions, for (d,) values of the parameters."""
         ...

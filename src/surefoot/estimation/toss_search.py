@@ -74,7 +74,7 @@ class Trials:
         self.simulated = 0
 
     def add(self, points: FloatArray, tick: Callable[[float], None]) -> None:
-        """Simulate all tosses at (n, d) points, as shares of the ranges."""
+        """Simulate all tosses at (n, d) points, each number a share of its range."""
         for point in points:
             poses = self._model.rollout(values_of(self._model, point), self._scene)
             self.errors = np.vstack([self.errors, toss_errors(self._tosses, poses).corners])
@@ -83,13 +83,13 @@ class Trials:
         self.points = np.vstack([self.points, points])
 
     def losses(self, use: BoolArray) -> FloatArray:
-        """Return (n, B) the robust losses of the points in use."""
+        """Return (n, B) the robust losses [-] of the points in use."""
         means = np.median(self.errors, axis=1)
         c = max(float(means.min()), FLOOR)
         return np.asarray(np.sqrt(c * c + self.errors[use] ** 2) - c)
 
     def surface(self, centre: FloatArray, half: FloatArray) -> ResponseSurface:
-        """Return the response surface over a box, from all points in or just outside of it."""
+        """Return the response surface over a box, centre and half sides (d,), from points in or near it."""
         use = self._near(centre, half)
         return ResponseSurface(self.points[use], self.losses(use), centre, half)
 
@@ -97,7 +97,7 @@ class Trials:
         return np.asarray(np.all(np.abs(self.points - centre) <= 1.25 * half, axis=1))
 
     def best(self) -> FloatArray:
-        """Return the point of least mean loss."""
+        """Return the point (d,) of least mean loss."""
         return np.asarray(
             self.points[int(np.argmin(self.losses(np.ones(len(self.points), bool)).mean(axis=1)))]
         )
@@ -117,7 +117,7 @@ def _design(centre: FloatArray, half: FloatArray, count: int, seed: int) -> Floa
 
 
 def spread_evenly(tosses: Tosses, count: int) -> IntArray:
-    """Return the indices of so many tosses, evenly spread, or of all."""
+    """Return the indices (count,) of so many tosses, evenly spread, or of all."""
     return np.unique(np.linspace(0, len(tosses) - 1, min(count, len(tosses))).round().astype(np.int64))
 
 

@@ -64,7 +64,7 @@ class Tosses:
     Attributes
     ----------
     states
-        (N, 13), see the module.
+        (N, 13) position, quaternion, velocity, angular velocity [m, -, m/s, rad/s], see the module.
     starts
         (B + 1,) first row of each toss, and the end.
     dt

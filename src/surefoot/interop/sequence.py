@@ -139,7 +139,7 @@ class ContactSequence:
         return self.phases[phase].stance.halfspaces(self.facets, self.fit)
 
     def bounded_rows(self, phase: int) -> tuple[FloatArray, FloatArray]:
-        """Return A (m, dim) and b (m,) of A @ forces <= b, without rows that bound nothing."""
+        """Return A (m, dim) [-, m], b (m,) [N, N m] of A @ forces <= b, without rows that bound nothing."""
         rows = self.halfspaces(phase)
         kept = np.isfinite(rows.b)
         return rows.A[kept], rows.b[kept]

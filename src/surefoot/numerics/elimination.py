@@ -90,6 +90,7 @@ def _lu_pairs(A: FloatArray, b: FloatArray, m: int) -> bool:
             break
         inverse = 1.0 / A[k, k]
         for i in range(k + 1, m):
+            # the second column must be up to date before its pivot is chosen
             A[i, k] *= inverse
             A[i, k + 1] -= A[i, k] * A[k, k + 1]
         if not _pivot(A, b, k + 1, m, k):
@@ -123,6 +124,7 @@ def lu_solve_many(A: FloatArray, B: FloatArray, m: int) -> bool:
         for i in range(k + 1, m):
             if abs(A[i, k]) > abs(A[pivot, k]):
                 pivot = i
+        # zero, or not a number
         if not abs(A[pivot, k]) > 0.0:
             return False
         if pivot != k:

@@ -16,6 +16,7 @@ def factor(U: FloatArray) -> None:
     k = 0
     while k + 4 <= n:
         a, b, c, d = U[k], U[k + 1], U[k + 2], U[k + 3]
+        # the four pivot rows among themselves ...
         p = 1.0 / a[k]
         s = a[k + 1] * p
         for j in range(k + 1, n):
@@ -29,12 +30,14 @@ def factor(U: FloatArray) -> None:
         for j in range(k + 3, n):
             d[j] -= s * a[j] + t * b[j] + u * c[j]
         w = 1.0 / d[k + 3]
+        # ... then all rows below, in one pass
         for i in range(k + 4, n):
             row = U[i]
             s, t, u, v = a[i] * p, b[i] * q, c[i] * r, d[i] * w
             for j in range(i, n):
                 row[j] -= s * a[j] + t * b[j] + u * c[j] + v * d[j]
         k += 4
+    # what is left of four
     for m in range(k, n - 1):
         a = U[m]
         p = 1.0 / a[m]

@@ -84,6 +84,7 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
             if s > best:
                 best, at = s, j
         length = math.sqrt(best)
+        # what is left of every row is rounding: the rank is reached
         if length <= RANK_TOLERANCE * first[at] or length <= RANK_TOLERANCE * 1e-3:
             return k
         for i in range(m):
@@ -153,9 +154,11 @@ def turn_first_row(Q: FloatArray, rank: int, a: FloatArray, h: FloatArray, b: Fl
     size = 0.0
     for j in range(rank):
         h[j] = a[j] / length
+    # the reflector of a / ||a|| and e_1: h = (a / ||a|| - e_1) / || · || (Householder)
     h[0] -= 1.0
     for j in range(rank):
         size += h[j] * h[j]
+    # it points there already
     if size < 1e-30:
         for j in range(rank):
             h[j] = 0.0

@@ -64,6 +64,7 @@ def solve_six(H: Lower, F: Six) -> Six:
     d4 = 1.0 / a44
     l54 = a54 * d4
     a55 = H[20] - l50 * H[15] - l51 * a51 - l52 * a52 - l53 * a53 - l54 * a54
+    # L z = -F, then Lᵀ x = D⁻¹ z
     x0 = -F[0]
     x1 = -F[1] - l10 * x0
     x2 = -F[2] - l20 * x0 - l21 * x1

@@ -110,7 +110,7 @@ class Plan(Log):
 
     @property
     def cost(self) -> float:
-        """Of the method's own objective."""
+        """Of the method's own objective, in the unit of that."""
         return float(self.facts["cost"])
 
     @property

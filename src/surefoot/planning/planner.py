@@ -41,7 +41,7 @@ def plan(
     amount
         The task's number, a distance or height [m] or a speed [m/s]; None for the task's default.
     mu
-        Friction of the ground.
+        Friction of the ground [-].
     dt
         Length of a knot [s]; None for the task's.
     knots

@@ -36,9 +36,9 @@ class Trajectory:
     dt
         Length of a knot [s].
     mu
-        Friction of the ground.
+        Friction of the ground [-].
     q, v
-        (N + 1, nq), (N + 1, nv) configurations and velocities, Pinocchio's order.
+        (N + 1, nq), (N + 1, nv) configurations [m, -, rad] and velocities [m/s, rad/s], Pinocchio's order.
     torques
         (N, joints) [N m].
     impulses
@@ -50,7 +50,7 @@ class Trajectory:
     speeds
         (N, p, 3) velocities of the contact points that go with the impulses, contact axes [m/s].
     residuals
-        (N,) velocity error of each knot's contact problem, NaN where the motion was lost.
+        (N,) velocity error of each knot's contact problem [-], NaN where the motion was lost.
     solved
         (N,) whether it is solved to `TOLERANCE`.
     """
@@ -105,14 +105,14 @@ def rollout(
     robot
         Whose feet touch the ground.
     q, v
-        (nq,), (nv,) the first state, Pinocchio's order.
+        (nq,), (nv,) the first state [m, -, rad] and [m/s, rad/s], Pinocchio's order.
     torques
         (N, joints) [N m], or a policy that is asked at every knot; the torques that it gives become those of
         the trajectory.
     dt
         Length of a knot [s].
     mu
-        Friction of the ground.
+        Friction of the ground [-].
     terrain
         None for flat ground.
     steps

@@ -101,19 +101,19 @@ def cone_program(p: Program) -> ConeProgram:
 
 
 def objective(p: Program, x: FloatArray) -> float:
-    """Return ||A f - w||²_W + r ||f||², which is zero at best."""
+    """Return ||A f - w||²_W + r ||f||² [N²] for x (m,), the forces that are on: zero at best."""
     w = p.instance.wrench
     return float(x @ p.H @ x + 2.0 * p.h @ x + w @ (WRENCH_WEIGHTS * w))
 
 
 def facet_violation(p: Program, x: FloatArray) -> float:
-    """Return by how much x breaks the program's own facets and bounds [N]."""
+    """Return by how much x (m,) breaks the program's own facets and bounds [N]."""
     worst = max(float((p.low - x).max()), float((x - p.high).max()), 0.0)
     return worst if p.C is None else max(worst, float((p.C @ x).max()))
 
 
 def cone_violation(instance: Instance, forces: FloatArray) -> float:
-    """Return the largest distance of a force to its exact truncated cone [N]; NaN if a force is NaN."""
+    """Return the largest distance of (n, 3) forces to their exact truncated cones [N]; NaN for a NaN."""
     f = forces[instance.active]
     mu, low, high = (v[instance.active] for v in (instance.mu, instance.normal_min, instance.normal_max))
     t = np.hypot(f[:, 0], f[:, 1])
@@ -122,6 +122,6 @@ def cone_violation(instance: Instance, forces: FloatArray) -> float:
 
 
 def shortfall(instance: Instance, forces: FloatArray) -> float:
-    """Return the weighted wrench error ||A f - w||_W."""
+    """Return the weighted wrench error ||A f - w||_W [N] of (n, 3) forces."""
     e = instance.grasp_map @ forces.ravel() - instance.wrench
     return math.sqrt(float(e @ (WRENCH_WEIGHTS * e)))

@@ -10,7 +10,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
-from surefoot.spatial import rotation_from_quaternion, skew
+from surefoot.spatial import GRAVITY, rotation_from_quaternion, skew
 
 CLASSES = ("easy", "near-boundary", "infeasible-wrench")
 FEET = np.array([[0.19, 0.14, 0.0], [0.19, -0.14, 0.0], [-0.19, 0.14, 0.0], [-0.19, -0.14, 0.0]])
@@ -45,12 +45,12 @@ class Instance:
 
 
 def random_rotation(rng: np.random.Generator) -> FloatArray:
-    """Return a rotation uniform over all rotations."""
+    """Return a rotation (3, 3) uniform over all rotations."""
     return rotation_from_quaternion(rng.normal(size=4))
 
 
 def tilted(rng: np.random.Generator, largest: float) -> FloatArray:
-    """Return a rotation whose z axis leans by up to `largest` [rad], turned at random about it."""
+    """Return a rotation (3, 3) whose z axis leans by up to `largest` [rad], turned at random about it."""
     lean, heading, turn = largest * rng.uniform(), *rng.uniform(0.0, 2.0 * np.pi, 2)
     axis = np.array([np.cos(heading), np.sin(heading), 0.0]) * np.sin(0.5 * lean)
     quaternion = np.array([*axis, np.cos(0.5 * lean)])
@@ -140,7 +140,7 @@ def pushed_stance(count: int = 500, period: float = 0.002) -> list[Instance]:
                 sway = sway + 0.03 * swing * heading
         arms = FEET - CENTRE_OF_MASS - np.array([*sway, 0.0])
         moment = 0.06 * np.array([-force[1], force[0], 0.1 * force[0]])
-        w = np.array([*force, 16.1 * 9.81 + 10.0 * np.sin(9.0 * t), *moment])
+        w = np.array([*force, 16.1 * GRAVITY + 10.0 * np.sin(9.0 * t), *moment])
         out.append(Instance(grasp_map(rotations, arms), w, mu, low, high))
     return out
 

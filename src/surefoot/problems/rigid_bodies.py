@@ -36,18 +36,18 @@ class Scene:
     contacts: list[tuple[int, int, FloatArray, FloatArray, float]] = field(default_factory=list)
 
     def box(self, centre: FloatArray, size: FloatArray, mass: float, twist: FloatArray | None = None) -> int:
-        """Add a box with edges `size` [m]; return its number."""
+        """Add a box with edges `size` (3,) [m] at a centre (3,) with a twist (6,); return its number."""
         a, b, c = np.asarray(size) ** 2
         return self.body(centre, mass, np.diag([b + c, a + c, a + b]) * mass / 12.0, twist)
 
     def sphere(self, centre: FloatArray, radius: float, mass: float, twist: FloatArray | None = None) -> int:
-        """Add a solid sphere; return its number."""
+        """Add a solid sphere at a centre (3,) [m] with a twist (6,) [m/s, rad/s]; return its number."""
         return self.body(centre, mass, 0.4 * mass * radius**2 * np.eye(3), twist)
 
     def body(
         self, centre: FloatArray, mass: float, inertia: FloatArray, twist: FloatArray | None = None
     ) -> int:
-        """Add a body; return its number."""
+        """Add a body: centre (3,) [m], inertia (3, 3) [kg m²], twist (6,) [m/s, rad/s]; return its number."""
         self.masses.append(float(mass))
         self.inertias.append(np.asarray(inertia, dtype=np.float64))
         self.centres.append(np.asarray(centre, dtype=np.float64))
@@ -55,7 +55,7 @@ class Scene:
         return len(self.masses) - 1
 
     def touch(self, body: int, other: int, point: FloatArray, normal: FloatArray, mu: float) -> None:
-        """Add a contact; the normal points from `other` (-1: the ground) into `body`."""
+        """Add a contact at a point (3,) [m]; the normal (3,) is from `other` (-1: the ground) into `body`."""
         self.contacts.append(
             (body, other, np.asarray(point, dtype=np.float64), np.asarray(normal, dtype=np.float64), mu)
         )

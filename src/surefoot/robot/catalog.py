@@ -40,7 +40,7 @@ def sole(x: tuple[float, float], y: tuple[float, float], z: float) -> FootShape:
 
 
 def ball(radius: float) -> FootShape:
-    """Return the shape of a foot or wheel that touches the ground like a sphere about its frame's origin."""
+    """Return the shape of a foot that touches like a sphere of `radius` [m] about its frame's origin."""
     return FootShape(((0.0, 0.0, 0.0),), radius)
 
 

@@ -51,7 +51,7 @@ def link_inertia(mass: float, centre: FloatArray, rotation: FloatArray, inertia:
 
 
 def joint_columns(model: Any, q: FloatArray) -> tuple[list[Any], FloatArray]:
-    """Return the joints' placements in the world and their motion subspaces S: (6, nv), world axes.
+    """Return the joints' placements in the world and motion subspaces S: (6, nv) [m, -], world axes.
 
     Forward kinematics from the root; only a joint's own transform and subspace are Pinocchio's.
     """
@@ -71,7 +71,7 @@ def joint_columns(model: Any, q: FloatArray) -> tuple[list[Any], FloatArray]:
 
 
 def composite_momentum_matrix(model: Any, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return A_G, I_G and the centre of mass by the composite-rigid-body algorithm.
+    """Return A_G (6, nv), I_G and the centre of mass [m] by the composite-rigid-body algorithm.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def _about_com(momentum: FloatArray, total: FloatArray) -> tuple[FloatArray, Flo
 
 
 def summed_momentum_matrix(model: Any, q: FloatArray) -> FloatArray:
-    """Return A_G link by link: the sum of I_i J_i, with J_i the dense Jacobian of link i: (6, nv).
+    """Return A_G link by link: the sum of I_i J_i, J_i the dense Jacobian of link i: (6, nv) [kg, kg m].
 
     The third opinion, and what the composites save: each link multiplies a Jacobian as wide as the
     robot.

@@ -50,7 +50,7 @@ class Momentum:
 
     @property
     def vector(self) -> FloatArray:
-        """(6,) [linear; angular]."""
+        """(6,) [linear; angular] [N s, N m s]."""
         return np.concatenate([self.linear, self.angular])
 
     @property
@@ -74,7 +74,7 @@ class Momentum:
 
 
 def momentum_matrix(robot: Robot, q: ArrayLike) -> FloatArray:
-    """Return A_G with h = A_G v: (6, nv)."""
+    """Return A_G with h = A_G v: (6, nv) [kg, kg m for a rate in m/s]."""
     import pinocchio
 
     return np.array(pinocchio.computeCentroidalMap(robot.model, robot.data, robot.configuration(q)))
@@ -92,7 +92,7 @@ def centroidal_inertia(robot: Robot, q: ArrayLike) -> FloatArray:
 
 
 def momentum(robot: Robot, q: ArrayLike, v: ArrayLike) -> Momentum:
-    """Return the momentum at a configuration (nq,) and velocity (nv,)."""
+    """Return the momentum at a configuration (nq,) and velocity (nv,) [m/s, rad/s]."""
     import pinocchio
 
     velocity = finite_array("v", v, (robot.model.nv,))
@@ -173,7 +173,7 @@ def base_velocity_for(
 
 
 def base_velocity_to_world_axes(robot: Robot, q: ArrayLike) -> FloatArray:
-    """Return the (nv, nv) matrix T that takes v to one whose base velocity has world axes.
+    """Return the (nv, nv) rotation T that takes v to one whose base velocity has world axes.
 
     A_G T⁻¹ then has the mass block m 1 (and lever block -m [c - p]x) of the textbooks.
     """

@@ -73,7 +73,7 @@ def bias_forces(robot: Robot, q: ArrayLike, v: ArrayLike) -> FloatArray:
 
 
 def generalised_torque(robot: Robot, torque: ArrayLike) -> FloatArray:
-    """Return (nv,) generalised forces from (joints,) torques (the base has no motor) or from (nv,) ones."""
+    """Return (nv,) generalised forces [N, N m] from (joints,) torques (a base has no motor) or (nv,) ones."""
     tau = finite_array("torque", torque)
     if tau.shape == (robot.joints,):
         return np.concatenate([np.zeros(robot.base_dof), tau])
@@ -149,7 +149,7 @@ def delassus_dense(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray
 
 
 def delassus_factorised(robot: Robot, q: ArrayLike, contacts: Contacts) -> FloatArray:
-    """Return the same G from Pinocchio's sparse Cholesky factors of the constrained system.
+    """Return the same (m, m) G [1/kg] from Pinocchio's sparse Cholesky factors of the constrained system.
 
     The factorisation follows the branches of the tree and skips the zeros between them [2]_; the Jacobian
     in it is Pinocchio's own.

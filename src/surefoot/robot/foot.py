@@ -88,7 +88,7 @@ def read_foot(model: Any, geometry: Any, name: str, rotation_world_foot: FloatAr
     name
         The foot's frame, which must exist.
     rotation_world_foot
-        (3, 3) orientation of the frame in the nominal pose.
+        (3, 3) rotation of the frame in the nominal pose.
     """
     frame = model.getFrameId(name)
     joint_from_foot = model.frames[frame].placement

@@ -91,7 +91,7 @@ def attach(robot: Robot, q: ArrayLike, stance: Stance) -> tuple[Attachment, ...]
         Each contact's name must be one of its frames (`Robot.stance` names them so; corners of a patch,
         "foot.0", belong to "foot") or a foot's short name.
     q
-        (nq,) configuration; a hand on a wall is a contact like any other.
+        (nq,) configuration [m, -, rad]; a hand on a wall is a contact like any other.
     stance
         Contacts in world axes.
 
@@ -295,7 +295,7 @@ class Baumgarte:
         return self.frequency**2, 2.0 * self.damping_ratio * self.frequency
 
     def acceleration(self, velocity: FloatArray, error: FloatArray) -> FloatArray:
-        """Return the contact acceleration to ask for, J v̇ + J̇ v, from J v and the error."""
+        """Return the acceleration J v̇ + J̇ v (m,) [m/s²] to ask for, from J v [m/s] and the error [m]."""
         kp, kd = self.gains
         return -kd * velocity - kp * error
 
@@ -343,7 +343,7 @@ def _check(reference: str) -> None:
 
 
 def attached(robot: Robot, q: FloatArray, contacts: Contacts) -> Sequence[Attachment]:
-    """Return the contacts of a stance attached at a configuration (nq,); attached ones as they are."""
+    """Return a stance's contacts attached at a configuration (nq,) [m, -, rad], attached ones as they are."""
     return attach(robot, q, contacts) if isinstance(contacts, Stance) else contacts
 
 

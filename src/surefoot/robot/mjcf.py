@@ -313,5 +313,5 @@ class _Builder:
 
 
 def nominal_of(poses: dict[str, FloatArray], names: Sequence[str] = POSES) -> FloatArray | None:
-    """Return the keyframe that is a nominal pose, None if there is none."""
+    """Return the keyframe (nq,) [m, -, rad] that is a nominal pose, None if there is none."""
     return next((poses[name].copy() for name in names if name in poses), None)

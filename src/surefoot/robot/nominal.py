@@ -38,7 +38,7 @@ def bend_legs(model: Any, q: FloatArray, feet: Sequence[str], flat: Sequence[boo
     model
         Pinocchio's Model.
     q
-        (nq,) starting pose; the base and all joints outside the legs stay as they are.
+        (nq,) starting pose [m, -, rad]; the base and all joints outside the legs stay as they are.
     feet
         Names of the foot frames.
     flat

@@ -41,7 +41,7 @@ def place(
     tol: float = 1e-9,
     at: ArrayLike = (0.0, 0.0),
 ) -> FloatArray:
-    """Return a configuration that stands on the terrain about a place.
+    """Return a configuration (nq,) [m, -, rad] that stands on the terrain about a place.
 
     The base takes the terrain's slope at that place (and stays level on flat feet, whose ankles take
     up the slope), every contact sphere touches the ground, and the
@@ -56,7 +56,7 @@ def place(
     terrain
         None for flat ground.
     q
-        (nq,) pose whose joints to stay near; None for the nominal one.
+        (nq,) pose [m, -, rad] whose joints to stay near; None for the nominal one.
     tol
         Largest distance between a foot and the ground [m].
     at
@@ -88,7 +88,7 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: 
     slope = np.eye(3) if level else ground.frame([0.0, 0.0])
     rotation = slope @ rotation_from_quaternion(robot.nominal[3:7])  # some bases have other axes
     middle = robot.foot_positions(start).mean(axis=0)
-    lowest = min(robot._sphere_bottoms(start))
+    lowest = min(robot.sphere_bottoms(start))
     start[:3] = slope @ (start[:3] - [middle[0], middle[1], lowest])
     start[2] += float(ground.height([0.0, 0.0]))
     start[3:7] = quaternion_from_rotation(rotation)

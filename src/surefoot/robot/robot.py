@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
@@ -44,7 +45,7 @@ class Robot:
     feet
         Where it can touch the ground, see `Foot`.
     nominal
-        (nq,) the pose to stand in, at the height where the feet touch z = 0.
+        (nq,) the pose to stand in [m, -, rad], at the height where the feet touch z = 0.
     floating
         Whether the base is free.
     """
@@ -75,7 +76,7 @@ class Robot:
             )
         if floating and self.feet:
             self.nominal = nominal.copy()
-            self.nominal[2] -= min(self._sphere_bottoms(nominal))
+            self.nominal[2] -= min(self.sphere_bottoms(nominal))
 
     def __repr__(self) -> str:
         return f"Robot({self.name!r}, mass={self.mass:.3f}, joints={self.joints}, feet={self.foot_names})"
@@ -138,7 +139,7 @@ class Robot:
         raise ModelError(unknown_name(f"foot of {self.name}", name, self.foot_names))
 
     def configuration(self, q: ArrayLike | None = None) -> FloatArray:
-        """Return q checked (nominal for None), its quaternion normalised: (nq,)."""
+        """Return q checked (nominal for None), its quaternion normalised: (nq,) [m, -, rad]."""
         if q is None:
             return self.nominal.copy()
         out = finite_array("q", q, (self.model.nq,))
@@ -178,9 +179,9 @@ class Robot:
         Parameters
         ----------
         q
-            (nq,); None for the nominal pose.
+            (nq,) [m, -, rad]; None for the nominal pose.
         mu
-            Friction coefficient, one or one per foot.
+            Friction coefficient [-], one or one per foot.
         terrain
             None for flat ground.
         feet
@@ -210,8 +211,17 @@ class Robot:
 
         pinocchio.framesForwardKinematics(self.model, self.data, q)
 
-    def _sphere_bottoms(self, q: FloatArray) -> list[float]:
-        """Return the lowest height of every contact sphere [m]."""
+    def without_meshes(self) -> Robot:
+        """Return the same robot without its geometry models, small enough to be sent to another process."""
+        import pinocchio
+
+        out = copy.copy(self)
+        out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
+        out.__dict__.pop("visual", None)
+        return out
+
+    def sphere_bottoms(self, q: FloatArray) -> list[float]:
+        """Return the lowest height of every contact sphere [m] at q (nq,) [m, -, rad]."""
         self._forward(q)
         return [float(self.data.oMf[f.frame].act(c)[2]) - f.radius for f in self.feet for c in f.centres]
 

@@ -7,7 +7,6 @@ number: robots are apart, and a step depends on its own state alone.
 
 from __future__ import annotations
 
-import copy
 import multiprocessing
 from dataclasses import dataclass
 from itertools import pairwise
@@ -63,7 +62,7 @@ class RigidBatch:
     count
         Number of robots.
     mu
-        Friction of the ground, a number or (count,).
+        Friction of the ground [-], a number or (count,).
     payload
         Point mass fixed to the base's origin [kg], a number or (count,).
     options
@@ -115,7 +114,17 @@ class RigidBatch:
         self._rest: list[tuple[Connection, Any]] = []
         for start, stop in pairwise(edges[1:]):
             here, there = context.Pipe()
-            arguments = (there, _lean(robot), terrain, self.options, loads, raw, shapes, start, stop)
+            arguments = (
+                there,
+                robot.without_meshes(),
+                terrain,
+                self.options,
+                loads,
+                raw,
+                shapes,
+                start,
+                stop,
+            )
             process = context.Process(target=_serve, args=arguments, daemon=True)
             process.start()
             self._rest.append((here, process))
@@ -139,11 +148,11 @@ class RigidBatch:
         self._everywhere(("reset", chosen))
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (count, nq) and v (count, nv)."""
+        """Return q (count, nq) [m, -, rad] and v (count, nv) [m/s, rad/s]."""
         return self._arrays["q"].copy(), self._arrays["v"].copy()
 
     def set_friction(self, mu: ArrayLike) -> None:
-        """Change the friction of the ground, a number or (count,), from the next step on."""
+        """Change the friction of the ground [-], a number or (count,), from the next step on."""
         self._arrays["mu"][:] = per_robot("mu", mu, self.count)
 
     def step(self, torques: ArrayLike, push: ArrayLike | None = None, repeat: int = 1) -> BatchStep:
@@ -257,23 +266,13 @@ def _serve(
             pipe.send(None)
 
 
-def _lean(robot: Robot) -> Robot:
-    """Return a robot without meshes, which can be sent to another process; contact spheres stay."""
-    import pinocchio
-
-    out = copy.copy(robot)
-    out.collision, out._load_visual = pinocchio.GeometryModel(), pinocchio.GeometryModel
-    out.__dict__.pop("visual", None)
-    return out
-
-
 def _view(raw: Any, shape: tuple[int, ...]) -> FloatArray:
     """Return shared memory as an array."""
     return np.frombuffer(raw, dtype=np.float64).reshape(shape)
 
 
 def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
-    """Return a number or (count,) as (count,), finite and not negative."""
+    """Return a number or (count,), in any unit, as (count,), finite and not negative."""
     array = real_array(name, value)
     if array.shape not in ((), (count,)) or not np.isfinite(array).all() or (array < 0.0).any():
         raise ProblemError(f"{name} must be a number >= 0 or have shape ({count},), got {value!r}")
@@ -281,7 +280,7 @@ def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
 
 
 def rows_per_robot(name: str, value: ArrayLike, count: int, width: int) -> FloatArray:
-    """Return (width,) or (count, width) as the latter."""
+    """Return (width,) or (count, width), in any unit, as the latter."""
     array = finite_array(name, value)
     if array.shape not in ((width,), (count, width)):
         raise ProblemError(f"{name} must have shape ({width},) or ({count}, {width}), got {array.shape}")

@@ -74,7 +74,7 @@ class ActiveFaults:
         self.weak = bool((self.strength != 1.0).any())
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the state as the controller sees it."""
+        """Return the state, q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s], as the controller sees it."""
         if self.noise == 0.0:
             return q, v
         r, level = self.generator, self.noise
@@ -91,7 +91,7 @@ class ActiveFaults:
         return q, v
 
     def act(self, torques: FloatArray) -> FloatArray:
-        """Return the torques that the motors give: late and weakened."""
+        """Return the torques (joints,) [N m] that the motors give: late and weakened."""
         if self.late:
             self._queue.append(torques)
             torques = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()
@@ -99,7 +99,7 @@ class ActiveFaults:
 
 
 def believed_robot(robot: Robot, mass_factor: float) -> Robot:
-    """Return the robot as a controller with a wrong mass sees it: all inertias scaled, all else the same.
+    """Return the robot as a controller with a wrong mass sees it: all inertias scaled by a factor [-].
 
     Raises
     ------

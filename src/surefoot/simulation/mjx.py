@@ -91,29 +91,29 @@ class MjxWorld(MujocoWorld):
         solimp: Sequence[float] | None = None,
     ) -> None:
         self._jax, self._mjx = import_mjx()
-        self._put: Any = None
+        self.on_device: Any = None
         super().__init__(robot, terrain, mu, dt, payload, solref=solref, solimp=solimp)
-        self._put = self._mjx.put_model(self.model)
+        self.on_device = self._mjx.put_model(self.model)
         self.reset(robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         super().reset(q, v)
-        if self._put is not None:
-            self._still = self._mjx.put_data(self.model, self.data)
+        if self.on_device is not None:
+            self.at_rest = self._mjx.put_data(self.model, self.data)
             self._moving = {name: np.array(getattr(self.data, name)) for name in STATE}
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
         """Advance by `dt`; see `MujocoWorld.step`."""
         applied, external = np.zeros(self.model.nv), np.zeros((self.model.nbody, 6))
         applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
-        if push is not None and self._base:
-            external[self._base, :3] = finite_vector("push", push, 3)
+        if push is not None and self.base_body:
+            external[self.base_body, :3] = finite_vector("push", push, 3)
         data = self.data
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         # the same kinds of arrays every time, or JAX would compile again
         given = {**self._moving, "qfrc_applied": applied, "xfrc_applied": external}
-        state = _compiled()(self._put, self._still.replace(**given))
+        state = _compiled()(self.on_device, self.at_rest.replace(**given))
         moving = {name: np.asarray(getattr(state, name)) for name in STATE}
         if not np.abs(moving["qvel"]).max(initial=0.0) < LARGEST:
             raise self._lost()
@@ -135,7 +135,7 @@ class MjxWorld(MujocoWorld):
         return self.reading(read)
 
     def reading(self, read: dict[str, FloatArray]) -> ContactReading:
-        """Return forces, gaps and velocities at the feet's spheres from what a step `left_behind`."""
+        """Return forces (p, 3) [N], gaps (p,) [m], velocities at the feet from what a step `left_behind`."""
         centres = read["geom_xpos"][self._geoms]
         normals = self.terrain.normal(centres[:, :2])
         if not self.terrain.planar:
@@ -149,8 +149,8 @@ class MjxWorld(MujocoWorld):
         return ContactReading(forces, gaps, velocities, positions)
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground, from the next step on."""
+        """Change the friction of the ground [-], from the next step on."""
         super().set_friction(mu)
-        if self._put is not None:
+        if self.on_device is not None:
             friction = self._jax.numpy.asarray(self.model.geom_friction)
-            self._put = self._put.replace(geom_friction=friction)
+            self.on_device = self.on_device.replace(geom_friction=friction)

@@ -116,7 +116,7 @@ class MjxBatch:
         self._lost = np.where(chosen, False, self._lost)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (count, nq) and v (count, nv) in Pinocchio's order."""
+        """Return q (count, nq) [m, -, rad] and v (count, nv) [m/s, rad/s] in Pinocchio's order."""
         q, v = np.array(self._moving["qpos"]), np.array(self._moving["qvel"])
         if self.robot.floating:
             for k in range(self.count):
@@ -125,7 +125,7 @@ class MjxBatch:
         return q, v
 
     def set_friction(self, mu: ArrayLike) -> None:
-        """Change the friction of the ground, a number or (count,), from the next step on."""
+        """Change the friction of the ground [-], a number or (count,), from the next step on."""
         self._mu = per_robot("mu", mu, self.count)
 
     def step(self, torques: ArrayLike, push: ArrayLike | None = None, repeat: int = 1) -> MjxBatchStep:
@@ -143,15 +143,15 @@ class MjxBatch:
         external = np.zeros((count, world.model.nbody, 6))
         if push is not None:
             pushes = finite_array("push", push, (count, 3))
-            if world._base:
-                external[:, world._base, :3] = pushes
+            if world.base_body:
+                external[:, world.base_body, :3] = pushes
         if self._read is None:
-            first = {name: np.asarray(value) for name, value in left_behind(world._still).items()}
+            first = {name: np.asarray(value) for name, value in left_behind(world.at_rest).items()}
             self._read = {name: np.repeat(value[None], count, axis=0) for name, value in first.items()}
-        ground, mu = np.array(world._ground), np.maximum(self._mu, SLIPPERIEST)
+        ground, mu = np.array(world.ground_geoms), np.maximum(self._mu, SLIPPERIEST)
         moving, self._read, lost = _compiled()(
-            world._put,
-            world._still,
+            world.on_device,
+            world.at_rest,
             ground,
             repeat,
             self._moving,

@@ -87,14 +87,22 @@ class MujocoWorld:
     terrain
         None for flat ground.
     mu
-        Friction of the ground.
+        Friction of the ground [-].
     dt
         Length of a step [s].
     payload
         Point mass fixed to the base's origin [kg], unknown to any controller.
     solref, solimp
-        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others); a solimp of fewer
-        than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+        MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
+        damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
+        A solimp of fewer than five numbers takes MuJoCo's defaults for the rest. None for close to rigid.
+
+    Attributes
+    ----------
+    model, data
+        MuJoCo's own.
+    ground_geoms, base_body
+        Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
 
     Raises
     ------
@@ -135,8 +143,9 @@ class MujocoWorld:
         self._geoms = np.array(geoms, dtype=np.int64)
         self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
         self._roots = np.array(self.model.body_rootid)[self._bodies]
-        self._ground = [i for i in range(self.model.ngeom) if self.model.geom(i).name.startswith("ground")]
-        self._base = int(self.model.body("base:0").id) if robot.floating else 0
+        names = [self.model.geom(i).name for i in range(self.model.ngeom)]
+        self.ground_geoms = [i for i, name in enumerate(names) if name.startswith("ground")]
+        self.base_body = int(self.model.body("base:0").id) if robot.floating else 0
         self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(geoms)).reshape(-1, 3, 3)
         self.reset(robot.nominal)
 
@@ -146,7 +155,7 @@ class MujocoWorld:
         return float(self.data.time)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         q = self.robot.configuration(q)
         v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
         self._mujoco.mj_resetData(self.model, self.data)
@@ -159,7 +168,7 @@ class MujocoWorld:
         self._mujoco.mj_forward(self.model, self.data)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         q, v = np.array(self.data.qpos), np.array(self.data.qvel)
         if self.robot.floating:
             w, x, y, z = q[3:7].tolist()
@@ -185,8 +194,8 @@ class MujocoWorld:
         """
         data = self.data
         data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
-        if self._base:
-            data.xfrc_applied[self._base, :3] = 0.0 if push is None else finite_vector("push", push, 3)
+        if self.base_body:
+            data.xfrc_applied[self.base_body, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         self._mujoco.mj_step(self.model, data)
         if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
@@ -204,13 +213,13 @@ class MujocoWorld:
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground, from the next step on."""
-        self.model.geom_friction[self._ground, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+        """Change the friction of the ground [-], from the next step on."""
+        self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
     def softness(self, log: Log) -> dict[str, float]:
-        """Return the facts `sinking`, `creep`, `stopping` that the ground's softness means in a run's log."""
+        """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
-        return world_softness(self._mujoco, self.model, self._ground[0], self._bodies, log, load)
+        return world_softness(self._mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
@@ -351,7 +360,7 @@ def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> Non
 
 
 def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a floating-base MuJoCo state in Pinocchio's order: q (nq,), v (nv,)."""
+    """Return a MuJoCo state in Pinocchio's order: q (nq,) [m, -, rad], v (nv,) [m/s, rad/s]."""
     q, v = qpos.copy(), qvel.copy()
     q[3:7] = quaternion_xyzw(qpos[3:7])
     v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]

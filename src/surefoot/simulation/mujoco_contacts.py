@@ -21,7 +21,7 @@ def read_contacts(
     constraint_forces: FloatArray,
     geoms: IntArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return forces and velocities in contact frames, and positions in world axes, all (p, 3).
+    """Return forces [N] and velocities [m/s] in contact frames, positions [m] in world axes, all (p, 3).
 
     A force's normal part is that along MuJoCo's own contact normals, its tangential part what is left,
     turned into the terrain's tangents: on curved ground MuJoCo's normal is a facet's, a degree or so off
@@ -30,7 +30,7 @@ def read_contacts(
     Parameters
     ----------
     centres, frames, radii
-        (p, 3), (p, 3, 3), (p,) of the spheres: centres and terrain frames in world axes.
+        (p, 3) [m], (p, 3, 3), (p,) [m] of the spheres: centres and terrain frames in world axes.
     body_twists, body_origins
         (p, 6) MuJoCo's cvel [angular; linear] of each sphere's body, and (p, 3) the point it refers
         to: the centre of mass of the kinematic tree.
@@ -49,6 +49,7 @@ def read_contacts(
         if at < 0:
             continue
         for k in range(count):
+            # MuJoCo's frame points from the first geom to the second
             sign = 1.0 if pairs[c, 1] == geoms[k] else (-1.0 if pairs[c, 0] == geoms[k] else 0.0)
             if sign != 0.0:
                 normal[k] += constraint_forces[at]

@@ -28,7 +28,7 @@ def run_walking(
     progress: Callable[[float], None] | None = None,
     folder: Path | None = None,
 ) -> Log:
-    """Run a walk from (nq,) q; now `surefoot.run`."""
+    """Run a walk from (nq,) q [m, -, rad]; now `surefoot.run`."""
     watching = [] if progress is None else [Progress(progress)]
     return run(world, controller, replace(scenario, start=q), watching, folder)
 
@@ -36,7 +36,7 @@ def run_walking(
 def run_standing(
     world: World, controller: Controller, q: FloatArray, scenario: Scenario, *more: Any, **named: Any
 ) -> Log:
-    """Run a stand from (nq,) q; now `surefoot.run`."""
+    """Run a stand from (nq,) q [m, -, rad]; now `surefoot.run`."""
     return run_walking(
         world, controller, q, replace(scenario, depth=START_DEPTH, fall=STANDING_FALL), *more, **named
     )

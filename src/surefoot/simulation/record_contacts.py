@@ -42,7 +42,7 @@ class Contacts:
         self._count = 0
 
     def add(self, step: int, found: list[tuple[int, FloatArray]]) -> None:
-        """Take the contacts of a step: slot and row of each."""
+        """Take the contacts of a step: slot and row (14,) of each."""
         need = self._count + len(found)
         while need > len(self._steps):
             self._steps, self._slots = np.tile(self._steps, 2), np.tile(self._slots, 2)
@@ -96,7 +96,7 @@ class Slots:
         return len(self._slots)
 
     def read(self, data: Any) -> list[tuple[int, FloatArray]]:
-        """Return slot and row of every contact between the robot and anything else."""
+        """Return slot and row (14,) of every contact between the robot and anything else."""
         out: list[tuple[int, FloatArray]] = []
         taken: set[int] = set()
         force = np.zeros(6)
@@ -170,7 +170,7 @@ class Slots:
         return declared(list(self.soft.values()), load, landing)
 
     def fill_open(self, qpos: FloatArray, qvel: FloatArray, points: dict[str, Any]) -> None:
-        """Write what is known of contact points while they were open into the channels of a recording."""
+        """Write what is known of open contact points into a recording of (T, nq) and (T, nv) rows."""
         friction = points["contact_friction"]
         points["contact_friction"] = np.where(np.isnan(friction), np.array(self._friction), friction)
         OpenGaps(self._mujoco, self._model, self._slots, self._places).fill(qpos, qvel, points)

@@ -211,7 +211,7 @@ def hardest_landing(
     bodies
         Of each contact point: its own, and what it touches.
     qpos
-        (T, nq) in MuJoCo's order.
+        (T, nq) in MuJoCo's order [m, -, rad].
     points
         (T, p) `gaps`, (T, p, 3) `contact_velocities`, `contact_positions` and `normals`.
     """

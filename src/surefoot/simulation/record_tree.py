@@ -75,7 +75,7 @@ class Tree:
         return np.asarray(data.qfrc_actuator[self._dofs] + data.qfrc_applied[self._dofs])
 
     def pinocchio(self, qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return (T, nq) and (T, nv): quaternions x, y, z, w, the velocity of a free body in its own axes."""
+        """Return (T, nq), (T, nv) [m, -, rad]: quaternions x, y, z, w, free bodies' velocity in own axes."""
         q: list[FloatArray] = []
         v: list[FloatArray] = []
         for kind, at, dof in self._plan:

@@ -116,7 +116,7 @@ class ReplayReport:
 
     @property
     def progress(self) -> float:
-        """Way in the other world over the log's; NaN for a log that goes nowhere."""
+        """Ratio of the way in the other world to the log's; NaN for a log that goes nowhere."""
         return _progress(self.windows)
 
     @property
@@ -159,8 +159,8 @@ def replay_log(
     world
         Name of a world, see `surefoot.simulation.worlds`.
     robot, terrain, mu
-        None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu``. Others ask whether
-        the success survives there.
+        None for the log's own: the facts ``robot`` and ``terrain``, the channel ``mu`` [-]. Others ask
+        whether the success survives there.
     window
         Time between restarts [s]; infinite for one replay from the first row.
 

@@ -40,7 +40,7 @@ class Touch(NamedTuple):
     position
         (3,) place of the contact [m], world axes.
     normal
-        (3,) out of `other` into `body`, world axes.
+        (3,) unit normal out of `other` into `body`, world axes.
     force
         (3,) on `body`, world axes [N]; the other has it the other way round.
     """
@@ -79,7 +79,7 @@ class RigidWorld:
     terrain
         None for flat ground.
     mu
-        Friction of the ground; None for that of a soft law, else 0.6.
+        Friction of the ground [-]; None for that of a soft law, else 0.6.
     dt
         Length of a step [s].
     payload
@@ -165,7 +165,7 @@ class RigidWorld:
         return None if self.last is None else self.last.solution
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         self._state: State = self.stepper.start(q, v)
         self._start = self.stepper.contacts(self._state)
         self.last: Step | None = None
@@ -173,11 +173,11 @@ class RigidWorld:
         self.law_error, self.stable_step = 0.0, np.inf
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._state.q.copy(), self._state.v.copy()
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground everywhere, from the next step on."""
+        """Change the friction of the ground [-] everywhere, from the next step on."""
         self.mu = real_number("mu", mu, low=0.0)
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:

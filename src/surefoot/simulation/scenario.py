@@ -87,7 +87,7 @@ class Scenario:
     duration
         Length of the run [s].
     mu
-        Friction of the ground at the start; takes the place of the world's own.
+        Friction of the ground [-] at the start; takes the place of the world's own.
     pushes, ice
         What disturbs it.
     seed
@@ -95,7 +95,7 @@ class Scenario:
     faults
         What is wrong with sensors and motors.
     start
-        (nq,) configuration to start from; None for one that stands on the world's terrain.
+        (nq,) configuration to start from [m, -, rad]; None for one that stands on the world's terrain.
     depth
         How deep in the ground it starts [m], see `START_DEPTH`.
     fall
@@ -117,14 +117,14 @@ class Scenario:
         return max(1, round(self.duration / dt))
 
     def begin(self, world: World) -> tuple[FloatArray, FloatArray | None]:
-        """Return where a run in a world starts: (nq,) configuration and (nv,) velocity, None for rest."""
+        """Return where a run starts: (nq,) q [m, -, rad] and (nv,) v [m/s, rad/s], None for rest."""
         q = np.array(start_pose(world.robot, world.terrain) if self.start is None else self.start)
         q[:3] -= self.depth * world.terrain.normal(q[:2])
         return q, start_velocity(world.robot, self.seed)
 
 
 def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
-    """Return a small random velocity of the base, or None without a seed."""
+    """Return a small random velocity (nv,) of the base [m/s], or None without a seed."""
     if seed is None:
         return None
     v = np.zeros(robot.model.nv)
@@ -133,7 +133,7 @@ def start_velocity(robot: Robot, seed: int | None) -> FloatArray | None:
 
 
 def push_at(pushes: Sequence[Push], time: float) -> FloatArray | None:
-    """Return the sum of the pushes at a time, or None."""
+    """Return the sum (3,) of the pushes at a time [N], or None."""
     total = None
     for push in pushes:
         if push.start - 1e-9 <= time < push.start + push.duration - 1e-9:

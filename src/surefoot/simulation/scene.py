@@ -33,7 +33,7 @@ class Body:
     velocity, spin
         (3,) velocity of the centre of mass [m/s] and angular velocity [rad/s] at the start, world axes.
     friction, restitution
-        Of its surface; None for those of the ground.
+        Coefficients of its surface [-]; None for those of the ground.
     fixed
         Whether it stays where it is, whatever touches it.
 
@@ -68,7 +68,7 @@ class Body:
 
     @property
     def rotation(self) -> FloatArray:
-        """(3, 3) rotation_world_body at the start."""
+        """The (3, 3) rotation rotation_world_body at the start."""
         quaternion = _pinocchio().Quaternion(np.array(self.orientation, dtype=np.float64))
         return np.array(quaternion.normalized().matrix())
 
@@ -184,7 +184,7 @@ class Scene(Robot):
         return np.zeros(0) if self._robot is None else self._robot.effort_limits
 
     def configuration(self, q: ArrayLike | None = None) -> FloatArray:
-        """Return q checked (nominal for None), its quaternions normalised: (nq,)."""
+        """Return q checked (nominal for None), its quaternions normalised: (nq,) [m, -, rad]."""
         out = super().configuration(q)
         for name, joint in self._joint.items():
             if joint:
@@ -198,7 +198,7 @@ class Scene(Robot):
         return out
 
     def start(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) and v (nv,) of the bodies as they were given; the robot is at rest."""
+        """Return q (nq,) [m, -, rad], v (nv,) [m/s, rad/s] of the bodies as given; the robot is at rest."""
         v = np.zeros(self.model.nv)
         for body in self.bodies:
             if not body.fixed:
@@ -208,7 +208,7 @@ class Scene(Robot):
         return self.nominal.copy(), v
 
     def pose(self, name: str, q: FloatArray | None = None) -> Pose:
-        """Return where a body is at (nq,) q, None for the start.
+        """Return where a body is at (nq,) q [m, -, rad], None for the start.
 
         Raises
         ------

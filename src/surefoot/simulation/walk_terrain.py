@@ -20,7 +20,7 @@ __getattr__ = moved(__name__, dict.fromkeys(("PitTerrain", "rough_ground"), "sur
 
 
 def start_pose(robot: Robot, terrain: Terrain) -> FloatArray:
-    """Return a configuration that stands on the terrain, before its first step or about the origin: (nq,).
+    """Return a configuration (nq,) [m, -, rad] on the terrain, before its first step or about the origin.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def start_pose(robot: Robot, terrain: Terrain) -> FloatArray:
 
 
 def check_ground(robot: Robot, terrain: Terrain, q: FloatArray, mu: float) -> None:
-    """Refuse ground on which a robot cannot even stand at (nq,) q, or whose steps its legs cannot take.
+    """Refuse ground on which a robot cannot stand at (nq,) q with mu [-], or whose steps are too high.
 
     Raises
     ------

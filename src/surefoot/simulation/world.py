@@ -66,10 +66,10 @@ class World(Protocol):
         """Simulated time [s]."""
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at a configuration and velocity (Pinocchio's order; zero for None), at time 0."""
+        """Put the robot at q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] (None: zero), at time 0."""
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
         """Advance by `dt` under (joints,) torques [N m] and a (3,) force [N] in world axes.
@@ -81,7 +81,7 @@ class World(Protocol):
         """Return what the ground did during the last step."""
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground everywhere, from the next step on."""
+        """Change the friction of the ground [-] everywhere, from the next step on."""
 
 
 def ground_of(terrain: Terrain | None) -> Terrain:

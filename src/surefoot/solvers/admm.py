@@ -173,7 +173,7 @@ def error_any(
 def next_penalty(
     rho: float, used: float, primal: float, dual: float, z: FloatArray, y: FloatArray, largest: float
 ) -> float:
-    """Return the penalty that balances the residuals, or the one in use if that is near enough.
+    """Return the penalty that balances the residuals of z, y (m,), or the one in use if that is near enough.
 
     rho sqrt((primal / max |z|) / (dual / max |y|)): Boyd et al. 2011, section 3.4.1, in relative residuals.
     `largest` is about the largest eigenvalue of G, which bounds it from both sides.
@@ -209,6 +209,7 @@ def _run_dense(
     while done < limit:
         rho = state[0]
         if state[1] == 0.0:
+            # (G + (rho + eta) I) x = rho z + eta x - g - y - θ Γ: inverted once for each penalty
             invert_shifted(G, rho + state[2], inverse)
             state[1] = rho
         now = min(CHECK_EVERY, limit - done)
@@ -232,6 +233,7 @@ def _run_dense(
         if relative <= tol:
             break
         state[3] -= now
+        # the penalty moves only while changes are left: else it need not converge
         if state[3] > 0.0:
             state[0] = next_penalty(rho, state[1], primal, dual, z, y, largest)
             if state[0] != state[1]:
@@ -276,7 +278,7 @@ class _Scaled:
 
 @register("admm", polyhedral=True, bilateral=True)
 def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law, on cones or pyramids, by ADMM."""
+    """Solve either law, on cones or pyramids, from a (n, 3) warm start by ADMM."""
     if problem.contacts > LARGE:
         return run_admm(problem, settings, warm_start, None)
     s, tol = _Scaled(problem, settings, warm_start), settings.tol
@@ -305,7 +307,7 @@ def run_admm(
 ) -> Answer:
     """Run ADMM on many contacts; after `FINISH_FROM` iterations, then ever less often, `finish` may try.
 
-    `finish` takes flat forces, returns others with their velocity error, and does not disturb the iteration.
+    `finish` takes flat (3n,) forces, returns others with their velocity error, and leaves the iteration be.
     """
     s = _Scaled(problem, settings, warm_start)
     *_, coulomb, facets, inner = s.laws

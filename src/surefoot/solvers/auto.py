@@ -56,7 +56,7 @@ PARTS: dict[str, SolverFunction] = {
 
 @register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt)
 def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law, exact or on pyramids; an iteration is one of whatever method ran."""
+    """Solve either law from a (n, 3) warm start; an iteration is one of whatever method ran."""
     start = time.perf_counter()
     if problem.general:
         return _run(problem, settings, warm_start, 0, plans.GENERAL, start)
@@ -135,6 +135,6 @@ def _ask(stage: Stage, problem: ContactProblem, settings: Settings, best: FloatA
 
 
 def worst_of(problem: ContactProblem, forces: FloatArray) -> float:
-    """Return what the certificate compares with the tolerance; infinite for forces that are not finite."""
+    """Return what the certificate of (n, 3) forces compares with the tolerance; infinite if not finite."""
     numbers = certificate(problem, forces)[1][:3]
     return math.inf if math.isnan(numbers[0]) else max(numbers)

@@ -71,7 +71,10 @@ def solve_within(
     G: FloatArray, vectors: FloatArray, tol: float, most: int, mode: int, record: FloatArray,
     memory: FloatArray, at: int,
 ) -> int:  # fmt: skip
-    """Do what `solve_compiled` does with borrowed arrays, in `WORK` n numbers of memory from a place on."""
+    """Do as `solve_compiled` with borrowed arrays, in `WORK` n numbers of memory (..,) from a place on.
+
+    G is (3n, 3n); vectors (2, 3n): g; mu, normal_min and normal_max; the record (2n + 3, 3).
+    """
     m = vectors.shape[1]
     n = m // 3
     g, mu, low, high = vectors[0], vectors[1, :n], vectors[1, n : 2 * n], vectors[1, 2 * n :]

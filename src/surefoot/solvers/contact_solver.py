@@ -63,6 +63,7 @@ def _solve_raw(
     `solve_within`. The buffer is `solve_compiled`'s.
     """
     m = g.size
+    # NaN and infinity survive a sum
     total = 0.0
     for i in range(m):
         memory[m, i] = g[i]
@@ -72,6 +73,7 @@ def _solve_raw(
     if not abs(total) < np.inf:
         return NOT_NUMBERS
     matrix = window(memory, 0, m, m)
+    # a copy: the caller's matrix may change, or be read-only
     finite, sound = checked_copy(borrowed(G), ASYMMETRY, matrix)
     if not finite:
         return NOT_NUMBERS
@@ -88,6 +90,7 @@ def _solve_raw(
         mode |= WARM
     vectors = window(memory, m * m, 2, m)
     done = solve_within(matrix, vectors, tol, most, mode, borrowed(buffer), memory, (m + LAST + 1) * m)
+    # a solved answer is the next call's start
     if done < UNSOLVED:
         for k in range(m // 3):
             for a in range(3):
@@ -102,17 +105,19 @@ class ContactForces:
     Attributes
     ----------
     forces, velocities
-        (n, 3) contact frames (tangent, tangent, normal); for a problem that was not solved the best that was
-        found, always finite.
+        (n, 3) contact frames (tangent, tangent, normal) [N s, m/s, or N, m/s²]; for a problem that was not
+        solved the best that was found, always finite.
     status
         See `Status`; INVALID for a G or g with entries that are not finite.
     iterations
         Sweeps and Newton steps.
     proof
         The proof that there is no solution where the status is INFEASIBLE, else None.
+    buffer
+        (2n + 3, 3) memory that it is read from, rows in the units of forces, velocities and residuals.
     """
 
-    __slots__ = ("_buffer", "_forces", "iterations", "proof", "status")
+    __slots__ = ("_forces", "buffer", "iterations", "proof", "status")
 
     def __init__(
         self,
@@ -122,19 +127,19 @@ class ContactForces:
         iterations: int,
         proof: InfeasibilityProof | None = None,
     ) -> None:
-        self._buffer, self._forces = buffer, buffer[:contacts]
+        self.buffer, self._forces = buffer, buffer[:contacts]
         self.status, self.iterations, self.proof = status, iterations, proof
 
     @property
     def forces(self) -> FloatArray:
-        """The (n, 3) forces [N]."""
+        """The (n, 3) forces [N s, or N]."""
         return self._forces
 
     @property
     def velocities(self) -> FloatArray:
-        """The (n, 3) velocities G @ forces + g."""
+        """The (n, 3) velocities G @ forces + g [m/s, or m/s²]."""
         n = len(self._forces)
-        return self._buffer[n : 2 * n]
+        return self.buffer[n : 2 * n]
 
     @property
     def solved(self) -> bool:
@@ -143,13 +148,13 @@ class ContactForces:
 
     @property
     def velocity_error(self) -> float:
-        """The first field of `residuals`."""
-        return float(self._buffer[2 * len(self._forces), 0])
+        """The first field of `residuals` [-]."""
+        return float(self.buffer[2 * len(self._forces), 0])
 
     @property
     def residuals(self) -> Residuals:
         """Every law as a number, see `surefoot.contact.residuals`."""
-        return Residuals(*self._buffer[2 * len(self._forces) :].ravel()[:7].tolist())
+        return Residuals(*self.buffer[2 * len(self._forces) :].ravel()[:7].tolist())
 
     def __repr__(self) -> str:
         return (
@@ -240,11 +245,13 @@ class ContactSolver:
         Parameters
         ----------
         G
-            (3n, 3n) Delassus operator, symmetric (to 1e-8 of its largest entry); the compliance is added.
+            (3n, 3n) Delassus operator [1/kg], symmetric (to 1e-8 of its largest entry); the compliance is
+            added.
         g
-            (3n,) free velocity.
+            (3n,) free velocity [m/s].
         out
-            (2n + 3, 3) memory for the answer, C-contiguous; without it every answer owns its own.
+            (2n + 3, 3) memory for the answer, rows in the units of forces, velocities and residuals,
+            C-contiguous; without it every answer owns its own.
 
         Returns
         -------

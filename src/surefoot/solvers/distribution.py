@@ -30,7 +30,7 @@ ROUNDS, NEWTON_LIMIT = 100, 200.0
 
 @register("distribution", laws=("convex",))
 def solve_distribution(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve the convex law with exact cones.
+    """Solve the convex law with exact cones, from a (n, 3) warm start.
 
     Meant for up to some tens of contacts: an iteration factorises a matrix of the rank of G.
     """

@@ -15,7 +15,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.cones import FrictionPyramid
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.backends import ConeProgram, End, Options, backend
+from surefoot.solvers.backends import BACKENDS, ConeProgram, End, Options, backend
 from surefoot.solvers.solver import Answer, Settings, register
 
 QP_SOLVERS = ("daqp", "quadprog", "proxqp", "osqp", "piqp", "highs")
@@ -59,7 +59,7 @@ def _scaled(problem: ContactProblem, G: FloatArray, g: FloatArray) -> tuple[Floa
 
 @register("clarabel", laws=("convex",))
 def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve the convex law with exact second-order cones by Clarabel's interior-point method."""
+    """Solve the convex law on exact cones by Clarabel's interior-point method; a (n, 3) start is unused."""
     on, G, g = _active(problem)
     n = on.size
     if n == 0:
@@ -97,15 +97,11 @@ def pyramid_rows(problem: ContactProblem, on: IntArray) -> tuple[Any, FloatArray
 
 
 def _options(name: str, settings: Settings) -> Options:
-    """Return how a QP solver is run: to a hundredth of the tolerance, and what it needs besides."""
-    tight = max(1e-2 * settings.tol, 1e-12)
-    if name == "piqp":
-        tight *= 0.01
-    own: dict[str, dict[str, float]] = {
-        "osqp": {"max_iter": settings.max_iterations or 50_000},
-        "highs": {"qp_regularization_value": 1e-11},  # its default is what would be seen of the answer
-    }
-    return Options(tight, settings.max_iterations, settings.max_time, own=own.get(name, {}))
+    """Return how a QP solver is run: to less than the tolerance, and what it needs besides."""
+    kind = BACKENDS[name]
+    tight = max(kind.sharpness * settings.tol, 1e-10 * kind.sharpness)
+    most = settings.max_iterations or kind.iterations or settings.max_iterations
+    return Options(tight, most, settings.max_time, own=kind.contact_words)
 
 
 def _solve_qp(
@@ -118,8 +114,8 @@ def _solve_qp(
         return Answer(_spread(problem, on, []), 0)
     C, d = pyramid_rows(problem, on)
     G, g, unit = _scaled(problem, G, g)
-    if name == "quadprog":  # its Cholesky factorisation needs a positive definite matrix
-        G = G + 1e-12 * np.eye(G.shape[0])
+    if solver.ridge > 0.0:
+        G = G + solver.ridge * np.eye(G.shape[0])
     start = None if warm_start is None else warm_start[on].ravel() / unit
     found = solver.solve(ConeProgram.of(G, g, nonneg=(C, d / unit)), start)
     forces = None if found.x is None else unit * found.x

@@ -154,7 +154,7 @@ class Directions(Protocol):
         ...
 
     def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
-        """Return the product of the Jacobian, contact by contact, and a matrix."""
+        """Return the product (m, c) of the Jacobian, contact by contact (n, d, d), and a matrix (m, c)."""
         ...
 
 

@@ -187,7 +187,7 @@ def _longest(s: FloatArray, ds: FloatArray, m: int) -> float:
 def solve_interior_point(
     problem: ContactProblem, settings: Settings, warm_start: FloatArray | None
 ) -> Answer:
-    """Solve either law on exact cones by a primal-dual interior-point method."""
+    """Solve either law on exact cones by a primal-dual interior-point method; a (n, 3) start is unused."""
     p = _program(problem)
     coulomb, m = problem.law.shift > 0.0, p.cones
     laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb

@@ -38,7 +38,7 @@ class LcpSolution:
     Attributes
     ----------
     problem, z, w
-        What was asked, the solution and its slack M z + q.
+        What was asked, the solution (n,) and its slack M z + q (n,), in the units of the problem.
     status
         SOLVED only if `residual`, and what rounding leaves open (`LCP.rounding`), are below the tolerance;
         INFEASIBLE only with a `proof`.
@@ -47,10 +47,11 @@ class LcpSolution:
     solver, iterations, solve_time
         Who solved it, in how many iterations or pivots, and how long it took [s].
     ray
-        Where Lemke's method left along a ray: its direction in z; else None. It proves nothing by itself.
+        Where Lemke's method left along a ray: its direction (n,) in z, in any unit; else None. It proves
+        nothing by itself.
     proof
-        With INFEASIBLE: v >= 0 with Mᵀ v <= 0 and q . v < 0, in exact arithmetic on the numbers as they are
-        (`LCP.proves_infeasible`); else None.
+        With INFEASIBLE: v >= 0, (n,) in any unit, with Mᵀ v <= 0 and q . v < 0, in exact arithmetic on the
+        numbers as they are (`LCP.proves_infeasible`); else None.
     message
         What there is to say beyond the status.
     """
@@ -123,7 +124,7 @@ def solve_lcp(
         "lemke" (any matrix that it can process), "pgs" (symmetric positive definite, or diagonally dominant),
         "interior_point" (PSD), "newton" (any, no promise) or "qp" (PSD).
     tol
-        Wanted `LCP.residual`.
+        Wanted `LCP.residual` [-].
     max_iterations, max_time
         Bounds; the time [s] is checked between iterations.
 

@@ -46,6 +46,7 @@ def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int, least: flo
     best = -1
     for i in range(n):
         pivot = T[i, column]
+        # pivots that small are rounding
         if pivot <= least * largest or pivot <= 1e-13:
             continue
         if best < 0:
@@ -54,6 +55,7 @@ def _leaving_row(T: FloatArray, column: int, basis: IntArray, n: int, least: flo
         other = T[best, column]
         scale = abs(T[i, 2 * n + 1]) / pivot + abs(T[best, 2 * n + 1]) / other
         difference = T[i, 2 * n + 1] / pivot - T[best, 2 * n + 1] / other
+        # a tie: entry by entry, so that no basis comes back (lexicographic rule)
         if abs(difference) <= TIE * scale:
             difference = 0.0
             if basis[i] == 2 * n:
@@ -100,6 +102,7 @@ def _run(T: FloatArray, basis: IntArray, entering: int, limit: int, least: float
         basis[row] = entering
         if leaving == 2 * n:
             return DONE, count + 1, entering
+        # the complement of what left comes in: Lemke's rule keeps z·w = 0
         entering = leaving + n if leaving < n else leaving - n
     return MORE, limit, entering
 
@@ -185,7 +188,7 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
 
 @register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
 def solve_friction(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve Coulomb's law on pyramids as the LCP of Stewart and Trinkle, by Lemke's method; no warm start."""
+    """Solve Coulomb's law on pyramids as Stewart and Trinkle's LCP by Lemke; a (n, 3) start is unused."""
     friction = stewart_trinkle(problem)
     if friction.lcp.size == 0:
         return Answer(np.zeros((problem.contacts, 3)), 0)

@@ -28,7 +28,7 @@ MOVING = 1e-6
 def minimum_norm(solution: ContactSolution, tol: float = 1e-8) -> ContactSolution:
     """Return the solution whose forces have the least Euclidean norm, with the same velocities.
 
-    Its status and residuals are its own; where the polish could not keep them below `tol`, the solution
+    Its status and residuals are its own; where the polish could not keep them below `tol` [-], the solution
     given is returned unchanged.
 
     Raises

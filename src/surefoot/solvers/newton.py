@@ -24,7 +24,10 @@ ROUNDS = 40
 
 @register("newton", bilateral=True)
 def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law by semismooth Newton as far as it gets; an iteration is a Newton step or a sweep."""
+    """Solve either law by semismooth Newton as far as it gets from a (n, 3) warm start.
+
+    An iteration is a Newton step or a sweep.
+    """
     limit = settings.max_iterations
     found = attempt(problem, settings.tol, limit, settings.max_time, warm_start, SOON)
     if found is not None:

@@ -38,6 +38,7 @@ def _reduced_entries(
 ) -> tuple[IntArray, IntArray, FloatArray]:  # fmt: skip
     """Return the reduced matrix in compressed rows."""
     n = count.size
+    # room first: a block gives as many entries as its two contacts have unknowns
     total = 0
     for k in range(n):
         for at in range(starts[k], starts[k + 1]):
@@ -120,7 +121,7 @@ class BlockNewton:
         self._step, self._count = np.empty(3 * n), np.empty(n, dtype=np.int64)
 
     def measure(self, forces: FloatArray) -> tuple[FloatArray, float, float]:
-        """Return the velocities of flat forces, their velocity error, and their force error."""
+        """Return the velocities of flat (3n,) forces, their velocity error, and their force error."""
         g = self.problem.g
         velocities = block_product(*self.matrix, forces) + g
         error = float(velocity_error(forces, velocities, *self.laws, self.local, self.convex))
@@ -128,14 +129,14 @@ class BlockNewton:
         return velocities, error, far
 
     def sweep(self, forces: FloatArray, count: int) -> int:
-        """Sweep over flat forces in place, until solved or `count` times; return how often."""
+        """Sweep over flat (3n,) forces in place, until solved or `count` times; return how often."""
         state = np.array([1.0, np.inf, 0.0])
         return run_blocks(
             *self.matrix, self.problem.g, *self.laws, self.convex, self.tol, count, self.local, forces, state
         )[0]  # fmt: skip
 
     def step(self, forces: FloatArray, velocities: FloatArray, proximal: float) -> FloatArray | None:
-        """Return the forces after one step; None if the linearised equations are singular."""
+        """Return the (3n,) forces after one step; None if the linearised equations are singular."""
         known = self._rows, self._columns, self._weight, self._jump, self._target
         classify(forces, velocities, self.local, *self.laws, self.convex, *known, proximal, self._count)
         first = np.concatenate([[0], np.cumsum(self._count)])

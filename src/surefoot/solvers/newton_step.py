@@ -74,18 +74,22 @@ def classify(
 
     For contact k and each of its count[k] unknowns c: the force moves by jump[k] + sum_c y_c columns[k, c];
     the equations are rows[k, c] . (u + du) + weight[k, c] y_c = target[k, c].
+
+    Forces and velocities are flat, (3n,); `local` is (n, WIDTH), mu and the bounds are (n,). Filled: rows and
+    columns (n, 3, 3), jump, weight and target (n, 3), count (n,).
     """
     for k in range(mu.size):
         i = 3 * k
         W00, W11, W22 = local[k, 0], local[k, 3], local[k, 5]
         small = proximal * (W00 + W11 + W22)
         jump[k, 0] = jump[k, 1] = jump[k, 2] = 0.0
-        if low[k] == -np.inf:
+        if low[k] == -np.inf:  # bilateral: any force, u = 0
             _stick(k, 3, small, rows, columns, weight, target)
             count[k] = 3
             continue
         x, y, z = forces[i], forces[i + 1], forces[i + 2]
         p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
+        # the natural map's point λ - u / w tells the mode (Alart and Curnier 1991)
         step_t, step_n = 1.0 / max(W00, W11), 1.0 / W22
         wx, wy = x - step_t * p, y - step_t * q
         length = math.sqrt(wx * wx + wy * wy)
@@ -96,21 +100,22 @@ def classify(
         held = lifted <= low[k] or lifted >= high[k]
         normal = min(max(lifted, low[k]), high[k])
         radius = mu[k] * normal
-        if held:
+        if held:  # at a bound the normal force is known
             jump[k, 2] = normal - z
-        if radius == 0.0 and (held or mu[k] == 0.0):
+        if radius == 0.0 and (held or mu[k] == 0.0):  # no tangential force at all
             jump[k, 0], jump[k, 1] = -x, -y
             count[k] = 0
             if not held:
                 _only_normal(k, small, rows, columns, weight, target)
                 count[k] = 1
             continue
-        if length <= radius:
+        if length <= radius:  # it sticks: the velocity of every free direction vanishes
             count[k] = 2 if held else 3
             _stick(k, count[k], small, rows, columns, weight, target)
             continue
         ex, ey = wx / length, wy / length  # it slides along e
         ratio = radius / length
+        # on the cone: the part along e follows the normal force, the part across it turns
         change = mu[k] * (normal if held else z) - (x * ex + y * ey)
         jump[k, 0], jump[k, 1] = change * ex, change * ey
         c = 0
@@ -120,6 +125,7 @@ def classify(
             if convex:
                 rows[k, 0, 0], rows[k, 0, 1] = mu[k] * ex, mu[k] * ey
             c = 1
+        # across e the projection's slope is the ratio, so that (1 - ratio) w y + ratio du = -u there
         columns[k, c, 0], columns[k, c, 1], columns[k, c, 2] = -ey, ex, 0.0
         rows[k, c, 0], rows[k, c, 1], rows[k, c, 2] = -ratio * ey, ratio * ex, 0.0
         target[k, c] = (ratio - 1.0) * (q * ex - p * ey)
@@ -209,6 +215,7 @@ def newton_dense(
     done = since = 0
     while done < limit and best > tol and since < PATIENCE:
         done += 1
+        # the proximal term shrinks with the error: damped far away, Newton's own step near the solution
         classify(
             forces, velocities, local, mu, low, high, convex, rows, columns, weight, jump, target,
             max(PROXIMAL, min(PROXIMAL_FAR, share * relative)), kinds,
@@ -222,10 +229,12 @@ def newton_dense(
         spread(columns, jump, kinds, b, step)
         for j in range(step.size):
             forces[j] += step[j]
+        # from the forces anew: updated velocities would drift
         refresh_dense(G, g, forces, velocities)
         relative = velocity_error(forces, velocities, mu, low, high, local, convex)
         since += 1
         if relative < best:
+            # progress by less than a tenth counts as none
             if relative < 0.9 * best:
                 since = 0
             best = relative
@@ -255,7 +264,8 @@ def run_dense(
 ) -> tuple[int, float]:  # fmt: skip
     """Alternate Gauss-Seidel sweeps with Newton steps, at most so many; return their number and the error.
 
-    `local` is what `nsgs.fill_dense` filled.
+    G is (3n, 3n); mu and the bounds are (n,), g, forces and velocities (3n,); `local` (n, WIDTH) is what
+    `nsgs.fill_dense` filled.
     """
     refresh_dense(G, g, forces, velocities)
     done = 0
@@ -272,6 +282,7 @@ def run_dense(
             if relative <= tol:
                 refresh_dense(G, g, forces, velocities)
                 relative = velocity_error(forces, velocities, mu, low, high, local, convex)
+            # linear convergence: the error falls by this factor a sweep
             rate, before = relative / before, relative
             if relative <= tol:
                 break
@@ -283,9 +294,11 @@ def run_dense(
         if relative <= tol or done >= most:
             break
         refresh_dense(G, g, forces, velocities)
+        # a round that does not halve the error: sweeps that go in circles are relaxed
         if relative > 0.5 * last and burst > 20:
             relax = max(0.6 * relax, 0.1)
         last = relative
+        # another proximal term each round: what one misses, the next may find
         share = PROXIMAL_SHARES[attempt % 3] if mu.size <= FEW else SHARES_MANY[attempt % 3]
         used, relative = newton_dense(
             G, g, mu, low, high, convex, tol, min(20, most - done), share, local, forces, velocities

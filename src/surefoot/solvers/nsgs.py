@@ -41,7 +41,7 @@ def prepare_dense(G: FloatArray, scales: FloatArray) -> FloatArray:
 
 @inline_kernel
 def fill_dense(G: FloatArray, scales: FloatArray, local: FloatArray) -> None:
-    """Fill what `prepare_dense` returns."""
+    """Fill the local data (n, WIDTH) that `prepare_dense` returns from G (3n, 3n) and scales (4, n)."""
     for k in range(local.shape[0]):
         i = 3 * k
         prepare(
@@ -51,26 +51,39 @@ def fill_dense(G: FloatArray, scales: FloatArray, local: FloatArray) -> None:
 
 
 @inline_kernel
+def _change(
+    k: int, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool, relax: float,
+    forces: FloatArray, velocities: FloatArray,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Solve contact k with all others held, and change its force; return by how much."""
+    if high[k] == 0.0:
+        return 0.0, 0.0, 0.0
+    i, W = 3 * k, block_of(local, k)
+    x, y, z = forces[i], forces[i + 1], forces[i + 2]
+    q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
+    q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
+    q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
+    a, b, c, local[k, 12], local[k, 13] = solve_one(
+        W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
+    )
+    d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+    forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
+    return d0, d1, d2
+
+
+@inline_kernel
 def sweep_dense(
     G: FloatArray, local: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     relax: float, forces: FloatArray, velocities: FloatArray,
 ) -> None:  # fmt: skip
-    """Run once over all contacts, updating flat forces and velocities."""
+    """Run once over all contacts, updating flat forces and velocities, (3n,).
+
+    G is (3n, 3n), `local` (n, WIDTH), see `prepare_dense`; mu and the bounds are (n,).
+    """
     for k in range(mu.size):
         i = 3 * k
-        if high[k] == 0.0:
-            continue
-        W = block_of(local, k)
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
-        q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
-        q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
-        a, b, c, local[k, 12], local[k, 13] = solve_one(
-            W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
-        )
-        d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+        d0, d1, d2 = _change(k, local, mu, low, high, convex, relax, forces, velocities)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
-            forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
             for j in range(velocities.size):
                 velocities[j] += G[i, j] * d0 + G[i + 1, j] * d1 + G[i + 2, j] * d2
 
@@ -104,7 +117,8 @@ def run_dense(
 ) -> tuple[int, bool]:  # fmt: skip
     """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
 
-    `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
+    Arrays as for `sweep_dense`; `state` (3,) holds the relaxation, the best gap and the sweeps since it, from
+    call to call.
     """
     velocities = np.empty(g.size)
     refresh_dense(G, g, forces, velocities)
@@ -140,22 +154,13 @@ def sweep_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, local: FloatArray, mu: FloatArray,
     low: FloatArray, high: FloatArray, convex: bool, relax: float, forces: FloatArray, velocities: FloatArray,
 ) -> None:  # fmt: skip
-    """Run once over all contacts of a block matrix, updating flat forces and velocities."""
+    """Run once over all contacts of a block matrix, updating flat forces and velocities, (3n,).
+
+    Row k of blocks has the columns and 3x3 values starts[k] to starts[k + 1] - 1: (n + 1,), (b,), (b, 3, 3).
+    """
     for k in range(mu.size):
-        i = 3 * k
-        if high[k] == 0.0:
-            continue
-        W = block_of(local, k)
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        q0 = velocities[i] - (W[0] * x + W[1] * y + W[2] * z)  # q = u_k - G_kk λ_k: what the others leave
-        q1 = velocities[i + 1] - (W[1] * x + W[3] * y + W[4] * z)
-        q2 = velocities[i + 2] - (W[2] * x + W[4] * y + W[5] * z)
-        a, b, c, local[k, 12], local[k, 13] = solve_one(
-            W, q0, q1, q2, mu[k], low[k], high[k], convex, x, y, local[k, 12], local[k, 13]
-        )
-        d0, d1, d2 = relax * (a - x), relax * (b - y), relax * (c - z)
+        d0, d1, d2 = _change(k, local, mu, low, high, convex, relax, forces, velocities)
         if d0 != 0.0 or d1 != 0.0 or d2 != 0.0:
-            forces[i], forces[i + 1], forces[i + 2] = x + d0, y + d1, z + d2
             for at in range(starts[k], starts[k + 1]):
                 B = values[at]
                 j = 3 * columns[at]
@@ -172,7 +177,8 @@ def run_blocks(
 ) -> tuple[int, bool]:  # fmt: skip
     """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
 
-    `state` holds the relaxation, the best gap and the sweeps since it, from call to call.
+    Arrays as for `sweep_blocks`; `state` (3,) holds the relaxation, the best gap and the sweeps since it,
+    from call to call.
     """
     velocities = block_product(starts, columns, values, forces) + g
     relax, best, since = state[0], state[1], int(state[2])
@@ -195,7 +201,7 @@ def use_blocks(problem: ContactProblem) -> bool:
 
 @register("nsgs", bilateral=True)
 def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law by Gauss-Seidel with exact local solves; an iteration is one sweep."""
+    """Solve either law by Gauss-Seidel with exact local solves from a (n, 3) start; iterations are sweeps."""
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time

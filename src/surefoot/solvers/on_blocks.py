@@ -31,7 +31,7 @@ FINISH = (0.1, 50, 5)
 
 
 def on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve few contacts as many are solved."""
+    """Solve few contacts as many are solved, from a (n, 3) warm start."""
     forces = start_forces(problem, warm_start)
     done, error, far = alternate(problem, settings, forces)
     if error > settings.tol:
@@ -40,14 +40,14 @@ def on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArra
 
 
 def more_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Take Newton steps under other proximal terms than the first try's."""
+    """Take Newton steps from a (n, 3) warm start under other proximal terms than the first try's."""
     forces = start_forces(problem, warm_start)
     done, _ = run_tries(problem, settings, forces, 0, 0.0)
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
 def admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Run ADMM, with Newton steps from where it is every now and then.
+    """Run ADMM from a (n, 3) warm start, with Newton steps from where it is every now and then.
 
     It sorts out who slides long before it converges.
     """
@@ -64,7 +64,7 @@ def admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Flo
 def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
-    Flat forces are updated in place; return the sweeps and steps, the velocity error and the force error.
+    Flat (3n,) forces are updated in place; return sweeps and steps, the velocity error and the force error.
     """
     tol, most = settings.tol, UNBOUNDED if settings.max_iterations is None else settings.max_iterations
     newton = BlockNewton(problem, tol, time.perf_counter() + settings.max_time)
@@ -84,7 +84,7 @@ def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -
 def run_tries(
     problem: ContactProblem, settings: Settings, forces: FloatArray, done: int, far: float
 ) -> tuple[int, float]:
-    """Try Newton steps from flat forces, in place, under one proximal term after the other.
+    """Try Newton steps from flat (3n,) forces, in place, under one proximal term after the other.
 
     `done` iterations count against the limit; `far` is the force error so far. Return the sweeps and steps,
     and the velocity error.

@@ -158,7 +158,7 @@ def _disc(W: Block, q0: float, q1: float, normal: float, radius: float) -> tuple
 
 @inline_kernel
 def block_of(local: FloatArray, k: int) -> Block:
-    """Return the twelve numbers that `prepare` filled in for contact k: its block of G, and the inverse."""
+    """Return the twelve numbers that `prepare` put in row k of local (n, WIDTH): block of G, and inverse."""
     return (
         local[k, 0], local[k, 1], local[k, 2], local[k, 3], local[k, 4], local[k, 5],
         local[k, 6], local[k, 7], local[k, 8], local[k, 9], local[k, 10], local[k, 11],

@@ -98,7 +98,7 @@ class Scaled:
         self.point, self.gap = np.empty(self.g.size), np.empty(self.g.size)
 
     def error(self, forces: FloatArray) -> tuple[FloatArray, float]:
-        """Return the velocities of scaled forces, and the velocity error; fills `point` and `gap`."""
+        """Return the velocities of scaled (m,) forces, and the velocity error; fills `point` and `gap`."""
         u = self.G @ forces + self.g
         return u, float(natural_sets(*self.packed, self.step, self.weight, forces, u, self.point, self.gap))
 
@@ -108,7 +108,7 @@ Finish = Callable[[Scaled, FloatArray], tuple[FloatArray, float]]
 
 @register("set_admm", laws=None, polyhedral=True, bilateral=True, general=True)
 def solve_set_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve contacts of any kind, under any law, by ADMM."""
+    """Solve contacts of any kind, under any law, by ADMM from a warm start (n, d) or (m,)."""
     return run_set_admm(problem, settings, warm_start, None)
 
 
@@ -117,7 +117,7 @@ def run_set_admm(
 ) -> Answer:
     """Run ADMM; after `FINISH_FROM` iterations, then ever less often, `finish` may try from where it is.
 
-    `finish` takes scaled forces, returns others with their error, and does not disturb the iteration.
+    `finish` takes scaled (m,) forces, returns others with their error, and leaves the iteration be.
     """
     end = time.perf_counter() + settings.max_time
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations

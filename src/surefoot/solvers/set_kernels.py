@@ -64,6 +64,7 @@ def _height(
         sizes[b] = math.sqrt(sizes[b])
     s = 0.0
     for _ in range(MOST_DISCS + 1):
+        # the root for the discs that hold at s: (z + Σ r_b ||x_b||) / (1 + Σ r_b²)
         push, slope = z, 1.0
         for b in range(MOST_DISCS):
             radius = row[RADIUS + b]
@@ -80,7 +81,7 @@ def _height(
 def project_sets(
     offset: IntArray, group: IntArray, table: FloatArray, x: FloatArray, out: FloatArray
 ) -> None:
-    """Fill the nearest admissible forces of flat x, in scaled variables."""
+    """Fill out (m,) with the nearest admissible forces of flat x (m,), in scaled variables; see `pack`."""
     sizes = np.empty(MOST_DISCS)
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
@@ -105,7 +106,7 @@ def project_sets(
 
 @kernel
 def shift_sets(offset: IntArray, group: IntArray, table: FloatArray, u: FloatArray, out: FloatArray) -> None:
-    """Fill u + θ Γ(u), the shift on the normal rows, for flat velocities in scaled variables."""
+    """Fill out (m,) with u + θ Γ(u), the shift on the normal rows, for flat u (m,) in scaled variables."""
     sizes = np.empty(MOST_DISCS)
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
@@ -125,6 +126,7 @@ def shift_sets(offset: IntArray, group: IntArray, table: FloatArray, u: FloatArr
             gamma = shift_any(u[start], u[start + 1], row[MU], int(row[SIDES]), row[INNER] != 0.0)
         else:
             for b in range(MOST_DISCS):
+                # Γ(u) = sup of -λ_t·u_t over friction's discs at λ_n = 1: Σ r_b ||u_b||
                 gamma += row[FRICTION + b] * row[RADIUS + b] * math.sqrt(sizes[b])
         out[normal] += row[SHIFT] * gamma
 
@@ -139,6 +141,7 @@ def _disc_jacobian(
     for b in range(MOST_DISCS):
         if sizes[b] > row[RADIUS + b] * s:
             slope += row[RADIUS + b] ** 2
+    # ds/dz, zero where a bound holds the height
     moves = 1.0 / slope if max(row[LOW], 0.0) < s < row[HIGH] else 0.0
     for i in range(start, end):
         b = group[i]
@@ -153,6 +156,7 @@ def _disc_jacobian(
                 q = row[RADIUS + c] * x[j] / sizes[c] if sizes[c] > row[RADIUS + c] * s else 0.0
             value = p * moves * q if held else 0.0
             if b >= 0 and held and b == c:
+                # turning x_b within its disc: r_b s / ||x_b|| (1 - x̂ x̂ᵀ)
                 bend = row[RADIUS + b] * s / sizes[b]
                 value += bend * ((1.0 if i == j else 0.0) - x[i] * x[j] / (sizes[b] * sizes[b]))
             if not held and i == j and row[RADIUS + b] * s > 0.0:  # inside its disc; one of radius 0 has none
@@ -168,6 +172,7 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
     slope = row[MU] * math.cos(half) if inner else row[MU]
     corner = slope * math.tan(half)
     middle = half if inner else 0.0
+    # turn the plane so that the nearest face is met along `out`, and mirror to side >= 0
     turn = middle + 2.0 * half * math.floor(
         (math.atan2(x[start + 1], x[start]) - middle) / (2.0 * half) + 0.5
     )
@@ -179,6 +184,7 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
     P = np.zeros((3, 3))
     h = z
     P[0, 0] = P[1, 1] = P[2, 2] = 1.0
+    # beyond a face: onto its plane
     if out > slope * z:
         length = 1.0 + slope * slope
         h = z + slope * (out - slope * z) / length
@@ -188,6 +194,7 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
             slope / length,
             1.0 / length,
         )
+        # beyond its edge: onto the ray through the corner
         if side > corner * h:
             length += corner * corner
             h = (slope * out + corner * side + z) / length
@@ -195,6 +202,7 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
             for a in range(3):
                 for b in range(3):
                     P[a, b] = ray[a] * ray[b] / length
+    # a bound holds the height: what is left is the polygon's section
     if h <= 0.0 or h < row[LOW] or h > row[HIGH]:
         height = 0.0 if h <= 0.0 and row[LOW] <= 0.0 else min(max(h, row[LOW]), row[HIGH])
         for a in range(3):
@@ -202,6 +210,7 @@ def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray)
                 P[a, b] = 0.0
         P[0, 0] = 1.0 if out < slope * height else 0.0
         P[1, 1] = 1.0 if side < corner * height else 0.0
+    # back to the contact's axes: Tᵀ P T
     T = np.zeros((3, 3))
     T[0, 0], T[0, 1], T[1, 0], T[1, 1], T[2, 2] = c, s, -s * sign, c * sign, 1.0
     for i in range(3):
@@ -261,6 +270,7 @@ def _corner_slope(p: float, q: float, row: FloatArray, slope: FloatArray) -> Non
     """Fill the derivative of θ Γ for a pyramid: that of the corner against which friction pulls."""
     half, inner = math.pi / row[SIDES], row[INNER] != 0.0
     first = 0.0 if inner else half  # bearing of a corner
+    # the corner nearest to the direction -u_t
     turn = first + 2.0 * half * math.floor((math.atan2(-q, -p) - first) / (2.0 * half) + 0.5)
     radius = row[SHIFT] * (row[MU] if inner else row[MU] / math.cos(half))
     slope[0], slope[1], slope[2] = -radius * math.cos(turn), -radius * math.sin(turn), 0.0
@@ -279,6 +289,7 @@ def newton_matrix(
         normal = -1
         for b in range(MOST_DISCS):
             sizes[b] = 0.0
+        # N has one row, the normal's: θ ∂Γ/∂u_b = θ r_b u_b / ||u_b||
         for i in range(start, end):
             if group[i] >= 0:
                 sizes[group[i]] += u[i] * u[i]
@@ -292,15 +303,18 @@ def newton_matrix(
         if row[CODE] == POLYGON:
             normal = start + 2
             _corner_slope(u[start], u[start + 1], row, row_of_shift)
+        # (I + N) G, the rows of this contact
         for i in range(start, end):
             for j in range(m):
                 moved[i - start, j] = G[i, j]
         if normal >= 0:
             for i in range(start, end):
+                # the normal row takes θ ∂Γ/∂u G along
                 for j in range(m):
                     moved[normal - start, j] += row_of_shift[i - start] * G[i, j]
         for i in range(start, end):
             for j in range(m):
+                # I - J + step J (I + N) G
                 total = 0.0
                 for a in range(start, end):
                     total += J[k, i - start, a - start] * moved[a - start, j]

@@ -61,7 +61,7 @@ def run_newton(
 
 @register("set_newton", laws=None, polyhedral=True, bilateral=True, general=True)
 def solve_set_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve contacts of any kind, under any law, as far as Newton's method gets from where it starts."""
+    """Solve contacts of any kind, under any law, as far as Newton's method gets from (n, d), (m,) forces."""
     s = Scaled(problem)
     start = np.zeros(s.g.size) if warm_start is None else warm_start.ravel() / s.D
     end = time.perf_counter() + settings.max_time
@@ -72,7 +72,7 @@ def solve_set_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
 
 
 def set_admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Run ADMM, with Newton steps from where it is every now and then."""
+    """Run ADMM from (n, d) or (m,) forces, with Newton steps from where it is every now and then."""
     end = time.perf_counter() + settings.max_time
 
     def finish(s: Scaled, forces: FloatArray) -> tuple[FloatArray, float]:

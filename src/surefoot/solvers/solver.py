@@ -47,6 +47,7 @@ class Settings:
 class Answer(NamedTuple):
     """What a solver hands back to `solve`: its forces and why it stopped, no claim of success.
 
+    `forces` have the shape of the problem's, (n, 3), and its unit [N s, or N]; `timings` are in seconds [s].
     `stop` is read only where the residuals do not already say SOLVED or ALMOST; INFEASIBLE needs the proof.
     """
 
@@ -241,7 +242,7 @@ def solve(
 
 
 def start_forces(problem: ContactProblem, warm_start: FloatArray | None) -> FloatArray:
-    """Return the flat forces to start from, a fresh array: zero without a warm start."""
+    """Return the flat (m,) forces to start from, a fresh array: zero without a warm start."""
     return np.zeros(problem.g.size) if warm_start is None else warm_start.flatten()
 
 
@@ -280,7 +281,7 @@ def certify(
 
 
 def nearest_to_zero(problem: ContactProblem) -> FloatArray:
-    """Return the admissible forces nearest to zero, in the problem's shape."""
+    """Return the admissible forces nearest to zero, in the problem's shape: (n, 3), (n, d) or (m,)."""
     if problem.general:
         return problem.contact_set.nearest_to_zero()
     forces = np.zeros((problem.contacts, 3))

@@ -34,7 +34,7 @@ INNER = 4000
 
 @register("staggered", bilateral=True)
 def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-    """Solve either law by a sequence of convex problems; an iteration is one of them."""
+    """Solve either law by a sequence of convex problems from a (n, 3) start; iterations count them."""
     forces = start_forces(problem, warm_start)
     end = time.perf_counter() + settings.max_time
     coulomb = problem.law.shift > 0.0

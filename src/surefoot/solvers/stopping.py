@@ -38,7 +38,7 @@ def fill_measure(scales: FloatArray, measure: FloatArray) -> None:
 
 @inline_kernel
 def settle(low: FloatArray, scales: FloatArray, forces: FloatArray) -> None:
-    """Set the flat forces of contacts without speed to those nearest to zero, their solution."""
+    """Set the flat (3n,) forces of contacts without speed to those nearest to zero, their solution."""
     for k in range(low.size):
         if scales[1, k] == 0.0:
             forces[3 * k] = forces[3 * k + 1] = 0.0

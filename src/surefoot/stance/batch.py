@@ -28,9 +28,9 @@ class StanceBatch:
         (3,) or (B, n, 3) unit normals out of the ground; x of each contact frame is the world's, projected
         into the surface, as in `PointContact`.
     mu
-        Friction coefficients, a number or broadcastable to (B, n).
+        Friction coefficients [-], a number or broadcastable to (B, n).
     counts
-        (B,) how many of the n contacts each stance has, from the first one on; all of them unless given.
+        (B,) how many of the n contacts each stance has [-], from the first one on; all of them unless given.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class StanceBatch:
         )
 
     def groups(self) -> Iterator[tuple[IntArray, int]]:
-        """Yield the indices of the stances with equally many contacts, and that number."""
+        """Yield the indices (k,) of the stances with equally many contacts, and that number."""
         for count in np.unique(self.counts):
             yield np.flatnonzero(self.counts == count), int(count)
 

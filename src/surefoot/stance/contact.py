@@ -64,13 +64,13 @@ class Contact(ABC):
     normal
         (3,) unit normal out of the ground.
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     name
         Used in tables and messages.
     normal_min, normal_max
         Bounds on the normal force [N]; 0 <= normal_min <= normal_max.
     heading
-        (3,) direction that the contact frame's x axis follows, projected into the surface.
+        (3,) direction, in any unit, that the contact frame's x axis follows, projected into the surface.
 
     Raises
     ------
@@ -111,7 +111,7 @@ class Contact(ABC):
 
     @abstractmethod
     def sides(self, facets: int, fit: Fit) -> FloatArray:
-        """Return the rows C (`side_count` of them, dim) of C @ force <= 0: friction made of half-spaces."""
+        """Return the rows C, (side_count, dim) [-, m], of C @ force <= 0: friction made of half-spaces."""
 
     @abstractmethod
     def side_count(self, facets: int) -> int:
@@ -146,7 +146,7 @@ class PointContact(Contact):
         return FrictionCone(self.mu)
 
     def sides(self, facets: int, fit: Fit) -> FloatArray:
-        """(facets, 3) sides of the friction pyramid, in newtons of tangential force."""
+        """(facets, 3) sides [-] of the friction pyramid, whose slack is in newtons of tangential force."""
         return self.cone.polyhedral(facets, fit).halfspaces[:facets]
 
     def side_count(self, facets: int) -> int:
@@ -195,7 +195,7 @@ class PatchContact(Contact):
         return WrenchCone(self.length, self.width, self.mu)
 
     def sides(self, facets: int, fit: Fit) -> FloatArray:
-        """(16, 6) rows of the `WrenchCone`, whose friction pyramid has four sides whatever `facets` says."""
+        """(16, 6) rows of the `WrenchCone` [-, m]; its friction pyramid has four sides whatever `facets`."""
         from surefoot.cones.wrench import WrenchCone
 
         return WrenchCone(self.length, self.width, self.mu, fit).halfspaces

@@ -33,7 +33,7 @@ class HalfSpaces:
         -f_z <= -normal_min and f_z <= normal_max [N]; b is infinite where there is no upper bound. A patch
         has the 16 rows of its `WrenchCone` instead of the sides.
     E, e
-        (p, dim) and (p,): zero force, three rows for each swing point and six for each patch.
+        (p, dim) [-] and (p,) [N, N m]: zero force, three rows for each swing point and six for each patch.
     rows
         Where each contact's rows are, in the stance's order: in A for stance feet, in E for swing feet.
     swing
@@ -48,7 +48,7 @@ class HalfSpaces:
     swing: tuple[bool, ...]
 
     def violation(self, forces: ArrayLike) -> float:
-        """Return by how much (dim,) forces break the worst row; 0 or less within all of them."""
+        """Return by how much (dim,) forces [N, N m] break the worst row [N, N m]; <= 0 within all of them."""
         f = finite_array("forces", forces, (self.A.shape[1],))
         over, off = self.A @ f - self.b, np.abs(self.E @ f - self.e)
         return max(float(over.max(initial=-np.inf)), float(off.max(initial=-np.inf)))

@@ -71,12 +71,12 @@ class Stance:
 
     @cached_property
     def rotations(self) -> FloatArray:
-        """(n, 3, 3) rotation_world_contact of each contact."""
+        """The (n, 3, 3) rotations rotation_world_contact of the contacts."""
         return self._each("rotation_world_contact").reshape(-1, 3, 3)
 
     @cached_property
     def mu(self) -> FloatArray:
-        """(n,) friction coefficients."""
+        """(n,) friction coefficients [-]."""
         return self._each("mu")
 
     @cached_property
@@ -100,7 +100,7 @@ class Stance:
         Returns
         -------
         FloatArray
-            (6, dim): [force; moment about the point] in world axes = map @ forces in contact frames
+            (6, dim) [-, m]: [force; moment about the point] in world axes = map @ forces in contact frames
             (three columns for a point, six for a patch).
         """
         point = finite_array("about", about, (3,))
@@ -188,7 +188,7 @@ class Stance:
 
     @cached_property
     def corner_map(self) -> FloatArray:
-        """(dim, 3 k) map from the forces of `points()` to the stacked forces and patch wrenches."""
+        """(dim, 3 k) map [-, m] from the forces of `points()` to the stacked forces and patch wrenches."""
         corners = self.points()
         out = np.zeros((self.dim, corners.dim))
         at = 0
@@ -204,7 +204,7 @@ class Stance:
         return out
 
     def with_friction(self, mu: ArrayLike) -> Stance:
-        """Return the same stance with other friction, one coefficient for all contacts or (n,) for each."""
+        """Return the same stance with other friction [-], a number for all contacts or (n,) for each."""
         twins = [copy(contact) for contact in self.contacts]
         for twin, friction in zip(twins, per_contact("mu", mu, len(twins)).tolist(), strict=True):
             twin.mu = friction

@@ -14,7 +14,7 @@ from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 
 @kernel
 def factorise(upper: FloatArray, L: FloatArray) -> None:
-    """Write the lower Cholesky factor of a matrix, given by its upper triangle, into L."""
+    """Write the lower Cholesky factor of a matrix (n, n), any unit, given by its upper triangle, into L."""
     for i in range(L.shape[0]):
         for j in range(i + 1):
             L[i, j] = upper[j, i]
@@ -23,7 +23,7 @@ def factorise(upper: FloatArray, L: FloatArray) -> None:
 
 @kernel
 def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -> FloatArray:
-    """Return v + dt M⁻¹ effort, for (nv,) generalised forces of motors, push and gravity."""
+    """Return v + dt M⁻¹ effort, for (nv,) forces of motors, push and gravity [N, N m]."""
     out = effort.copy()
     solve_lower(L, out)
     solve_upper(L, out)
@@ -34,7 +34,7 @@ def free_velocity(L: FloatArray, effort: FloatArray, v: FloatArray, dt: float) -
 
 @kernel
 def largest(x: FloatArray) -> float:
-    """Return the largest magnitude in x (n,), infinity where an entry is not a number."""
+    """Return the largest magnitude in x (n,), in any unit, infinity where an entry is not a number."""
     out = 0.0
     for i in range(x.size):
         if not abs(x[i]) <= out:
@@ -46,7 +46,11 @@ def largest(x: FloatArray) -> float:
 def near_ground(
     J: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, dt: float, reach: float
 ) -> IntArray:
-    """Return the contacts that may touch within the step: closer than `reach` after moving freely."""
+    """Return the contacts that may touch within the step: closer than `reach` [m] after moving freely.
+
+    J is (3p, nv), v and the free velocity are (nv,), the gaps (p,) [m]. The lesser of the gaps before and
+    after counts: gap + dt min(u_n before, u_n free) < reach.
+    """
     out = np.empty(gaps.size, dtype=np.int64)
     count = 0
     for c in range(gaps.size):
@@ -81,6 +85,7 @@ def swerves(
             arriving[c, a] = total
     mean = np.empty(3)
     for c in range(leaving.shape[0]):
+        # a contact that was not pressed had nothing to swerve from
         if not impulses[c, 2] > 0.0:
             continue
         mean[:] = 0.0
@@ -101,7 +106,7 @@ def swerves(
 
 @kernel
 def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -> tuple[float, float]:
-    """Return the work of impulses (p, 3) on the mean of both velocities, and the sum of the normal ones."""
+    """Return the work [J] of impulses (p, 3) [N s] on the mean velocity, and the sum of the normal ones."""
     work = push = 0.0
     for c in range(impulses.shape[0]):
         push += impulses[c, 2]
@@ -112,7 +117,10 @@ def mean_work(impulses: FloatArray, arriving: FloatArray, leaving: FloatArray) -
 
 @kernel
 def with_missed(velocities: FloatArray, gaps: FloatArray, dt: float, near: IntArray) -> IntArray:
-    """Return the near contacts and those that the impulses of the others would now push into the ground."""
+    """Return the near contacts and those that the impulses of the others would now push into the ground.
+
+    Velocities are (p, 3) [m/s] in contact axes, gaps (p,) [m].
+    """
     taken = np.zeros(gaps.size, dtype=np.bool_)
     for c in near:
         taken[c] = True
@@ -127,7 +135,7 @@ def assemble(
     J: FloatArray, L: FloatArray, v: FloatArray, free: FloatArray, gaps: FloatArray, near: IntArray,
     dt: float, restitution: float, rest_speed: float, pull: float,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
-    """Return Y = L⁻¹ Jᵀ as rows (3k, nv), G = Y Yᵀ and g of the near contacts.
+    """Return Y = L⁻¹ Jᵀ as rows (3k, nv), G = Y Yᵀ [1/kg] and g [m/s] of the near contacts.
 
     The law asks for u + shift, with the shift of the normal:
 
@@ -145,10 +153,12 @@ def assemble(
             total = 0.0
             for j in range(n):
                 Y[3 * i + a, j] = J[row, j]
+                # g = J v_free, and what restitution asks after: J v
                 total += J[row, j] * free[j]
                 if a == 2:
                     before += J[row, j] * v[j]
             g[3 * i + a] = total
+            # G = J M⁻¹ Jᵀ = Y Yᵀ with Y = J L⁻ᵀ, M = L Lᵀ: half the work of M⁻¹, and symmetric
             solve_lower(L, Y[3 * i + a])
         shift = (1.0 if gaps[c] > 0.0 else pull) * gaps[c] / dt
         if restitution > 0.0 and before < -rest_speed and gaps[c] + dt * g[3 * i + 2] <= 0.0:
@@ -166,7 +176,7 @@ def assemble(
 
 @kernel
 def apply_impulses(L: FloatArray, Y: FloatArray, impulses: FloatArray, free: FloatArray) -> FloatArray:
-    """Return v⁺ = free + L⁻ᵀ Yᵀ λ."""
+    """Return v⁺ = free + L⁻ᵀ Yᵀ λ, (nv,), for L (nv, nv), Y = J L⁻ᵀ (m, nv) and impulses λ (m,) [N s]."""
     out = np.zeros(free.size)
     for i in range(impulses.size):
         x = impulses[i]

@@ -72,21 +72,21 @@ class Bodies:
         self._integrate, self._energy = pinocchio.integrate, pinocchio.computeMechanicalEnergy
 
     def weigh(self, q: FloatArray) -> None:
-        """Bring the factor of the mass matrix up to (nq,) q."""
+        """Bring the factor of the mass matrix up to (nq,) q [m, -, rad]."""
         arithmetic.factorise(self._crba(self.model, self.data, q), self.L)
 
     def gravity(self, q: FloatArray) -> FloatArray:
-        """Return the generalised forces (nv,) that hold the robot at q against gravity."""
+        """Return the generalised forces (nv,) [N, N m] that hold the robot at q against gravity."""
         return np.asarray(self._gravity(self.model, self.data, q))
 
     def bias(self, q: FloatArray, v: FloatArray) -> FloatArray:
-        """Return the generalised forces (nv,) that keep v as it is: gravity's, Coriolis and centrifugal."""
+        """Return the forces (nv,) [N, N m] that keep v as it is: gravity's, Coriolis and centrifugal."""
         return np.asarray(self._bias(self.model, self.data, q, v))
 
     def free_velocity(
         self, v: FloatArray, effort: FloatArray, push: FloatArray | None, against: FloatArray, dt: float
     ) -> FloatArray:
-        """Return the velocity (nv,) after all forces but the ground's for `dt`, at the q of `weigh`.
+        """Return the velocity (nv,) [m/s, rad/s] after all forces but the ground's for `dt`, at `weigh`'s q.
 
         `effort` are the motors' generalised forces (nv,), `against` what takes off them: `gravity` or `bias`;
         `push` (3,) acts on the base's own centre of mass.
@@ -108,15 +108,15 @@ class Bodies:
         return effort
 
     def moved(self, q: FloatArray, step: FloatArray) -> FloatArray:
-        """Return the configuration (nq,) that lies a (nv,) step from q."""
+        """Return the configuration (nq,) [m, -, rad] that lies a (nv,) step from q."""
         return np.array(self._integrate(self.model, q, step))
 
     def energy(self, q: FloatArray, v: FloatArray) -> float:
-        """Return kinetic plus potential energy [J], zero potential at z = 0."""
+        """Return kinetic plus potential energy [J] at q (nq,) and v (nv,), zero potential at z = 0."""
         return float(self._energy(self.model, self.data, q, v))
 
     def fastest_joint(self, v: FloatArray) -> tuple[str, float]:
-        """Return the name of the joint with the largest entry of (nv,) v, and that speed."""
+        """Return the name of the joint with the largest entry of (nv,) v, and that speed [rad/s or m/s]."""
         fastest = int(np.argmax(np.abs(v))) if self.model.nv else 0
         joint = next(
             k for k in range(1, self.model.njoints) if fastest < self.model.idx_vs[k] + self.model.nvs[k]
@@ -136,7 +136,7 @@ def loaded_model(robot: Robot, payload: float) -> Any:
 
 
 def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
-    """Return a finite (size,) array; the fast way in for what is one already."""
+    """Return a finite (size,) array, in any unit; the fast way in for what is one already."""
     if (
         isinstance(value, np.ndarray)
         and value.dtype == np.float64

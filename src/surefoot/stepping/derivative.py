@@ -115,27 +115,27 @@ class StepDerivative:
 
     @property
     def A(self) -> FloatArray:
-        """(2nv, 2nv) of (q, v) after the step by (q, v) before it."""
+        """(2nv, 2nv) of (q, v) after the step by (q, v) before it, in the units of both."""
         return np.hstack([self._part("q"), self._part("v")])
 
     @property
     def B(self) -> FloatArray:
-        """(2nv, joints) of (q, v) by the torques."""
+        """(2nv, joints) of (q, v) by the torques, in the units of v and q per N m."""
         return self._part("torques")
 
     @property
     def mu(self) -> FloatArray:
-        """(2nv,) of (q, v) by the friction of the ground."""
+        """(2nv,) of (q, v) by the friction of the ground, in the units of (q, v)."""
         return self._part("mu")[:, 0]
 
     @property
     def push(self) -> FloatArray:
-        """(2nv, 3) of (q, v) by the push on the base, world axes."""
+        """(2nv, 3) of (q, v) by the push on the base [per N], world axes."""
         return self._part("push")
 
     @property
     def leaving(self) -> FloatArray:
-        """(2nv, 3p) of (q, v) by the contact velocities in the state's memory; zero where there is none."""
+        """(2nv, 3p) of (q, v) by the contact velocities [m/s] in the state's memory; zero where none."""
         return self._part("leaving")
 
     @cached_property
@@ -172,7 +172,7 @@ class StepDerivative:
 
     @property
     def touching(self) -> IntArray:
-        """Contact points of the problem whose gap is zero to 1e-9 m: motions off and into the ground differ.
+        """Contact points (k,) whose gap is zero to 1e-9 m: motions off and into the ground differ there.
 
         One that opens is put back on the ground by the step, one that is pressed in is not (up to the
         stabilisation): dense blocks belong to the gap's sign as it came out.
@@ -245,7 +245,8 @@ class StepDerivative:
     ) -> StepCotangents:
         """Return the gradient of q·δq + v·δv + forces·f + leaving·u, for weights of what the step returns.
 
-        `inertia` may be switched off: it takes longest.
+        The weights q and v are (nv,), forces and leaving (p, 3), in any unit. `inertia` may be switched off:
+        it takes longest.
 
         Raises
         ------
@@ -297,17 +298,17 @@ class FirstOrderDerivative(StepDerivative):
 
     @property
     def A(self) -> FloatArray:
-        """As `StepDerivative.A`."""
+        """See `StepDerivative.A`: (2nv, 2nv)."""
         return self._dense[0]
 
     @property
     def B(self) -> FloatArray:
-        """As `StepDerivative.B`."""
+        """See `StepDerivative.B`: (2nv, joints)."""
         return self._dense[1]
 
     @property
     def mu(self) -> FloatArray:
-        """As `StepDerivative.mu`."""
+        """See `StepDerivative.mu`: (2nv,)."""
         return self._by_mu
 
 

@@ -41,7 +41,7 @@ class Response:
 
     @cached_property
     def forces(self) -> FloatArray:
-        """The (k, 3) impulses at which it is taken."""
+        """The (k, 3) impulses [N s] at which it is taken."""
         return self.derivative.forces if self.smoothing > 0.0 else self.solution.forces
 
     @cached_property
@@ -69,7 +69,7 @@ class Response:
 
     @cached_property
     def blocks(self) -> tuple[FloatArray, FloatArray]:
-        """The derivative of the impulses by b (3k, 3k), and by one mu of all contacts (3k,)."""
+        """The derivative of the impulses by b (3k, 3k) [kg], and by one mu of all contacts (3k,) [N s]."""
         p = self.solution.problem
         if self.smoothing == 0.0 and 0 < p.contacts <= COMPILED_CONTACTS:
             out = np.empty((3 * p.contacts, 4 * p.contacts))
@@ -79,12 +79,12 @@ class Response:
         return d.dforces_dg, np.asarray(d.dforces_dmu.sum(axis=1))
 
     def linear(self, b: FloatArray, mu: FloatArray) -> FloatArray:
-        """Return the rates (3k, c) of the impulses, of b (3k, c) and mu (c,): the modes as they are."""
+        """Return the rates (3k, c) of the impulses [N s], of b (3k, c) and mu (c,): the modes as they are."""
         by_g, by_mu = self.blocks
         return np.asarray(by_g @ b + np.outer(by_mu, mu))
 
     def one_sided(self, b: FloatArray, mu: FloatArray) -> FloatArray:
-        """Return the same for each column of its own, in the modes that it leads to."""
+        """Return the same (3k, c) [N s] for each column of its own, in the modes that it leads to."""
         if not self.distance <= 10.0 * KINK:
             return self.linear(b, mu)
         found = [self.derivative.jvp(g=b[:, j], mu=mu[j]).forces.ravel() for j in range(b.shape[1])]

@@ -37,7 +37,7 @@ class FirstOrderStages(Stages):
         inertia: FloatArray | None = None,
         one_sided: bool = False,
     ) -> FloatArray:
-        """As `Stages.through`."""
+        """See `Stages.through`: (2nv + 6p, c)."""
         import pinocchio
 
         q, v, torques, mu, push, leaving = columns

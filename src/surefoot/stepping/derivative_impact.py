@@ -55,7 +55,7 @@ class Ground(NamedTuple):
 
     @classmethod
     def below(cls, terrain: Terrain, contacts: Contacts, radii: FloatArray) -> Ground:
-        """Return the ground below contacts, by central differences where it is curved."""
+        """Return the ground below contacts of radii (p,) [m], by central differences where it is curved."""
         frames = contacts.frames
         turns = np.zeros((2, *frames.shape))
         slopes = frames[:, :, 2].copy()
@@ -149,7 +149,7 @@ class Bumps:
         return np.asarray(self.span * self.data.dtau_dq), np.asarray(self.span * self.data.dtau_dv)
 
     def regressor(self, q: FloatArray, change: FloatArray) -> FloatArray:
-        """Return (nv, 10 bodies) the impulse that inertial parameters take for a change of velocity."""
+        """Return (nv, 10 bodies) the impulse [N s, N m s] that inertial parameters take for a change of v."""
         import pinocchio
 
         change = change / self.span
@@ -190,7 +190,7 @@ class Bumps:
         return v, spin @ rates.q + J @ v, impulses
 
     def gap_rates(self) -> FloatArray:
-        """Return the derivative (p, nv) of the gaps."""
+        """Return the derivative (p, nv) of the gaps [m]."""
         c = self.contacts
         centres = centre_rates(self.twists, self.support, c.positions, self.radii, c.frames)
         return np.asarray(np.einsum("ci,cik->ck", self.ground.slopes, centres))

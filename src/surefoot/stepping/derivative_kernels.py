@@ -66,7 +66,7 @@ def velocity_rates(
     Parameters
     ----------
     twists
-        (nv, 6) X_j.
+        (nv, 6) X_j [m/s, rad/s per unit of v_j], linear at the world's origin.
     first
         (nv,) first velocity of the joint that each belongs to.
     support
@@ -82,6 +82,7 @@ def velocity_rates(
     for c in range(p):
         for i in range(6):
             behind[n, i] = 0.0  # twist of the body that joints from j on make
+        # Σ X_i v_i over the joints from j on: all that a motion of joint j carries along
         for j in range(n - 1, -1, -1):
             share = v[j] if support[c, j] else 0.0
             for i in range(6):
@@ -93,11 +94,13 @@ def velocity_rates(
             if not support[c, k]:
                 continue
             angular, f = _three(twists, k, 3), first[k]
+            # velocity of the contact point with joint k
             point = _plus(_three(twists, k, 0), cross(angular, at))
             if turning:
                 _turn(turns, c, point, turn)
                 r = radii[c]
                 point = point[0] - r * turn[0, 2], point[1] - r * turn[1, 2], point[2] - r * turn[2, 2]
+            # ∂X_j/∂q_k = X_k × X_j for the joints that k carries
             turned = cross(angular, _three(behind, f, 3))
             rate = cross(angular, _three(behind, f, 0))
             rate = _plus(rate, cross(_three(twists, k, 0), _three(behind, f, 3)))
@@ -178,7 +181,7 @@ def _times(A: FloatArray, x: Three) -> Three:
 def centre_rates(
     twists: FloatArray, support: BoolArray, positions: FloatArray, radii: FloatArray, frames: FloatArray
 ) -> FloatArray:
-    """Return the derivative (p, 3, nv) of the spheres' centres, world axes."""
+    """Return the derivative (p, 3, nv) of the spheres' centres [m], world axes."""
     p, n = support.shape
     out = np.zeros((p, 3, n))
     for c in range(p):

@@ -58,7 +58,7 @@ class Exchange(NamedTuple):
     response: Response | None
 
     def through(self, rates: Rates, one_sided: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the rates of v⁺, of the contact velocities after it, and of the impulses."""
+        """Return the rates (nv, c) of v⁺, (3p, c) of contact velocities [m/s] and of impulses [N s]."""
         r = self.response
         respond = None if r is None else (r.one_sided if one_sided else r.linear)
         return self.bumps.through(
@@ -74,7 +74,7 @@ class Exchange(NamedTuple):
         )
 
     def takes(self, inertia: FloatArray | None) -> FloatArray | float:
-        """Return the effort (nv, c) that rates of inertial parameters (10 bodies, c) stand for."""
+        """Return the effort (nv, c) [N s, N m s] that rates (10 bodies, c) of inertial parameters mean."""
         if inertia is None:
             return 0.0
         return -self.bumps.regressor(self.impact.q, self.impact.after - self.impact.before) @ inertia
@@ -210,7 +210,7 @@ class Stages:
 
     @property
     def responses(self) -> list[tuple[Response, IntArray]]:
-        """The contact problems of impulses, in order, and which contact points are in them."""
+        """The contact problems of impulses, in order, and which contact points (k,) are in them."""
         found = [] if self.step.impact is None else [self.arrival, self.main]
         return [(e.response, e.impact.near) for e in found if e is not None and e.response is not None]
 

@@ -118,7 +118,7 @@ class Detection:
             self.above = points.radii + float(terrain.height([0.0, 0.0])) * self._frames[:1, 2, 2]
 
     def at(self, q: FloatArray) -> Contacts:
-        """Return the contacts at (nq,) q; `frames` and `J` are work arrays, valid until the next call."""
+        """Return the contacts at (nq,) q [m, -, rad]; `frames`, `J` are work arrays until the next call."""
         model, data = self._model, self.data
         self._jacobians(model, data, q)
         centres = self._centres
@@ -130,7 +130,7 @@ class Detection:
         return Contacts(gaps, positions, self._frames, self._J)
 
     def below(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps (p,) and contact frames (p, 3, 3) below spheres (p, 3); the latter a work array."""
+        """Return the gaps (p,) [m] and frames (p, 3, 3) below spheres (p, 3) [m]; the latter a work array."""
         if self._plane is not None:
             return np.asarray(centres @ self._plane - self.above), self._frames
         gaps = np.asarray(self._terrain.gap(centres) - self._radii[:, 0])
@@ -143,5 +143,5 @@ class Detection:
         return None
 
     def twists(self, q: FloatArray) -> FloatArray:
-        """Return the spatial Jacobian (6, nv) at q: every velocity's twist, world origin and axes."""
+        """Return the spatial Jacobian (6, nv) [m, -] at q: every velocity's twist, world origin and axes."""
         return np.array(self._jacobians(self._model, self.data, q))

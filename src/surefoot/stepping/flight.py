@@ -129,11 +129,11 @@ def follow_shape(
     Parameters
     ----------
     robot, q
-        Robot and (nq,) configuration at the start; its joints are replaced by the shape's.
+        Robot and (nq,) configuration [m, -, rad] at the start; its joints are replaced by the shape's.
     shape
         Joint positions and velocities over time.
     carried
-        (6,) momentum at the start [linear; angular]; None for zero.
+        (6,) momentum at the start [linear; angular] [N s, N m s]; None for zero.
     gravity
         Whether gravity takes its part of the linear momentum.
     """

@@ -100,7 +100,7 @@ class Meeting(NamedTuple):
         near
             (k,) contacts that may touch.
         last, leaving
-            (p, 3) impulses of the step before, and contact velocities right after them.
+            (p, 3) impulses of the step before [N s], and contact velocities right after them [m/s].
         """
         J, feet = self.contacts.J, (self.foot, self.contacts.frames)
         guess = arithmetic.swerves(J, self.before, leaving, last, *feet, SWERVE)
@@ -151,7 +151,7 @@ class Meeting(NamedTuple):
 def finite_problem(
     G: FloatArray, g: FloatArray, mu: float | FloatArray, law: str = "coulomb"
 ) -> ContactProblem:
-    """Return the contact problem, of finite numbers."""
+    """Return the contact problem G (3n, 3n) [1/kg], g (3n,) [m/s], of finite numbers."""
     if not max(arithmetic.largest(g), arithmetic.largest(G.ravel())) < np.inf:
         raise LostMotion("contact problem")
     return ContactProblem(G, g, mu, law=law)

@@ -123,14 +123,17 @@ def first_order_step(
     dt, p = settings[DT], gaps.size
     own = np.arange(p)
     _locate(centres, radii, frames, gaps, above, positions)
+    # M = L Lᵀ, J at the configuration of the start: semi-implicit Euler
     factorise(upper, L)
     contact_jacobian(twists.T, support, own, positions, frames, J)
+    # without the ground
     free = free_velocity(L, effort, v, dt)
     near = own[:0]
     lost = not (largest(gaps) < np.inf and largest(free) < FASTEST)
     if not lost:
         near = near_ground(J, v, free, gaps, dt, settings[REACH])
     velocities = np.empty((p, 3))
+    # contacts that the others' impulses press in are added, until none is
     while True:
         solved, Y, G, g, record = _solve(J, L, v, free, gaps, near, settings, convex)
         for c in range(p):
@@ -300,6 +303,7 @@ def first_order_blocks(
     n, m, dt = v.size, 3 * near.size, settings[DT]
     by_q, by_v = dynamics
     half, K = np.empty((n, n)), np.empty((n, n))
+    # K = M⁻¹ first; what the ground's answer adds comes below
     invert(L, half, K)
     # what moves the contact problem's g: columns of W, q, v
     W, columns = np.empty((m, n)), np.empty((m, 3 * n))
@@ -310,6 +314,7 @@ def first_order_blocks(
     if settings[RESTITUTION] > 0.0:
         arriving = velocity_rates(twists, first, support, positions, radii, frames, turns, v)
     _shift_rates(arriving, slopes, place, J, near, shifts, columns)
+    # g = J v_free + shift moves with the impulse of any force (W), with q, and with v
     for i in range(m):
         r = 3 * near[i // 3] + i % 3
         for j in range(n):

@@ -95,7 +95,7 @@ class FreeMotion:
         effort: FloatArray | None = None,
         rate: FloatArray | None = None,
     ) -> Ahead | None:
-        """Return where q and v lead in `seconds`; None where `PIECES` do not suffice or nothing stays finite.
+        """Return where q (nq,), v (nv,) lead in `seconds` [s]; None where `PIECES` do not do.
 
         `rate` is the acceleration at the start as the last call left it (`Ahead.rate`), for a motion that
         goes on from there; None where it is not known.
@@ -161,7 +161,7 @@ class FreeMotion:
 
 @inline_kernel
 def bracket(a: FloatArray, b: FloatArray, out: FloatArray) -> None:
-    """Write the Lie bracket [a, b] of two base twists [linear; angular] into out (6,)."""
+    """Write the Lie bracket [a, b] of two base twists [linear; angular], in any unit, into out (6,)."""
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         out[i] = a[3 + j] * b[k] - a[3 + k] * b[j] + a[j] * b[3 + k] - a[k] * b[3 + j]
@@ -173,7 +173,7 @@ def stage(
     i: int, h: float, v: FloatArray, moves: FloatArray, slopes: FloatArray, floating: bool,
     xi: FloatArray, speed: FloatArray,
 ) -> None:  # fmt: skip
-    """Write ξ, v and ξ̇ of stage `i` of a piece that starts with v (nv,).
+    """Write ξ, v and ξ̇ of stage `i` of a piece of h [s] that starts with v (nv,).
 
     `moves` and `slopes` (7, nv) hold ξ̇ and v̇ of the stages. ξ̇ = v + [ξ, v]/2 + [ξ, [ξ, v]]/12 - ad⁴/720,
     exact to the order of the method, for a velocity in body axes.
@@ -198,7 +198,7 @@ def stage(
 
 @kernel
 def straight(h: float, rate: FloatArray, v: FloatArray, xi: FloatArray, speed: FloatArray) -> float:
-    """Write ξ and v after h seconds of constant v̇ = `rate` (nv,); return the error of v over the largest one.
+    """Write ξ and v after h [s] of constant v̇ = `rate` (nv,); return the error of v over the largest.
 
     Over h an acceleration changes by about itself times the angle turned, h times the largest velocity, as
     Coriolis terms are quadratic in v. NaN where the rate is not finite.
@@ -215,7 +215,7 @@ def straight(h: float, rate: FloatArray, v: FloatArray, xi: FloatArray, speed: F
 
 @kernel
 def halfway(h: float, rate: FloatArray, v: FloatArray, xi: FloatArray, speed: FloatArray) -> None:
-    """Write ξ and v after h / 2 seconds of constant v̇ = `rate` (nv,)."""
+    """Write ξ and v after h / 2 [s] of constant v̇ = `rate` (nv,)."""
     for k in range(v.size):
         speed[k] = v[k] + 0.5 * h * rate[k]
         xi[k] = 0.5 * h * (v[k] + 0.25 * h * rate[k])
@@ -226,7 +226,7 @@ def bent(
     h: float, rate: FloatArray, middle: FloatArray, v: FloatArray, floating: bool,
     xi: FloatArray, speed: FloatArray,
 ) -> float:  # fmt: skip
-    """Write ξ and v after h seconds of a v̇ that changes evenly; return the error of v over the largest one.
+    """Write ξ and v after h [s] of a v̇ that changes evenly; return the error of v over the largest one.
 
     v̇ goes from `rate` (nv,) over `middle` at h / 2 to what replaces `middle`. The error is the change of v̇
     over h, times the angle turned. NaN where a rate is not finite.
@@ -250,7 +250,10 @@ def bent(
 
 @kernel
 def pair_error(h: float, slopes: FloatArray, v: FloatArray) -> float:
-    """Return how far the pair's velocities differ, over the largest velocity; NaN where one is."""
+    """Return how far the pair's velocities differ, over the largest velocity; NaN where one is.
+
+    For a step h [s] from v (nv,) with the seven accelerations `slopes` (7, nv).
+    """
     worst = largest = 0.0
     for k in range(v.size):
         total = 0.0

@@ -83,7 +83,7 @@ class PairDetection:
         self._frames, self._J = np.zeros((n, 3, 3)), np.zeros((3 * n, model.nv))
 
     def at(self, q: FloatArray) -> Contacts:
-        """Return the contacts at (nq,) q, as `Detection.at` does."""
+        """Return the contacts at (nq,) q [m, -, rad], as `Detection.at` does."""
         ground, p = self._ground.at(q), self._points
         gaps, positions = np.empty(len(self.group)), np.empty((len(self.group), 3))
         gaps[:p], positions[:p], self._frames[:p] = ground.gaps, ground.positions, ground.frames

@@ -55,7 +55,7 @@ class Graph(NamedTuple):
 
     @classmethod
     def of(cls, law: SoftLaw, dt: float, gaps: FloatArray, arriving: FloatArray) -> Graph:
-        """Return the graph of a law for (p,) gaps and arriving normal velocities."""
+        """Return the graph of a law for (p,) gaps [m] and arriving normal velocities [m/s] over dt [s]."""
         wall = -gaps / dt
         jump = dt * np.maximum(law.over_step(gaps, wall, arriving, dt)[0], 0.0)
         return cls(law, dt, gaps, arriving, wall, jump)
@@ -90,7 +90,7 @@ class Rows(NamedTuple):
 
     @classmethod
     def of(cls, graph: Graph, speeds: FloatArray, at_wall: BoolArray) -> Rows:
-        """Return the rows linearised about (p,) normal velocities; `at_wall` (p,) chooses the jump."""
+        """Return the rows linearised about (p,) normal velocities [m/s]; `at_wall` (p,) chooses the jump."""
         impulses, slopes = graph.impulses(speeds)
         tangent = (slopes > 0.0) & ~at_wall
         steep = np.where(tangent, slopes, 1.0)

@@ -54,7 +54,7 @@ class State(NamedTuple):
 
     @property
     def rate(self) -> FloatArray | None:
-        """Acceleration of free motion (nv,), None where it is not known for just this q and v."""
+        """Acceleration of free motion (nv,) [m/s², rad/s²], None where unknown for just this q and v."""
         m = self.memory
         return m.rate if m is not None and m.q is self.q and m.v is self.v else None
 

@@ -124,7 +124,7 @@ class Stepper:
         """Work arrays of its derivatives, by whose they are."""
 
     def start(self, q: FloatArray | None = None, v: FloatArray | None = None) -> State:
-        """Return the state at (nq,) q (None: nominal) and (nv,) v (None: at rest), without history."""
+        """Return the state at q (nq,) (None: nominal) and v (nv,) [m/s, rad/s] (None: rest), no history."""
         nv = self.bodies.model.nv
         rest = np.zeros(nv) if v is None else finite_array("v", v, (nv,))
         return State(self.robot.configuration(q), rest)
@@ -221,7 +221,8 @@ class Stepper:
     def take_first_order(self, state: State, effort: FloatArray, push: FloatArray | None, mu: float) -> Step:
         """Return the step of semi-implicit Euler: all forces at the start, then the way with what they leave.
 
-        The laws hold for the gaps at its end, as far as these are linear: gap + dt u_n.
+        The effort is (nv,) [N, N m], the push on the base (3,) [N]. The laws hold for the gaps at its end, as
+        far as these are linear: gap + dt u_n.
         """
         bodies, dt, tally, (q, v) = self.bodies, self.options.dt, Tally(), state[:2]
         contacts = self._detect(q)
@@ -329,7 +330,7 @@ class Stepper:
     def pushed_out(self, q: FloatArray, contacts: Contacts) -> Impact | None:
         """Return the least motion out of the ground, as impulses from rest over a second; None if q is out.
 
-        The mass matrix is that of the last `Bodies.weigh`.
+        q is (nq,). The mass matrix is that of the last `Bodies.weigh`.
         """
         if contacts.gaps.min(initial=0.0) >= -SLOP:
             return None
@@ -345,7 +346,7 @@ class Stepper:
         return Impact(q, still, still, way, near, rows, pushes, velocities, velocities, solution)
 
     def solve(self, problem: ContactProblem, warm: FloatArray) -> ContactSolution:
-        """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses."""
+        """Return the solution of a contact problem as `options` ask for it, from (k, 3) impulses [N s]."""
         return solve(problem, self.options.solver, self.options.tol, warm_start=warm)
 
     def _detect(self, q: FloatArray) -> Contacts:

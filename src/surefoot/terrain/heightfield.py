@@ -109,7 +109,7 @@ class HeightfieldTerrain(Terrain):
         return self._surface(np.asarray(xy, dtype=np.float64))[0]
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
-        """Return the slope along x and y at (..., 2) places: (..., 2), the surface's own."""
+        """Return the slope along x and y [-] at (..., 2) places [m]: (..., 2), the surface's own."""
         return self._surface(np.asarray(xy, dtype=np.float64))[1]
 
     def shapes(self) -> tuple[Grid]:
@@ -139,7 +139,7 @@ def _extend(heights: FloatArray) -> FloatArray:
 
 @kernel
 def catmull_rom(u: float, weights: FloatArray, slopes: FloatArray) -> None:
-    """Fill the four weights and their derivatives at u in [0, 1]."""
+    """Fill the weights (4,) [-] and their derivatives (4,) at u in [0, 1]."""
     weights[0], slopes[0] = 0.5 * u * (-1.0 + u * (2.0 - u)), 0.5 * (-1.0 + u * (4.0 - 3.0 * u))
     weights[1], slopes[1] = 1.0 + 0.5 * u * u * (3.0 * u - 5.0), 0.5 * u * (9.0 * u - 10.0)
     weights[2], slopes[2] = 0.5 * u * (1.0 + u * (4.0 - 3.0 * u)), 0.5 * (1.0 + u * (8.0 - 9.0 * u))
@@ -150,7 +150,7 @@ def catmull_rom(u: float, weights: FloatArray, slopes: FloatArray) -> None:
 def bicubic(
     extended: FloatArray, origin: FloatArray, spacing: float, xy: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return heights (k,) and gradients (k, 2) of a grid that has one more line on every side, at (k, 2)."""
+    """Return heights (k,) [m], gradients (k, 2) at (k, 2) of a grid with one more line on every side."""
     count = xy.shape[0]
     heights, slopes = np.zeros(count), np.zeros((count, 2))
     weights, rates = np.empty((2, 4)), np.empty((2, 4))

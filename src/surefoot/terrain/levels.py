@@ -21,11 +21,11 @@ class LevelsTerrain(Terrain):
         """Return the edges along x (k + 1,), ascending, the outer two far away, and the heights (k,) [m]."""
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
-        """Return the slope at (..., 2) places: zeros (..., 2)."""
+        """Return the slope [-] at (..., 2) places [m]: zeros (..., 2)."""
         return np.zeros(np.shape(xy))
 
     def normal(self, xy: ArrayLike) -> FloatArray:
-        """Return the vertical at (..., 2) places: (..., 3)."""
+        """Return the vertical [-] at (..., 2) places [m]: (..., 3)."""
         shape = np.asarray(xy).shape[:-1]
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*shape, 3)).copy()
 

@@ -47,11 +47,11 @@ class SlopeTerrain(Terrain):
         return np.asarray(np.asarray(xy, dtype=np.float64)[..., 0] * self._rise)
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
-        """Return the slope along x and y at (..., 2) places: (..., 2), the same everywhere."""
+        """Return the slope along x and y [-] at (..., 2) places [m]: (..., 2), the same everywhere."""
         return np.broadcast_to(np.array([self._rise, 0.0]), np.shape(xy)).copy()
 
     def normal(self, xy: ArrayLike) -> FloatArray:
-        """Return the unit normals at (..., 2) places: (..., 3), the same everywhere."""
+        """Return the unit normals [-] at (..., 2) places [m]: (..., 3), the same everywhere."""
         shape = np.asarray(xy).shape[:-1]
         return np.broadcast_to(self._normal, (*shape, 3)).copy()
 

@@ -46,12 +46,12 @@ class Terrain(ABC):
         """Return the ground height under (..., 2) places [m]: (...)."""
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
-        """Return the slope of the height along x and y at (..., 2) places: (..., 2), here by differences."""
+        """Return the slope along x and y [-] at (..., 2) places [m]: (..., 2), here by differences."""
         places, ahead = np.asarray(xy, dtype=np.float64)[..., None, :], STEP * np.eye(2)
         return np.asarray((self.height(places + ahead) - self.height(places - ahead)) / (2.0 * STEP))
 
     def normal(self, xy: ArrayLike) -> FloatArray:
-        """Return the unit normals out of the ground at (..., 2) places: (..., 3)."""
+        """Return the unit normals [-] out of the ground at (..., 2) places [m], world axes: (..., 3)."""
         slope = self.gradient(xy)
         out = np.concatenate([0.0 - slope, np.ones((*slope.shape[:-1], 1))], axis=-1)
         return np.asarray(out / np.linalg.norm(out, axis=-1, keepdims=True))
@@ -66,7 +66,10 @@ class Terrain(ABC):
         return np.asarray(above * self.normal(p[..., :2])[..., 2])
 
     def frame(self, xy: ArrayLike, heading: ArrayLike = (1.0, 0.0, 0.0)) -> FloatArray:
-        """Return rotation_world_contact (3, 3) of the ground at one (2,) place."""
+        """Return the rotation rotation_world_contact (3, 3) of the ground at one (2,) place [m].
+
+        Its x axis follows the heading (3,), in any unit, world axes.
+        """
         return rotation_from_normal(self.normal(xy), heading)
 
     def shapes(self) -> tuple[Shape, ...]:

@@ -99,7 +99,7 @@ def plot_curves(
     title: str = "",
     scales: tuple[str, str] = ("log", "linear"),
 ) -> Path:
-    """Write a picture of named curves over x; every second one is drawn as dots (the measured ones)."""
+    """Write a picture of named curves (n,) over x (n,); every second one as dots (the measured ones)."""
     xscale, yscale = scales
     figure, ax = new_axis((6.0, 3.6), title, xlabel=x_label, ylabel=y_label, xscale=xscale, yscale=yscale)
     for k, (name, y) in enumerate(curves.items()):

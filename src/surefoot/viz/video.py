@@ -87,7 +87,7 @@ class Renderer:
         self._camera.azimuth, self._camera.elevation = 140.0, -14.0
 
     def frame(self, q: FloatArray, arrows: list[Arrow], lines: Sequence[Arrow] = ()) -> Any:
-        """Return the picture (height, width, 3) of a configuration, with arrows and thin lines."""
+        """Return the picture (height, width, 3) of a configuration (nq,) [m, -, rad], arrows and lines."""
         self.data.qpos[:] = q
         if self.robot.floating:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
@@ -145,7 +145,7 @@ def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) ->
 def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arrow]:
     """Return the arrows of one step: measured forces, commanded ones where they differ, the push.
 
-    `scale` is in metres per newton.
+    `scale` is the length of a newton [m/N].
     """
     arrows: list[Arrow] = []
     positions = log["contact_positions"][step]

@@ -6,6 +6,7 @@ import numpy as np
 
 from surefoot.audit.episode import Episode
 from surefoot.audit.symptoms.symptom import Evidence, Symptom
+from surefoot.spatial import GRAVITY
 
 
 def _judge(e: Episode) -> Evidence | None:
@@ -18,7 +19,7 @@ def _judge(e: Episode) -> Evidence | None:
     upright = abs(mean[2]) > 0.9 * np.linalg.norm(mean)
     if not upright or np.linalg.norm(spread) > 0.6 * abs(mean[2]):
         return None
-    return Evidence(0.9, f"the forces carry {-mean[2] / 9.81:+.3g} kg against the log's mass")
+    return Evidence(0.9, f"the forces carry {-mean[2] / GRAVITY:+.3g} kg against the log's mass")
 
 
 SYMPTOM = Symptom(

@@ -52,14 +52,14 @@ def combination_rules() -> dict[str, str]:
 
 
 def combine_friction(engine: str, first: float, second: float) -> float:
-    """Return the friction coefficient that an engine gives to a contact of two surfaces.
+    """Return the friction coefficient [-] that an engine gives to a contact of two surfaces.
 
     Parameters
     ----------
     engine
         See `combination_rules`.
     first, second
-        Coefficients of the robot's and of the ground's surface.
+        Coefficients of the robot's and of the ground's surface [-].
 
     Raises
     ------

@@ -102,7 +102,7 @@ def translate(
     keep
         "motion" (frequency, settling, bounce) or "rest" (depth), where both cannot be kept.
     impedance
-        MuJoCo's d, where MuJoCo is the target: small ones keep rest and motion, large ones hold friction
+        MuJoCo's d [-], where MuJoCo is the target: small ones keep rest and motion, large ones hold friction
         firmly.
 
     Raises

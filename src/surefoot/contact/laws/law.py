@@ -21,7 +21,7 @@ class Law(str):
     name
         What it is called in messages and files.
     shift
-        θ, in [0, 1].
+        θ [-], in [0, 1].
 
     Raises
     ------
@@ -43,7 +43,7 @@ class Law(str):
         return law
 
     def shift_at(self, mu: float) -> float:
-        """Return θ of a contact of friction coefficient mu; the law's own for all, unless overridden."""
+        """Return θ [-] of a contact of friction coefficient mu [-]; the law's own, unless overridden."""
         return self.shift
 
     def __getnewargs__(self) -> tuple[str, float]:  # type: ignore[override]

@@ -48,13 +48,13 @@ class Bilateral(Contact):
         return (None, "inner") if self.rows == 3 else None
 
     def nearest(self, y: FloatArray, low: float, high: float) -> FloatArray:
-        """Return the point itself."""
+        """Return the point (rows,) itself, in any unit."""
         return np.array(y, dtype=np.float64)
 
     def jacobian(self, force: FloatArray) -> FloatArray:
-        """Return the unit matrix."""
+        """Return the unit matrix (rows, rows) [-]."""
         return np.eye(self.rows)
 
     def support(self, direction: FloatArray) -> float:
-        """Return 0 for no direction, infinity for any."""
+        """Return 0 for a direction (rows,) of zeros, infinity for any other, in any unit."""
         return math.inf if np.any(direction) else 0.0

@@ -31,7 +31,7 @@ class Factor:
     rows
         Of the contact.
     radius
-        Limit per newton of normal force, >= 0.
+        Limit per newton of normal force [-], >= 0.
     friction
         Whether what it limits is friction.
     """
@@ -78,7 +78,7 @@ class Contact:
 
     @property
     def coefficient(self) -> float:
-        """The friction coefficient mu, 0 where there is none."""
+        """The friction coefficient mu [-], 0 where there is none."""
         return float(getattr(self, "mu", 0.0))
 
     @property
@@ -107,11 +107,11 @@ class Contact:
         return None
 
     def project(self, force: FloatArray) -> FloatArray:
-        """Return the nearest force of the set: (rows,)."""
+        """Return the nearest force of the set: (rows,) [N, N m]."""
         return self.nearest(np.asarray(force) / self.lengths, self.normal_min, self.normal_max) * self.lengths
 
     def nearest(self, y: FloatArray, low: float, high: float) -> FloatArray:
-        """Return the nearest point under other bounds, in the contact's metric (moments over lengths).
+        """Return the nearest point (rows,) [N] under other bounds [N], with moments counted over lengths.
 
         The distance to the section of height s is Σ (||y_b|| - r_b s)₊², convex in s and a parabola between
         the heights where a disc begins to hold: the discs are let in from the tightest on.
@@ -145,7 +145,7 @@ class Contact:
         return min(max(s, low, 0.0), high), sizes
 
     def jacobian(self, force: FloatArray) -> FloatArray:
-        """Return a generalised Jacobian of `project`: (rows, rows)."""
+        """Return a generalised Jacobian of `project` at a force [N, N m]: (rows, rows) [-, m]."""
         y = np.asarray(force) / self.lengths
         s, sizes = self._height(y, self.normal_min, self.normal_max)
         n = self.normal
@@ -170,14 +170,16 @@ class Contact:
         return self.lengths[:, None] * J / self.lengths[None, :]
 
     def support(self, direction: FloatArray) -> float:
-        """Return sup of direction · λ over the set; infinite where there is no bound."""
+        """Return sup of direction (rows,) · λ over the set, in the unit of both; infinite without a bound."""
         slope = float(direction[self.normal]) + self.reach(direction)
         if slope > 0.0:
             return self.normal_max * slope if self.normal_max > 0.0 else 0.0
         return self.normal_min * slope
 
     def reach(self, direction: FloatArray, friction: bool | None = None) -> float:
-        """Return sup of direction · λ over the section λ_n = 1, the normal's part left out.
+        """Return sup of direction (rows,) · λ over the section λ_n = 1, in the unit of both.
+
+        The normal's part is left out.
 
         Of all discs, or of those that are friction or are not.
         """
@@ -191,14 +193,14 @@ class Contact:
         )
 
     def shift(self, velocity: FloatArray) -> float:
-        """Return De Saxcé's shift Γ(u): the most power that friction can take out per newton [m/s].
+        """Return De Saxcé's shift Γ(u) of u (rows,): the most power that friction takes out per newton [m/s].
 
         The law of maximum dissipation is that friction does: λ_t · u_t = -λ_n Γ(u).
         """
         return self.reach(-np.asarray(velocity), friction=True)
 
     def power(self, force: FloatArray, velocity: FloatArray, friction: bool) -> float:
-        """Return the power of the rows whose discs are friction, or of those whose are not [W]."""
+        """Return the power of the rows whose discs are friction, or are not [W]: force, velocity (rows,)."""
         rows = [row for b in self.factors if b.friction == friction for row in b.rows]
         return float(np.asarray(force)[rows] @ np.asarray(velocity)[rows])
 
@@ -210,13 +212,13 @@ class Contact:
         Parameters
         ----------
         force, velocity
-            (rows,) of the contact.
+            (rows,) of the contact [N s, N m s] and [m/s, rad/s].
         weight
             w > 0, the velocity that a newton makes [m/s/N].
         shift
-            θ of the law.
+            θ of the law [-].
         scale
-            What the normal bounds are multiplied with: the forces may be given in another unit.
+            What the normal bounds are multiplied with [-]: the forces may be given in another unit.
         """
         v = np.asarray(velocity) * self.lengths
         v[self.normal] += shift * self.shift(velocity)

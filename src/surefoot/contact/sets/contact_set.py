@@ -80,11 +80,11 @@ class ContactSet(Sequence[Contact]):
         return np.concatenate([np.zeros(0), *(c.lengths for c in self)])
 
     def split(self, vector: FloatArray) -> tuple[FloatArray, ...]:
-        """Return what each contact has of the rows of a problem, forces or velocities: n views (d_k,)."""
+        """Return what each contact has of the rows (m,) of a problem, in any unit: n views (d_k,)."""
         return tuple(np.split(np.ravel(vector), self.offsets[1:-1]))
 
     def nearest_to_zero(self) -> FloatArray:
-        """Return the admissible forces nearest to zero, in the shape of the forces."""
+        """Return the admissible forces nearest to zero [N or N s], in their shape: (n, 3), (n, d) or (m,)."""
         forces = np.zeros(self.rows)
         forces[self.normal_rows] = [c.normal_min for c in self]
         return forces.reshape(self.shape)
@@ -107,7 +107,7 @@ class ContactSet(Sequence[Contact]):
 
 
 def set_of(mu: FloatArray, low: FloatArray, high: FloatArray, facets: int | None, fit: str) -> ContactSet:
-    """Return the contacts of a problem in its short form; low = -inf marks a bilateral one."""
+    """Return the contacts of a problem's short form, (n,) mu and bounds; low = -inf marks a bilateral one."""
     out: list[Contact] = []
     for m, a, b in zip(mu.tolist(), low.tolist(), high.tolist(), strict=True):
         if a == -np.inf:

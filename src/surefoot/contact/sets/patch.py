@@ -29,7 +29,7 @@ class Patch(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     length, width
         Full size along x and y [m], > 0.
     torsion
@@ -61,7 +61,7 @@ class Patch(Contact):
 
     @cached_property
     def lengths(self) -> FloatArray:
-        """Half the sole for the tipping moments, the torsion for the yaw moment."""
+        """(rows,) [-, m]: half the sole for the tipping moments, the torsion for the yaw moment."""
         return np.array([1.0, 1.0, 1.0, 0.5 * self.width, 0.5 * self.length, self.torsion or 1.0])
 
     @property

@@ -17,7 +17,7 @@ class Planar(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
 
     References
     ----------

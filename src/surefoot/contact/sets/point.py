@@ -16,7 +16,7 @@ class Point(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
 
     References
     ----------

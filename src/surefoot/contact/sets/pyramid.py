@@ -23,7 +23,7 @@ class Pyramid(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     facets
         Number of sides, >= 3.
     fit
@@ -70,14 +70,14 @@ class Pyramid(Contact):
         return (Factor((0, 1), self.mu * share),)
 
     def nearest(self, y: FloatArray, low: float, high: float) -> FloatArray:
-        """Return the nearest point under other bounds."""
+        """Return the nearest point (3,) [N] under other bounds [N]."""
         x, y_, z = (float(v) for v in y)
         return np.array(
             nearest(x, y_, z, float(self.mu), float(low), float(high), self.facets, self.fit == "inner")
         )
 
     def jacobian(self, force: FloatArray) -> FloatArray:
-        """Return the projector along the faces that hold the nearest point.
+        """Return the projector (3, 3) [-] along the faces that hold the point nearest to a force [N].
 
         A polyhedron's projection is affine where the multipliers of its faces stay positive.
         """
@@ -98,9 +98,9 @@ class Pyramid(Contact):
         return np.eye(3) - np.linalg.pinv(held) @ held if len(held) else np.eye(3)
 
     def reach(self, direction: FloatArray, friction: bool | None = None) -> float:
-        """Return sup of direction · λ over the section λ_n = 1, the normal's part left out."""
+        """Return sup of direction (3,), any unit, · λ over the section λ_n = 1, without the normal's part."""
         return 0.0 if friction is False else float(np.max(self._edges @ np.asarray(direction)[:2]))
 
     def power(self, force: FloatArray, velocity: FloatArray, friction: bool) -> float:
-        """Return the power of the tangents: all of them are friction [W]."""
+        """Return the power of the tangents of a force (3,) and velocity (3,): all are friction [W]."""
         return float(np.asarray(force)[:2] @ np.asarray(velocity)[:2]) if friction else 0.0

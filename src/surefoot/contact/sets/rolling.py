@@ -22,7 +22,7 @@ class Rolling(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     resistance
         Coefficient of rolling resistance [m], >= 0: how far the pressure's centre runs ahead.
 
@@ -47,7 +47,7 @@ class Rolling(Contact):
 
     @cached_property
     def lengths(self) -> FloatArray:
-        """The coefficient of rolling resistance for the moments."""
+        """(rows,) [-, m]: the coefficient of rolling resistance for the moments."""
         return np.array([1.0, 1.0, 1.0, self.resistance or 1.0, self.resistance or 1.0])
 
     @property

@@ -23,7 +23,7 @@ class SoftFinger(Contact):
     Parameters
     ----------
     mu
-        Friction coefficient, finite and >= 0.
+        Friction coefficient [-], finite and >= 0.
     radius
         Torsional radius [m], >= 0: the largest moment is mu · radius · f_z. Zero is a point contact that
         turns freely.
@@ -48,7 +48,7 @@ class SoftFinger(Contact):
 
     @cached_property
     def lengths(self) -> FloatArray:
-        """The torsional radius for the moment."""
+        """(rows,) [-, m]: the torsional radius for the moment."""
         return np.array([1.0, 1.0, 1.0, self.radius or 1.0])
 
     @property

@@ -89,13 +89,13 @@ class Scene:
         )
 
     def touch(self, joint: int, place: list[float], radius: float, mu: float | None = None) -> Any:
-        """Return the geometry of a contact sphere on the body of a joint."""
+        """Return the geometry of a contact sphere on the body of a joint, place and radius in [m]."""
         from pydrake.geometry import Sphere
 
         return self.register(self.bodies[joint], np.eye(3), place, Sphere(radius), mu)
 
     def box(self, size: list[float]) -> Any:
-        """Return a box of full lengths."""
+        """Return a box of full lengths [m]."""
         from pydrake.geometry import Box
 
         return Box(*size)
@@ -146,7 +146,7 @@ class Scene:
         return self.state()
 
     def step(self, effort: list[float]) -> dict[str, Any]:
-        """Take a step under (nv,) generalised forces."""
+        """Take a step under (nv,) generalised forces [N, N m]."""
         given = np.zeros(len(effort))
         given[self.velocities] = effort
         self.effort.FixValue(self.context, given)
@@ -156,7 +156,7 @@ class Scene:
         return {**self.state(), "contacts": self.contacts()}
 
     def friction(self, mu: float) -> dict[str, Any]:
-        """Change the friction everywhere."""
+        """Change the friction [-] everywhere."""
         from pydrake.geometry import RoleAssign
 
         context = self.graph.GetMyMutableContextFromRoot(self.root)
@@ -172,7 +172,7 @@ class Scene:
         return {"q": q[self.positions].tolist(), "v": v[self.velocities].tolist()}
 
     def contacts(self) -> list[list[float]]:
-        """Return sphere, force on it and normal away from the ground in world axes, contact by contact."""
+        """Return sphere, force on it [N] and normal away from the ground, world axes, contact by contact."""
         results, out = self.results.Eval(self.context), []
         for k in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(k)

@@ -126,7 +126,7 @@ class DrakeWorld:
         return self._worker.ask(task)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at (nq,) q and (nv,) v in Pinocchio's order, at time 0."""
+        """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         state = self._stepper.start(q, v)
         self._seen = self._stepper.contacts(state)
         self._q, self._v, self._steps = state.q, state.v, 0
@@ -154,7 +154,7 @@ class DrakeWorld:
         return q, v
 
     def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) and v (nv,) in Pinocchio's order."""
+        """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
         return self._q.copy(), self._v.copy()
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
@@ -206,7 +206,7 @@ class DrakeWorld:
         return forces
 
     def set_friction(self, mu: float) -> None:
-        """Change the friction of the ground everywhere, from the next step on."""
+        """Change the friction of the ground [-] everywhere, from the next step on."""
         wanted = real_number("mu", mu, low=0.0, high=HIGHEST)
         if wanted != self.mu:
             self._ask(["friction", wanted])

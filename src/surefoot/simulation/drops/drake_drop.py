@@ -38,7 +38,7 @@ def present() -> bool:
 
 
 def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
-    """Return gaps [m] and speeds [m/s] at every step."""
+    """Return gaps [m] and speeds [m/s] at every step: (T,)."""
     done = subprocess.run(
         [drake_python.interpreter(), str(WORKER)],
         input=json.dumps(asdict(drop)),

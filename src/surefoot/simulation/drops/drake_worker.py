@@ -8,7 +8,7 @@ from typing import Any
 
 
 def track(task: dict[str, Any]) -> dict[str, list[float]]:
-    """Return gaps and speeds of a mass on a slide over a half-space."""
+    """Return gaps [m] and speeds [m/s] of a mass on a slide over a half-space."""
     import numpy as np
     from pydrake.geometry import HalfSpace, ProximityProperties, Sphere
     from pydrake.math import RigidTransform

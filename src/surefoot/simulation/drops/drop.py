@@ -12,6 +12,7 @@ import numpy as np
 from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
 from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
 from surefoot.simulation.drops.task import Drop
+from surefoot.spatial import GRAVITY
 
 RUNNERS: dict[str, str] = {
     "mujoco": "surefoot.simulation.drops.mujoco_drop",
@@ -56,7 +57,7 @@ def measure(
     mass: float,
     *,
     speed: float = 1.0,
-    gravity: float = 9.81,
+    gravity: float = GRAVITY,
     dt: float = 1e-5,
 ) -> Behaviour:
     """Run an engine and return how the mass rests, bounces and settles in it.

@@ -25,7 +25,7 @@ def present() -> bool:
 
 
 def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
-    """Return gaps [m] and speeds [m/s] at every step."""
+    """Return gaps [m] and speeds [m/s] at every step: (T,)."""
     from surefoot.simulation.mujoco import import_mujoco
 
     mujoco = import_mujoco()

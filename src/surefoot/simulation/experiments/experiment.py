@@ -144,7 +144,7 @@ class Row:
 
     @property
     def error(self) -> float:
-        """Distance from the closed form."""
+        """Distance from the closed form, in the unit of the row."""
         return abs(self.value - self.exact)
 
     def as_dict(self) -> dict[str, Any]:

@@ -38,7 +38,7 @@ def _fall(world: str, dt: float, height: float, seconds: float, options: Mapping
 
 
 def deepest(stiffness: FloatArray) -> FloatArray:
-    """Return how deep a fall of `HOP` goes into springs without damping [m], by energy."""
+    """Return how deep a fall of `HOP` goes into springs (n,) [N/m] without damping [m], by energy."""
     rest = MASS * GRAVITY / stiffness
     return np.asarray(rest + np.sqrt(rest**2 + 2.0 * rest * HOP))
 

@@ -169,7 +169,7 @@ def _times() -> tuple[float, float, float]:
 
 
 def shift(time: FloatArray) -> FloatArray:
-    """Return how far the lower box has left the upper behind [m]."""
+    """Return how far the lower box has left the upper behind [m] at times (T,) [s]."""
     slows, gains, meet = _times()
     t = np.minimum(time, meet)
     return np.asarray(SPEED * t - 0.5 * (slows + gains) * t**2)

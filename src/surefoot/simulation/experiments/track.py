@@ -93,7 +93,7 @@ class BodyRun:
 
 
 def follow(world: World, seconds: float) -> Track:
-    """Return the path of a world that is left to itself."""
+    """Return the path of a world that is left to itself for a time [s]."""
     steps, still = round(seconds / world.dt), np.zeros(world.robot.joints)
     states, forces = [world.state()], []
     for _ in range(steps):

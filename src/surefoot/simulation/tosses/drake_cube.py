@@ -40,7 +40,7 @@ class DrakeCube:
         self._worker = Worker(WORKER)
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
-        """Return (sum of frames, 7) positions and quaternions.
+        """Return (sum of frames, 7) positions [m] and quaternions.
 
         Raises
         ------

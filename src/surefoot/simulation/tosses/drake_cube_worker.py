@@ -60,7 +60,7 @@ def cube_on_ground(task: dict[str, Any]) -> tuple[Any, Any]:
 
 
 def poses(task: dict[str, Any]) -> list[list[float]]:
-    """Return positions and quaternions (x, y, z, w) of every frame of every toss."""
+    """Return positions [m] and quaternions (x, y, z, w) of every frame of every toss."""
     plant, simulator = cube_on_ground(task)
     context = simulator.get_mutable_context()
     inner = plant.GetMyMutableContextFromRoot(context)

@@ -56,7 +56,7 @@ class MujocoCube:
         self._mujoco: Any = mujoco
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
-        """Return (sum of frames, 7) positions and quaternions."""
+        """Return (sum of frames, 7) positions [m] and quaternions."""
         steps = max(1, math.ceil(scene.dt / LONGEST_STEP - 1e-9))
         model = self._mujoco.MjModel.from_xml_string(_MODEL.format(**_settings(values, scene, steps)))
         data = self._mujoco.MjData(model)

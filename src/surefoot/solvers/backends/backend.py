@@ -59,6 +59,9 @@ class Backend(ABC):
         What it can do.
     tol_words, iterations_word, time_word
         Its own names of the options `tol`, `max_iterations` and `max_time`, as far as it has them.
+    sharpness, iterations, contact_words, ridge
+        What a contact problem asks of it: its tolerance over the problem's [-], iterations where nobody says
+        how many, settings by its own names, and what P's diagonal needs so that it has a factor.
 
     Raises
     ------
@@ -72,6 +75,10 @@ class Backend(ABC):
     keeps_workspace: ClassVar[bool] = False
     warm_starts: ClassVar[bool] = False
     has_tol: ClassVar[bool] = True
+    sharpness: ClassVar[float] = 1e-2
+    ridge: ClassVar[float] = 0.0
+    iterations: ClassVar[int | None] = None
+    contact_words: ClassVar[dict[str, float]] = {}
     tol_words: ClassVar[tuple[str, ...]] = ()
     iterations_word: ClassVar[str | None] = None
     time_word: ClassVar[str | None] = None
@@ -100,7 +107,7 @@ class Backend(ABC):
             setattr(settings, name, value)
 
     def solve(self, program: ConeProgram, start: FloatArray | None = None) -> Outcome:
-        """Solve a program, from a first guess of x where the solver can use one."""
+        """Solve a program, from a first guess (n,) of x where the solver can use one."""
         return self.read(self.call(self.ready(program), start)())
 
     @abstractmethod
@@ -114,7 +121,7 @@ class Backend(ABC):
         """
 
     def call(self, item: Any, start: FloatArray | None = None) -> Call:
-        """Return the call that hands a ready program over and solves it; item[0] is its pattern."""
+        """Return the call that hands a ready program over and solves it from (n,); item[0] is its pattern."""
         keep = self.options.keep and self.keeps_workspace
         solver = self._kept.get(item[0]) if keep else None
         if solver is not None:

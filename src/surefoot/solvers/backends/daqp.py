@@ -47,7 +47,7 @@ class Daqp(Backend):
         return (rows.shape, most.size), dense(program.P), program.q, rows, most, least, kinds
 
     def call(self, item: Any, start: FloatArray | None = None) -> Call:
-        """Return the call, without a workspace the library's shortest."""
+        """Return the call, see `Backend.call`; without a workspace the library's shortest."""
         if self.options.keep and self.options.warm:  # a kept one starts at its last active set
             return super().call(item, start)
         solve, data, words = self.module.solve, item[1:], self._words()

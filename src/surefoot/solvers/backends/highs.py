@@ -9,7 +9,7 @@ References
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,6 +25,7 @@ class Highs(Backend):
 
     name, package = "highs", "qpsolvers"
     has_tol = False
+    contact_words: ClassVar[dict[str, float]] = {"qp_regularization_value": 1e-11}  # the default would show
 
     def __init__(self, options: Options | None = None) -> None:
         super().__init__(options)

@@ -55,7 +55,7 @@ class Outcome(NamedTuple):
         return self.x is not None and self.end in (End.SOLVED, End.ALMOST)
 
     def solution(self) -> FloatArray:
-        """Return x if the solver calls it a solution.
+        """Return x (n,) if the solver calls it a solution.
 
         Raises
         ------

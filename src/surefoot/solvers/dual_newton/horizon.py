@@ -113,6 +113,7 @@ def _assemble(memory: Memory, rho: float) -> None:
     N = K.shape[1]
     V[:] = 0.0
     for k in range(N):
+        # P⁻¹ couples steps of one axis only, and not the axes
         for m in range(k, N):
             for j in range(6):
                 V[6 * k + j, 6 * m + j] = K[j, k, m]
@@ -123,6 +124,7 @@ def _assemble(memory: Memory, rho: float) -> None:
             places[POINT, i, 0], places[POINT, i, 1], places[FORCE, i, 2],
             mu, places[BOUNDS, i, 1], places[BOUNDS, i, 2],
         )  # fmt: skip
+        # Π' as a sum of v vᵀ, see `numerics.projection.face`
         if sticks:
             for a in range(3 if free else 2):
                 _add_outer(V, at, M[i], root * (a == 0), root * (a == 1), root * (a == 2))

@@ -213,11 +213,13 @@ def _load_rows(
     heavy, light = math.sqrt(HEAVINESS * max(wide, 1.0) / steep), math.sqrt(LIGHTNESS / steep)
     for j in range(count):
         rows[j, HEAVY], rows[j, LIGHT] = heavy, light
+        # a little inside the limits, so that the answer keeps them in spite of its tolerance
         inset = min(margin, 0.25 * (high[j] - low[j]))
         sets[contacts + j, LOW], sets[contacts + j, HIGH] = (
             light * (low[j] + inset),
             light * (high[j] - inset),
         )
+        # the slack q of a row is a variable in an interval, like a contact in its cone
         sets[contacts + j, LINK] = heavy / light
         rows[j, LAST] = min(max(rows[j, LAST], low[j] + inset), high[j] - inset)
         duals[DUAL, 6 + j] = rows[j, MULTIPLIER] / heavy
@@ -235,6 +237,7 @@ def _restore(
     """Move the forces to the nearest ones that keep the rows, whatever the wrench; a far easier program."""
     steep = 0.0
     for i in range(3 * contacts):
+        # nearest to the forces at hand, and no wrench
         points[CENTRE, i] = points[VALUE, i]
         for a in range(6):
             columns[i, a] = 0.0
@@ -321,12 +324,14 @@ def distribute_with_rows(
     if _not_usable(jacobian, low, high):
         base.hold(work, contacts, forces)
         return base.INVALID
+    # without the rows first
     code = distribute_wrench(grasp_map, wrench, work, forces)
     violation = row_violation(jacobian, forces, low, high)
     work[results, base.ROW_VIOLATION] = violation
     if code == base.INVALID or violation <= 0.0:
         work[results, base.ROWS_WARM] = 0.0
         return code
+    # cold: no multipliers yet, the wrench's dual is a good guess
     if work[results, base.ROWS_WARM] == 0.0:
         rows[:, MULTIPLIER] = 0.0
         rows[:, LAST] = 0.0
@@ -341,6 +346,7 @@ def distribute_with_rows(
         base.hold(work, contacts, forces)
         work[results, base.ROW_VIOLATION] = row_violation(jacobian, forces, low, high)
         return base.INVALID
+    # measured anew on the wrench alone, and on the rows themselves
     base.unload(work, contacts, forces)
     missing = base.remainder(work, contacts, base.weigh(wrench, work, contacts))
     left = base.measure(work, contacts, missing, error)

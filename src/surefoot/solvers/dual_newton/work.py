@@ -53,7 +53,7 @@ def new_work(contacts: int) -> FloatArray:
 
 @inline_kernel
 def column(work: FloatArray, k: int, at: int) -> Six:
-    """Return the six numbers from column `at` of row k on."""
+    """Return the six numbers of the work space (4n + 2, WIDTH) from column `at` of row k on."""
     return (
         work[k, at], work[k, at + 1], work[k, at + 2],
         work[k, at + 3], work[k, at + 4], work[k, at + 5],
@@ -62,20 +62,20 @@ def column(work: FloatArray, k: int, at: int) -> Six:
 
 @inline_kernel
 def store(work: FloatArray, k: int, at: int, y: Six) -> None:
-    """Write six numbers into row k, from column `at` on."""
+    """Write six numbers into row k of the work space (4n + 2, WIDTH), from column `at` on."""
     work[k, at], work[k, at + 1], work[k, at + 2] = y[0], y[1], y[2]
     work[k, at + 3], work[k, at + 4], work[k, at + 5] = y[3], y[4], y[5]
 
 
 @inline_kernel
 def vector(work: FloatArray, k: int, at: int) -> Three:
-    """Return the three numbers from column `at` of row k on."""
+    """Return the three numbers of the work space (4n + 2, WIDTH) from column `at` of row k on."""
     return work[k, at], work[k, at + 1], work[k, at + 2]
 
 
 @inline_kernel
 def store_vector(work: FloatArray, k: int, at: int, v: Three) -> None:
-    """Write three numbers into row k, from column `at` on."""
+    """Write three numbers into row k of the work space (4n + 2, WIDTH), from column `at` on."""
     work[k, at], work[k, at + 1], work[k, at + 2] = v
 
 
@@ -182,8 +182,9 @@ def weigh(wrench: FloatArray, work: FloatArray, contacts: int) -> Six:
 def measure(work: FloatArray, contacts: int, missing: Six, error: float) -> float:
     """Write what the forces leave of the wrench, and how far from the optimum; return ||B f - b||².
 
-    `missing` is B f - b, `error` ||F||²: the duality gap is ½ ||F||², and by strong convexity (weight one in
-    scaled units) ||f - f*|| <= ||F||, in newtons at most the widest unit times that.
+    The work space is (4n + 2, WIDTH). `missing` is B f - b, `error` ||F||²: the duality gap is ½ ||F||², and
+    by strong convexity (weight one in scaled units) ||f - f*|| <= ||F||, in newtons at most the widest unit
+    times that.
     """
     widest, results = 0.0, contacts + 1
     for k in range(contacts):

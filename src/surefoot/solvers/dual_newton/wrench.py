@@ -136,6 +136,7 @@ def _assemble(work: FloatArray, contacts: int, kappa: float) -> Lower:
         sticks, free, p, q, across, along = face(
             work[k, POINT], work[k, POINT + 1], z, mu, work[k, LOW], work[k, HIGH]
         )
+        # inside its disc: Π' is the identity of the tangents, and of the normal where no bound holds
         if sticks:
             store(work, end, 0, column(work, k, BLOCK_X))
             store(work, end + 1, 0, column(work, k, BLOCK_Y))
@@ -144,6 +145,7 @@ def _assemble(work: FloatArray, contacts: int, kappa: float) -> Lower:
                 store(work, end, 0, column(work, k, BLOCK_Z))
                 end += 1
             continue
+        # on the cone: e⊥, shrunk by the ratio of the radii, and the generator (mu e, 1): v vᵀ each
         if across > 0.0:
             store(work, end, 0, combine(work, k, (-q * across, p * across, 0.0)))
             end += 1

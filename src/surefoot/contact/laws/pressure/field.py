@@ -89,8 +89,9 @@ class PressureField:
         rotation, position
             rotation_world_body (3, 3) and its origin (3,) [m].
         twist
-            (6,) [linear velocity of the origin; angular velocity], world axes; None at rest. Exact friction
-            is zero where nothing slides: how much of it a foot at rest takes is another problem's answer.
+            (6,) [linear velocity of the origin; angular velocity], world axes [m/s, rad/s]; None at rest.
+            Exact friction is zero where nothing slides: how much of it a foot at rest takes is another
+            problem's answer.
         terrain
             Rigid ground of planes or smooth height fields; None for flat.
 

@@ -48,7 +48,7 @@ class PressurePatch(NamedTuple):
     pressures: list[FloatArray]
 
     def wrench(self, about: FloatArray) -> FloatArray:
-        """Return (6,) [force; moment about a point (3,)], zeros without contact."""
+        """Return (6,) [force; moment about a point (3,) [m]] [N, N m], zeros without contact."""
         if not self.normal_force > 0.0:
             return np.zeros(6)
         lever = self.centre - np.asarray(about, dtype=np.float64)

@@ -18,7 +18,7 @@ class CompliantSolid:
     Attributes
     ----------
     normals
-        (m, 3) unit, outwards.
+        (m, 3) unit normals, outwards.
     offsets
         (m,) [m].
     pressed

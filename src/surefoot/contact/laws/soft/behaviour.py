@@ -26,7 +26,7 @@ class Behaviour:
     rest_depth
         Overlap at rest [m].
     restitution
-        Speed after over speed before an impact, weight included; 0 where the mass does not leave again.
+        Speed after over speed before an impact [-], weight included; 0 where the mass does not leave again.
     frequency
         Undamped frequency of small motions about rest [rad/s].
     ratio
@@ -88,7 +88,8 @@ def settling_time(frequency: float, ratio: float, share: float = SETTLED) -> flo
 def rebound(law: SoftLaw, mass: float, speed: float, gravity: float = GRAVITY) -> float:
     """Return the speed at which a mass leaves the contact over the speed at which it came; 0 if it stays.
 
-    The impact is integrated (LSODA, 1e-10), weight included.
+    A ratio [-] for a mass [kg], a speed [m/s] and gravity [m/s²]. The impact is integrated (LSODA, 1e-10),
+    weight included.
     """
     from scipy.integrate import solve_ivp
 

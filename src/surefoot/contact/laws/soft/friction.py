@@ -20,7 +20,7 @@ class Friction(ABC):
     Attributes
     ----------
     mu
-        Friction coefficient, >= 0.
+        Friction coefficient [-], >= 0.
     exact
         Whether it is Coulomb's law itself, which a contact problem solves.
     """
@@ -124,5 +124,5 @@ class RegularisedFriction(Friction):
 
 
 def as_friction(friction: Friction | ArrayLike) -> Friction:
-    """Return a friction law; a number is the coefficient of exact friction."""
+    """Return a friction law; a number is the coefficient of exact friction, see `ExactFriction`."""
     return friction if isinstance(friction, Friction) else ExactFriction(real_number("friction", friction))  # type: ignore[arg-type]

@@ -31,7 +31,7 @@ class HuntCrossley(SoftLaw):
         [s/m], >= 0. Restitution falls with the impact speed, as that of real bodies does: to first order it
         is 1 - 2/3 dissipation speed.
     exponent
-        >= 1.
+        >= 1 [-].
 
     Examples
     --------
@@ -62,7 +62,7 @@ class HuntCrossley(SoftLaw):
         return elastic * share, slope * share, damped
 
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the elastic energy [J]."""
+        """Return the elastic energy [J] at (...,) depths [m]."""
         return self.stiffness * depth ** (self.exponent + 1.0) / (self.exponent + 1.0)
 
     def restitution(self, speed: float) -> float:
@@ -85,11 +85,11 @@ class HuntCrossley(SoftLaw):
         stiffness
             [N/m^exponent].
         restitution
-            In (0, 1], at least 1e-6.
+            In (0, 1], at least 1e-6 [-].
         speed
             Impact speed at which it holds [m/s], > 0.
         exponent
-            See the class.
+            Of the depth [-], see the class.
         """
         fast = real_number("speed", speed, low=1e-9, high=1e9)
         return cls(stiffness, _severity(restitution) / fast, exponent)
@@ -107,6 +107,8 @@ class Hertz(HuntCrossley):
         4/3 E* sqrt(radius) [N/m^1.5]; see `Hertz.sphere`.
     dissipation
         [s/m], 0 for Hertz's elastic bodies.
+    exponent
+        3/2 [-], no other.
     """
 
     exponent: float = 1.5

@@ -35,9 +35,9 @@ class Linearisation(NamedTuple):
     Attributes
     ----------
     compliance
-        What is added to the normal's diagonal of G [m/s per N s].
+        (...,) what is added to the normal's diagonal of G [m/s per N s].
     bias
-        What is added to the normal's free velocity [m/s].
+        (...,) what is added to the normal's free velocity [m/s].
     """
 
     compliance: FloatArray
@@ -69,21 +69,21 @@ class SoftLaw(ABC):
         Parameters
         ----------
         depth
-            Overlap, >= 0 [m].
+            (...,) overlap, >= 0 [m].
         rate
-            Its rate of growth [m/s], of the same shape.
+            (...,) its rate of growth [m/s].
 
         Returns
         -------
-        The normal force [N], its derivative with respect to depth [N/m] and to rate [N s/m].
+        (...,) the normal force [N], its derivative with respect to depth [N/m] and to rate [N s/m].
         """
 
     @abstractmethod
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the energy that overlap stores [J]; its derivative is the force at rest."""
+        """Return the energy that (...,) overlap [m] stores [J]; its derivative is the force at rest."""
 
     def normal(self, gap: ArrayLike, speed: ArrayLike) -> FloatArray:
-        """Return the normal force [N] from the gap [m] and the separation speed [m/s], broadcast."""
+        """Return the normal force [N] from (...,) gaps [m] and separation speeds [m/s], broadcast."""
         return self._normal(gap, speed)[0]
 
     def _normal(self, gap: ArrayLike, speed: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -115,6 +115,8 @@ class SoftLaw(ABC):
     def jacobian(self, gap: ArrayLike, velocity: ArrayLike) -> ForceJacobian:
         """Return the derivatives of `force`; at touchdown and at the onset of a pull those without contact.
 
+        Gaps (...,) [m] and velocities (..., 3) [m/s] are those of `force`.
+
         Raises
         ------
         ProblemError
@@ -134,7 +136,7 @@ class SoftLaw(ABC):
         return ForceJacobian(direction * by_gap[..., None], by_velocity)
 
     def energy(self, gap: ArrayLike) -> FloatArray:
-        """Return the stored energy [J] at a gap [m]."""
+        """Return the stored energy [J] at (...,) gaps [m]."""
         return self.stored(np.maximum(-finite_array("gap", gap), 0.0))
 
     def linearised(self, gap: ArrayLike, speed: ArrayLike, dt: float) -> Linearisation:
@@ -187,8 +189,8 @@ class SoftLaw(ABC):
 
         Returns
         -------
-        The normal force [N], a pull not cut off, and minus its derivative by `speed` [N s/m]; where the step
-        ends above the ground, those at the surface.
+        (...,) the normal force [N], a pull not cut off, and minus its derivative by `speed` [N s/m]; where
+        the step ends above the ground, those at the surface.
         """
         force, by_depth, by_rate = self.pressed(np.maximum(-(gap + dt * speed), 0.0), -speed)
         return force, dt * by_depth + by_rate

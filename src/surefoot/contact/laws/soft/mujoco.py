@@ -17,6 +17,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact.laws.soft.law import SoftLaw
 from surefoot.errors import ProblemError
+from surefoot.spatial import GRAVITY
 
 IMPEDANCE_RANGE = (0.0001, 0.9999)
 """Bounds that MuJoCo puts on the impedance (mjMINIMP, mjMAXIMP)."""
@@ -37,7 +38,7 @@ class MujocoLaw(SoftLaw):
     free_acceleration
         Normal acceleration that the body would have without the contact [m/s²], -g for a body that rests.
     dt
-        With a positive time constant MuJoCo raises it to two steps (`refsafe`); 0 leaves it alone.
+        Step [s]: MuJoCo raises a positive time constant to two of them (`refsafe`); 0 leaves it alone.
 
     Examples
     --------
@@ -48,7 +49,7 @@ class MujocoLaw(SoftLaw):
     solref: tuple[float, float] = (0.02, 1.0)
     solimp: tuple[float, ...] = (0.9, 0.95, 0.001, 0.5, 2.0)
     mass: float = 1.0
-    free_acceleration: float = -9.81
+    free_acceleration: float = -GRAVITY
     dt: float = 0.0
 
     def __post_init__(self) -> None:
@@ -120,7 +121,7 @@ class MujocoLaw(SoftLaw):
         return gain * wanted, dt * by_depth + gain * (damp + 1.0 / dt)
 
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the work that a slow overlap takes [J], by quadrature: the force at rest, integrated."""
+        """Return the work that a slow overlap (...,) [m] takes [J], by quadrature: the force at rest."""
         deep = np.asarray(depth, dtype=float)
         stiff, _ = self.stiffness_and_damping
         node, weight = np.polynomial.legendre.leggauss(24)

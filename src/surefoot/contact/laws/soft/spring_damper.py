@@ -61,7 +61,7 @@ class SpringDamper(SoftLaw):
         stiffness
             [N/m].
         restitution
-            In (0, 1].
+            In (0, 1] [-].
         mass
             Effective mass of the impact, 1 / G_nn [kg].
         """
@@ -75,7 +75,7 @@ class SpringDamper(SoftLaw):
         return force, np.full(force.shape, self.stiffness), np.full(force.shape, self.damping)
 
     def stored(self, depth: FloatArray) -> FloatArray:
-        """Return the energy of the spring [J]."""
+        """Return the energy of the spring [J] at (...,) depths [m]."""
         return 0.5 * self.stiffness * depth**2
 
     def ratio(self, mass: float) -> float:
