@@ -9,8 +9,8 @@ horizon and the heading's axes::
 The solver takes one quadratic per axis, and no corners. The cost is convex and piecewise quadratic in the
 angular velocities, so it is replaced by a quadratic with the same slope at the last plan's angular
 velocities, and a curvature per axis that is at least its own there (the sums of the absolute entries of the
-rows of its Hessian); then again from the new plan, until the slopes agree. Where the inertia is diagonal along
-the heading's axes and no bound begins or ceases to bite, the first round is exact.
+rows of its Hessian); then again from the new plan, until the slopes agree. Where the inertia is diagonal
+along the heading's axes and no bound begins or ceases to bite, the first round is exact.
 
 A plan of these rounds minimises a cost whose slope differs by some d from the true one. Both costs are
 strongly convex with Hessian P in the accelerations and ρ in the forces, so that the two optima differ by
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 ROUNDS = 100
 """Most quadratics for one plan."""
 MEMORY, FARTHER = 8, 2.0
-"""Rounds that the guess of where they lead looks back on; moves longer than the last by this factor end it."""
+"""Rounds that a guess of where they lead looks back on; moves so much longer than the last one end it."""
 INNER = 0.25
 """Share of the tolerance for the error of the forces of one quadratic."""
 
@@ -54,7 +54,7 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MpcMomentum:
-    """What angular momentum about the centre of mass costs in a plan; axes of the heading, as in `MpcWeights`.
+    """What angular momentum about the centre of mass costs in a plan; heading axes, as in `MpcWeights`.
 
     Attributes
     ----------
