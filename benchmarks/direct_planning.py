@@ -20,12 +20,15 @@ from surefoot.audit import audit_log
 from surefoot.planning.direct import (
     DirectPlan,
     DirectProblem,
+    Facets,
+    RoundCone,
     finer,
     plan_direct,
     planar_biped,
     planar_hopper,
     rest_to_rest,
 )
+from surefoot.planning.direct.contact_rows import ContactLaw
 from surefoot.planning.direct.planner import SMOOTHINGS
 from surefoot.planning.trajectory import Trajectory
 from surefoot.robot import load_robot
@@ -133,6 +136,21 @@ def start_table(problem: DirectProblem, firsts: Sequence[float], last: float = 1
     return table
 
 
+def friction_table(problem: DirectProblem, laws: Sequence[ContactLaw]) -> Table:
+    """Return what comes of the ways to write friction."""
+    table = Table(title="friction in space: the round cone, or pyramids")
+    for column in ("friction", "status", "iterations", "cost", "CPU s", "off with feedback"):
+        table.add_column(column, justify="left" if column == "friction" else "right")
+    for law in laws:
+        begin = time.process_time()
+        found = plan_direct(problem, law=law)
+        plan, spent = found.plan, time.process_time() - begin
+        name = type(law).__name__ + f"({getattr(law, 'count', '')})"
+        numbers = str(plan.iterations), f"{plan.cost:.4g}", f"{spent:.1f}", f"{found.departure:.1e}"
+        table.add_row(name, plan.status.value, *numbers)
+    return table
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.direct_planning", description=__doc__)
@@ -142,6 +160,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     console.print(plan_table(cases(given.quick)))
     firsts = (1.0, 1e-8) if given.quick else (1.0, 1e-2, 1e-4, 1e-8)
     console.print(start_table(rest_to_rest(planar_hopper(), 0.3), firsts))
+    if not given.quick:
+        jump = rest_to_rest(load_robot("go2"), 0.0, 0.12, knots=20)
+        console.print(friction_table(jump, (RoundCone(), Facets(4), Facets(8))))
 
 
 if __name__ == "__main__":

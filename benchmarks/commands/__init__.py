@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import typer
 
-from benchmarks.commands import batch, contact, faults, forces, momentum, plan, rigid, statics, walk
+from benchmarks.commands import (
+    batch,
+    contact,
+    faults,
+    forces,
+    momentum,
+    plan,
+    rigid,
+    softening,
+    statics,
+    walk,
+)
 from surefoot.cli.literal_help import LiteralHelpCommand
 
 app = typer.Typer(help="Measure Surefoot against its rivals in the same run.", no_args_is_help=True)
@@ -17,6 +28,6 @@ def bench() -> None:
 
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
-    batch.batch, plan.plan,
+    batch.batch, plan.plan, softening.softening,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

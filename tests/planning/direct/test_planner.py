@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.errors import ProblemError
+from surefoot.errors import MissingExtra, ProblemError
 from surefoot.planning import rollout
 from surefoot.planning.direct import (
     DirectProblem,
@@ -206,3 +208,24 @@ def test_facets_that_are_none() -> None:
         Facets(3)
     with pytest.raises(ProblemError, match="complementarity form"):
         RoundCone("soft")
+
+
+def test_an_interrupt_ends_the_search_with_what_there_is() -> None:
+    """After two of Ipopt's runs the motion is soft: exact steps do not get there."""
+    heard = []
+
+    def tell(iteration) -> None:
+        heard.append(iteration.note)
+        if len(heard) == 2:
+            raise KeyboardInterrupt
+
+    found = plan_direct(ahead(planar_hopper(), 0.3), tell=tell)
+    assert heard == ["eps 1", "eps 0.1"]
+    assert found.plan.status.value in ("max_time", "invalid")
+    assert len(found.stages) == 2
+
+
+def test_without_casadi_one_line_says_what_to_install(monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    with pytest.raises(MissingExtra, match=r"casadi is not installed; run: pip install 'surefoot\[plan\]'"):
+        plan_direct(ahead(planar_hopper(), 0.3))

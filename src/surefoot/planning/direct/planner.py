@@ -55,7 +55,9 @@ WARM: dict[str, Any] = {
     "warm_start_slack_bound_frac": 1e-8,
     "warm_start_mult_bound_push": 1e-8,
 }
-"""Ipopt's options for a start that is near already."""
+"""Ipopt's options for the solution of a neighbour, with its multipliers."""
+NEAR: dict[str, Any] = {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}
+"""Those for a motion that obeys the equations but for the softening."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +138,8 @@ def plan_direct(
     Returns
     -------
     DirectPlan
-        Also where nothing was found: `plan.status` says so.
+        Also where nothing was found: `plan.status` says so. A KeyboardInterrupt after Ipopt's first run ends
+        the search with what there is, not SOLVED unless it does the task (`Status.MAX_TIME`).
 
     Raises
     ------
@@ -163,9 +166,11 @@ def plan_direct(
     most = whole_number("max_iterations", max_iterations, low=1)
     search, stages = DirectSearch(problem, law), _Stages(tell)
     soft = _soften_less(search, search.pack(_start(problem, guess)), smoothings, most, stages)
-    modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
-    hard = _with_modes(problem, soft.guess, modes, most, stages)
-    return _made_exact(problem, [hard, soft], (task, "direct"), stages, began)
+    found = [soft]
+    if not stages.interrupted:
+        modes = read_modes(soft.guess.impulses, *search.seen(soft.guess), problem.mu)
+        found.insert(0, _with_modes(problem, soft.guess, modes, most, stages, **NEAR))
+    return _made_exact(problem, found, (task, "direct"), stages, began)
 
 
 def plan_with_modes(
@@ -210,7 +215,7 @@ class _Stages(list[Stage]):
 
     def __init__(self, tell: Tell | None) -> None:
         super().__init__()
-        self._tell = tell
+        self._tell, self.interrupted = tell, False
 
     @property
     def iterations(self) -> int:
@@ -243,21 +248,27 @@ def _soften_less(
         if found is not None:
             options |= {**WARM, "mu_init": min(1e-2, eps)}
         variables, multipliers = (start, None) if found is None else (found.variables, found.multipliers)
-        found = search.solve(variables, eps, multipliers=multipliers, **options)
-        stages.note(eps, found)
+        try:
+            found = search.solve(variables, eps, multipliers=multipliers, **options)
+            stages.note(eps, found)
+        except KeyboardInterrupt:
+            if found is None:
+                raise
+            stages.interrupted = True
+            break
     assert found is not None
     return found
 
 
 def _with_modes(
-    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages
+    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
 ) -> Iterate:
     """Return the motion that obeys the equations of modes (N, p), from one that need not."""
     law = GivenModes()
     search, d = DirectSearch(problem, law), problem.tangents - 1
     found = search.solve(
         search.pack(motion), 0.0, contact_bounds=law.bounds(modes, d), row_bounds=law.row_bounds(modes, d),
-        max_iter=most, tol=1e-9, mu_init=1e-4, bound_relax_factor=0.0, bound_push=1e-6, bound_frac=1e-6,
+        max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
     )  # fmt: skip
     stages.note(0.0, found)
     return found
@@ -286,7 +297,8 @@ def _made_exact(
     cost, reached = exact_cost(problem, trajectory), miss <= REACH
     goal = f"ends {miss:.2g} outside its windows (allowed {REACH:g})"
     spent = time.perf_counter() - began
-    search = Search(*names, cost, reached, stages.iterations, spent, goal, Status.STALLED)
+    stopped = Status.MAX_TIME if stages.interrupted else Status.STALLED
+    search = Search(*names, cost, reached, stages.iterations, spent, goal, stopped)
     return DirectPlan(
         plan_from(trajectory, problem.robot, search, problem.terrain), motion, trajectory, tuple(stages),
         departure(problem, motion, trajectory), departure(problem, motion, alone),

@@ -39,7 +39,7 @@ class Window:
     def at(
         cls, q: ArrayLike | None = None, v: ArrayLike | None = None, within: float = 0.0, speed: float = 0.0
     ) -> Window:
-        """Return the window about a state, NaN left free: ± `within` [m, rad], ± `speed` [m/s, rad/s]."""
+        """Return the window about (nq,) q, (nv,) v, NaN left free: ± `within` [m, rad], `speed` [m/s]."""
         sides = list[FloatArray | None]()
         for value, reach in ((q, within), (v, speed)):
             if value is None:

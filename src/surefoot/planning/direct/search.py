@@ -86,7 +86,7 @@ class DirectSearch:
         return out[0], out[1]
 
     def pack(self, guess: Guess) -> FloatArray:
-        """Return the variables that mean a motion."""
+        """Return the NLP's variables (n,) that mean a motion."""
         closing, sliding = self.seen(guess)
         contacts = self.law.start(guess.impulses, closing, sliding, self.problem.mu)
         states = np.hstack([guess.q, guess.v])
@@ -94,7 +94,7 @@ class DirectSearch:
         return np.concatenate([np.hstack([states[:-1], u]).ravel(), states[-1]])
 
     def unpack(self, variables: FloatArray) -> Guess:
-        """Return the motion that variables mean."""
+        """Return the motion that the NLP's variables (n,) mean."""
         nq = int(self.problem.robot.model.nq)
         table = variables[: -self._nx].reshape(-1, self._stride)
         states = np.vstack([table[:, : self._nx], variables[-self._nx :]])

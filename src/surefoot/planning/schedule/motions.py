@@ -12,9 +12,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.gait import ModeSchedule
-from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.problem import ScheduleProblem, ScheduleWeights, window_about
+from surefoot.planning.schedule.symmetry import quadruped_order
 from surefoot.robot import Robot, place
 from surefoot.spatial import GRAVITY
 
@@ -30,9 +30,14 @@ KNOT = 0.01
 """Length of a knot [s]."""
 LIKELY = 0.75
 """Share of the ground's friction that a plan counts on."""
+GAP = 0.27
+"""How far the rear legs stay behind the front ones when they are tucked, as a share of the base's height."""
+ABDUCTION, FOLD = 0.12, 0.12
+"""How far hips may turn in a flight from where they stand [rad]; share of its range that a knee leaves."""
+LOAD = 0.05
+"""Least normal force of a foot that stands, as a share of m g: a foot without any might as well lift off."""
 BODY, KNEE = 0.18, 0.15
 """How near the ground the trunk and the joints above the feet may come, as shares of the base's height."""
-FOUR_FEET = 4
 
 
 def time_scale(robot: Robot) -> float:
@@ -40,37 +45,10 @@ def time_scale(robot: Robot) -> float:
     return math.sqrt(float(robot.nominal[2]) / LEG)
 
 
-def quadruped_order(robot: Robot) -> list[int]:
-    """Return the indices of the feet in the order front left, front right, rear left, rear right.
-
-    Raises
-    ------
-    ProblemError
-        For a robot that has not four feet, two in front and two behind.
-    """
-    import pinocchio
-
-    if not robot.floating or len(robot.feet) != FOUR_FEET:
-        raise ProblemError(f"the task is for robots on four feet, {robot.name} has {len(robot.feet)}")
-    data = robot.model.createData()
-    pinocchio.framesForwardKinematics(robot.model, data, robot.nominal)
-    places = np.array([data.oMf[k].translation for k in robot.contact_points.frames]) - robot.nominal[:3]
-    order = [
-        k
-        for front in (True, False)
-        for left in (True, False)
-        for k in range(FOUR_FEET)
-        if (places[k, 0] > 0) == front and (places[k, 1] > 0) == left
-    ]
-    if len(order) != FOUR_FEET:
-        raise ProblemError(f"the task is for robots with two feet in front and two behind, not {robot.name}")
-    return order
-
-
 def modes(robot: Robot, phases: list[tuple[float, str]]) -> tuple[ModeSchedule, float]:
     """Return the schedule of (duration [s], feet) and its length; feet are "all", "rear" or "none"."""
     order = quadruped_order(robot)
-    table = np.zeros((len(phases), FOUR_FEET), dtype=bool)
+    table = np.zeros((len(phases), len(order)), dtype=bool)
     for row, (_, feet) in zip(table, phases, strict=True):
         row[order if feet == "all" else order[2:] if feet == "rear" else []] = np.True_
     ends = np.cumsum([length for length, _ in phases])
@@ -94,7 +72,7 @@ def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | No
     q, t = place(robot), dt * np.arange(knots + 1)
     reference = np.tile(q, (knots + 1, 1))
     reference[:, 0] += distance * np.clip((t - 0.7 * push) / (flight + 0.4 * push), 0.0, 1.0)
-    reference[:, 2] += _flight_height(t - push, flight)
+    reference[:, 2] += _flight_height(np.asarray(t - push), flight)
     end = reference[-1]
     within = np.concatenate([[0.01, 0.02, 0.02], np.full(4, 0.015), np.full(robot.joints, 0.02)])
     windows = {knots: window_about(end, np.zeros(robot.model.nv), within, 0.0)}
@@ -103,8 +81,8 @@ def jump(robot: Robot, distance: float, height: float, mu: float, dt: float | No
     return ScheduleProblem(
         robot, schedule, dt, knots, q, np.zeros(robot.model.nv), reference, windows,
         ScheduleWeights(symmetry=50.0), LIKELY * mu, torque_share=0.8, speed_share=0.8,
-        clearance=0.06 * float(robot.nominal[2]), body_clearance=BODY * float(robot.nominal[2]),
-        knee_clearance=KNEE * float(robot.nominal[2]),
+        clearance=0.06 * float(robot.nominal[2]), force_min=LOAD * robot.mass * GRAVITY,
+        body_clearance=BODY * float(robot.nominal[2]), knee_clearance=KNEE * float(robot.nominal[2]),
     )  # fmt: skip
 
 
@@ -126,21 +104,39 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
     share = np.clip((t - push) / (rear + flight), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
     reference[:, 0] -= 0.6 * float(robot.nominal[2]) * share
-    reference[:, 2] += _flight_height(t - push - rear, flight)
+    reference[:, 2] += _flight_height(np.asarray(t - push - rear), flight)
     reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
     within = np.concatenate([[0.45 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
     end = window_about(reference[-1], np.zeros(nv), within, 0.0)
     touchdown = round((push + rear + flight) / dt)
+    windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}
+    windows |= {touchdown: _landing(robot, reference[-1], scale), knots: end}
     weights = ScheduleWeights(
         position=0.1, orientation=1.0, joints=0.05, velocity=0.002, change=1e-4, symmetry=50.0
     )
     return ScheduleProblem(
         robot, schedule, dt, knots, q, np.zeros(nv), reference,
-        {touchdown: _landing(robot, reference[-1], scale), knots: end}, weights, LIKELY * mu,
+        windows, weights, LIKELY * mu,
         torque_share=0.85, speed_share=0.8, clearance=0.06 * reach,
-        force_min=0.1 * robot.mass * GRAVITY, body_clearance=BODY * reach, knee_clearance=KNEE * reach,
+        force_min=2.0 * LOAD * robot.mass * GRAVITY, leg_gap=GAP * reach, body_clearance=BODY * reach,
+        knee_clearance=KNEE * reach,
     )  # fmt: skip
+
+
+def _spread(robot: Robot, q: FloatArray) -> Window:
+    """Return where legs may be in a flight: abducted about as in (nq,) q, knees not bent to their stops."""
+    model = robot.model
+    low, high = np.full(int(model.nq), -np.inf), np.full(int(model.nq), np.inf)
+    hips = [int(model.joints[k].idx_q) for k in range(2, model.njoints) if model.parents[k] == 1]
+    low[hips], high[hips] = q[hips] - ABDUCTION, q[hips] + ABDUCTION
+    for knee in {int(model.joints[int(j)].idx_q) for j in robot.contact_points.joints}:
+        least, most = float(model.lowerPositionLimit[knee]), float(model.upperPositionLimit[knee])
+        if q[knee] < 0.0:
+            low[knee] = least + FOLD * (most - least)
+        else:
+            high[knee] = most - FOLD * (most - least)
+    return Window(low, high)
 
 
 def _above(q: FloatArray, height: float) -> Window:

@@ -86,6 +86,9 @@ class ScheduleProblem:
         How high feet swing in the middle of their flight [m].
     force_min
         Least normal force of a point that stands [N].
+    leg_gap
+        How far behind the front legs' knees and feet the rear ones' stay, along the base's x axis [m]; 0 for
+        any.
     body_clearance, knee_clearance
         Least heights of the trunk's lower and upper corners, and of the joints above the feet [m].
 
@@ -110,6 +113,7 @@ class ScheduleProblem:
     speed_share: float = 0.9
     clearance: float = 0.02
     force_min: float = 0.0
+    leg_gap: float = 0.0
     body_clearance: float = 0.06
     knee_clearance: float = 0.05
 
@@ -130,7 +134,7 @@ class ScheduleProblem:
         for name in ("torque_share", "speed_share"):
             real_number(name, getattr(self, name), low=1e-3, high=1e3)
         real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
-        for name in ("clearance", "body_clearance", "knee_clearance"):
+        for name in ("clearance", "leg_gap", "body_clearance", "knee_clearance"):
             real_number(name, getattr(self, name), low=0.0, high=10.0)
         given = {
             "q": robot.configuration(self.q),

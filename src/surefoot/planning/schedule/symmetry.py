@@ -1,15 +1,16 @@
-"""Which joints are each other's mirror images: found in the model's geometry, not in its names."""
+"""Which joints are mirror images, which feet in front: found in the model's geometry, not in its names."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.errors import ModelError
+from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import Robot
 
 NEAR = 1e-3
 """How far a joint may be from the mirror image of another [m]."""
+FOUR_FEET = 4
 PARALLEL = 0.99
 """Least cosine between an axis and the mirror image of another."""
 
@@ -54,3 +55,30 @@ def mirrored_joints(robot: Robot) -> tuple[IntArray, FloatArray]:
         other[k] = int(np.flatnonzero(good)[0])
         sign[k] = float(np.sign(along[other[k]]))
     return other, sign
+
+
+def quadruped_order(robot: Robot) -> list[int]:
+    """Return the indices of the feet in the order front left, front right, rear left, rear right.
+
+    Raises
+    ------
+    ProblemError
+        For a robot that has not four feet, two in front and two behind.
+    """
+    import pinocchio
+
+    if not robot.floating or len(robot.feet) != FOUR_FEET:
+        raise ProblemError(f"the task is for robots on four feet, {robot.name} has {len(robot.feet)}")
+    data = robot.model.createData()
+    pinocchio.framesForwardKinematics(robot.model, data, robot.nominal)
+    places = np.array([data.oMf[k].translation for k in robot.contact_points.frames]) - robot.nominal[:3]
+    order = [
+        k
+        for front in (True, False)
+        for left in (True, False)
+        for k in range(FOUR_FEET)
+        if (places[k, 0] > 0) == front and (places[k, 1] > 0) == left
+    ]
+    if len(order) != FOUR_FEET:
+        raise ProblemError(f"the task is for robots with two feet in front and two behind, not {robot.name}")
+    return order

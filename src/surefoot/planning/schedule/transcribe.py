@@ -20,7 +20,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.planning.direct.blocks import Block
 from surefoot.planning.direct.symbolic_body import SymbolicBody
 from surefoot.planning.schedule.problem import UNBOUNDED, ScheduleProblem
-from surefoot.planning.schedule.symmetry import mirrored_joints
+from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.transcription.forms import import_casadi
 from surefoot.robot import Robot
 
@@ -79,6 +79,8 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Parts]:
         "gap": (ca.mtimes(slope, body.sphere_centres(q_after)) - above).T,
         "corners": (ca.mtimes(slope, body.body_points(q_after, joints, places)) - height).T,
     }
+    if problem.leg_gap > 0.0:
+        named["legs"] = _leg_gaps(robot, body, q_after)
     reference = ca.SX.sym("reference", nq)
     cost = _cost(problem, (q_after - reference, v_after, v_after - v), u)
     if problem.weights.symmetry:
@@ -129,6 +131,21 @@ def body_corners(robot: Robot) -> tuple[IntArray, FloatArray]:
     return joints, np.vstack([np.zeros((len(knees), 3)), signs * half])
 
 
+def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any) -> Any:
+    """Return how far knees and feet of rear legs are behind those of front legs on their side (m, 1) [m]."""
+    ca, points = import_casadi(), robot.contact_points
+    order = quadruped_order(robot)
+    number = [int(np.flatnonzero(points.foot == k)[0]) for k in order]
+    joints = np.repeat(points.joints[number], 2)
+    places = np.zeros((8, 3))
+    places[1::2] = points.places[number]
+    seen = body.body_points(q, [*joints.tolist(), 1], np.vstack([places, np.zeros(3)]))
+    ahead = body.body_points(q, [1], np.array([[1.0, 0.0, 0.0]])) - seen[:, 8]
+    along = ca.mtimes(ahead.T, seen[:, :8])
+    pairs = [(2 * k + a, 2 * k + 4 + b) for k in (0, 1) for a in (0, 1) for b in (0, 1)]
+    return ca.vertcat(*(along[front] - along[rear] for front, rear in pairs))
+
+
 def row_bounds(problem: ScheduleProblem, parts: Parts) -> tuple[FloatArray, FloatArray]:
     """Return the bounds (knots, m) of all rows; both infinite where a row does not matter."""
     n, stance = problem.knots, problem.stance
@@ -144,6 +161,8 @@ def row_bounds(problem: ScheduleProblem, parts: Parts) -> tuple[FloatArray, Floa
     high[:, rows["tangential"]] = np.where(still, 0.0, np.inf)
     low[:, rows["cone"]] = np.where(stance, -ROUND, -np.inf)
     low[:, rows["gap"]] = swing_heights(problem)
+    if problem.leg_gap > 0.0:
+        low[:, rows["legs"]] = problem.leg_gap
     knees = len(np.unique(problem.robot.contact_points.joints))
     least = np.full(rows["corners"].stop - rows["corners"].start, problem.body_clearance)
     least[:knees] = problem.knee_clearance
@@ -165,7 +184,7 @@ def swing_heights(problem: ScheduleProblem) -> FloatArray:
 
 
 def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
-    """Return the bounds of all variables, in the order of the NLP."""
+    """Return the bounds of all variables, (n,) each, in the order of the NLP."""
     robot, model, n = problem.robot, problem.robot.model, problem.knots
     nq, nx = int(model.nq), int(model.nq + model.nv)
     low = np.full((n + 1, nx), -np.inf)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,13 +12,15 @@ import numpy as np
 from surefoot.contact import Status
 from surefoot.planning.plan import Plan, Search, plan_from
 from surefoot.planning.tasks.task import Iteration, Request, Tell
-from surefoot.planning.trajectory import Trajectory, rollout
+from surefoot.planning.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from surefoot.planning.schedule import ScheduleProblem
     from surefoot.planning.schedule.search import ScheduledMotion
 
 METHOD = "schedule"
+FEEDBACK = 0.95
+"""Share of the torque limits that the exact motion may use: the optimiser used less."""
 DRIFT = 5e-3
 """How far the exact motion may be from the optimiser's [m, rad]."""
 Goal = Callable[[Trajectory], tuple[bool, str]]
@@ -34,7 +36,7 @@ class Attempt:
     motion
         Of the optimiser.
     trajectory
-        By exact steps under its torques.
+        By exact steps that follow it with small corrections, which are part of its torques.
     drift
         Largest distance of the two [m, rad].
     """
@@ -48,6 +50,7 @@ def carry_out(problem: ScheduleProblem, request: Request, tell: Tell) -> Attempt
     """Return the motion of a problem, and its torques through the exact step."""
     import pinocchio
 
+    from surefoot.planning.direct.follow import follow
     from surefoot.planning.schedule import optimise
 
     def heard(number: int, cost: float, violation: float) -> None:
@@ -55,9 +58,7 @@ def carry_out(problem: ScheduleProblem, request: Request, tell: Tell) -> Attempt
 
     motion = optimise(problem, max_iterations=request.max_iterations or 600, tell=heard)
     robot = problem.robot
-    trajectory = rollout(
-        robot, problem.q, problem.v, motion.torques, dt=problem.dt, mu=request.mu, terrain=problem.terrain
-    )
+    trajectory = follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
     drift = np.inf
     if np.isfinite(trajectory.q).all():
         pairs = zip(motion.q, trajectory.q, strict=True)

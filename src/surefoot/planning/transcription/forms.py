@@ -193,10 +193,10 @@ def fischer_burmeister_eps(book: float) -> float:
     return 0.5 * book * book
 
 
-def schedule(first: float = 0.1, last: float = 1e-12, factor: float = 0.1) -> tuple[float, ...]:
+def schedule(first: float = 0.1, last: float = 1e-13, factor: float = 0.1) -> tuple[float, ...]:
     """Return the smoothings of a continuation, first, first * factor, ..., last.
 
-    A pair whose both sides end at zero is off by sqrt(eps): min(a, b) < 1e-6 needs last = 1e-12.
+    A pair whose both sides end at zero is off by sqrt(eps): min(a, b) < 1e-6 needs last < 1e-12.
 
     Raises
     ------

@@ -1,0 +1,121 @@
+"""`surefoot bench softening`: ways to soften complementarity, on five small problems."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from surefoot.cli import extras
+from surefoot.cli.console import plain_console
+from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:
+    from benchmarks.softening.race import Row
+    from surefoot.planning.transcription.continuation import Answer
+
+WIDTH = 118
+"""Columns that the tables need; a narrower terminal wraps their lines."""
+TITLES = {
+    "race": "every form on the same path: a b = 0.1 to 1e-13, from the same starts",
+    "causes": "one thing changed at a time",
+    "first": "the first smoothing",
+    "recommended": "relaxed to 1e-8, then the modes held",
+}
+
+
+def softening(
+    out: Annotated[Path | None, typer.Option(help="Write pictures to a new folder below this one.")] = None,
+    starts: Annotated[int, typer.Option(min=1, help="Random starts of every form on every problem.")] = 10,
+    few: Annotated[int, typer.Option(min=1, help="Random starts in the search for causes.")] = 5,
+    problem: Annotated[list[str] | None, typer.Option(help="Only this problem; may be repeated.")] = None,
+    table: Annotated[list[str] | None, typer.Option(help="Only this table; may be repeated.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="The ball and the point, one start.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
+) -> None:
+    """Compare relaxation, log-barrier, Fischer-Burmeister and penalty on a ball, a hopper, a push, a kick."""
+    from benchmarks.softening import race
+    from surefoot.planning.transcription.textbook import PROBLEMS
+
+    check_out(out)
+    extras.require(["casadi"], ["matplotlib"] if out is not None else [])
+    problems = _among("problem", problem, list(PROBLEMS))
+    if quick:
+        starts, few = 1, 1
+        problems = [name for name in problems if name in ("ball", "slide")] if problem is None else problems
+    sets = {"race": race.RACE, "recommended": (race.RECOMMENDED,), "causes": race.CAUSES, "first": race.FIRST}
+    found: dict[str, list[Row]] = {}
+    answers: dict[str, Answer] = {}
+    with plain_console(stderr=True).status("softening") as status:
+        for name in _among("table", table, list(sets)):
+            count = few if name in ("causes", "first") else starts
+            found[name] = []
+            for row, answer in race.run(sets[name], problems, count, status.update):
+                found[name].append(row)
+                if name == "recommended":
+                    answers[row.problem] = answer
+    if json:
+        print(to_json({name: [asdict(row) for row in rows] for name, rows in found.items()}))
+    else:
+        console = plain_console()
+        console = console if console.width >= WIDTH else plain_console(width=WIDTH)
+        for name, rows in found.items():
+            _print(console, TITLES[name], rows)
+    if out is not None:
+        from surefoot.viz import softening_plots as plots
+
+        folder = new_run_folder(out, "bench-softening")
+        paths = [plots.plot_function(folder), plots.plot_heat_maps(folder)]
+        if "race" in found:
+            paths.append(plots.plot_traces(folder, {(r.problem, r.variant): r.trace for r in found["race"]}))
+        if answers:
+            paths.append(
+                plots.plot_motions(
+                    folder, {name: (PROBLEMS[name](), a.motion) for name, a in answers.items()}
+                )
+            )
+        for path in paths:
+            typer.echo(f"picture: {path}", err=True)
+
+
+def _among(kind: str, asked: Sequence[str] | None, known: list[str]) -> list[str]:
+    """Return what was asked for, all where nothing was."""
+    for name in asked or ():
+        if name not in known:
+            raise ProblemError(unknown_name(kind, name, known))
+    return [name for name in known if not asked or name in asked]
+
+
+def _print(console: Console, title: str, rows: Sequence[Any]) -> None:
+    """Print a table: a row per problem and variant."""
+    table = Table(
+        "problem", "form", "solved", "iterations", "CPU [s]", "max gap·λ", "max |min(a, b)|", "cost", "step",
+        "regularised", title=title,
+    )  # fmt: skip
+    table.columns[1].no_wrap = True
+    for column in table.columns[2:]:
+        column.justify = "right"
+    last = ""
+    for row in rows:
+        if last and row.problem != last:
+            table.add_section()
+        table.add_row(
+            row.problem if row.problem != last else "",
+            row.variant,
+            f"{row.solved}/{row.starts}",
+            f"{row.iterations:.0f}",
+            f"{row.seconds:.2f}",
+            f"{row.product:.0e}",
+            f"{row.complementarity:.0e}",
+            "-" if row.cost != row.cost else f"{row.cost:.3f}",
+            f"{row.step:.2f}",
+            f"{100.0 * row.regularised:.0f} %",
+        )
+        last = row.problem
+    console.print(table)

@@ -1,0 +1,25 @@
+"""`surefoot bench softening` finds the ball, says so, and draws."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from surefoot.cli.main import main
+
+pytest.importorskip("casadi")
+
+
+def test_command_prints_json_only_and_draws(capsys, tmp_path):
+    words = ["--problem", "ball", "--table", "race", "--table", "recommended", "--quick", "--json"]
+    assert main(["bench", "softening", *words, "--out", str(tmp_path)]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert all(row["solved"] == row["starts"] == 1 for row in found["race"])
+    assert found["recommended"][0]["complementarity"] < 1e-12
+    assert len(list(tmp_path.glob("*/*.png"))) == 4
+
+
+def test_an_unknown_problem_is_named(capsys):
+    assert main(["bench", "softening", "--problem", "cube"]) == 2
+    assert "valid names: ball" in capsys.readouterr().err

@@ -1,0 +1,51 @@
+"""The jump on three roads: the judgement is strict, the tables are printed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.three_roads.__main__ import main
+from benchmarks.three_roads.roads import ROADS, travel
+from benchmarks.three_roads.task import hopper_jump, reached
+from surefoot.planning import rollout
+
+pytest.importorskip("casadi")
+
+
+def test_standing_still_is_no_jump() -> None:
+    task = hopper_jump()
+    p = task.problem
+    still = rollout(p.robot, p.q, p.v, np.zeros((p.knots, p.robot.joints)), dt=p.dt)
+    assert not reached(p, still)
+
+
+def test_torques_beyond_the_limits_do_not_count() -> None:
+    task = hopper_jump()
+    motion, _ = ROADS["given schedule"](task, task.problem, None)
+    assert reached(task.problem, motion)
+    weaker = replace(task.problem, torque_limits=0.5 * np.abs(motion.torques).max(axis=0))
+    assert not reached(weaker, motion)
+
+
+def test_changes_leave_the_robot_on_or_over_its_ground() -> None:
+    task = hopper_jump()
+    for name, change in task.variations.items():
+        p = change(task.problem)
+        still = rollout(p.robot, p.q, p.v, np.zeros((1, p.robot.joints)), dt=p.dt, terrain=p.terrain)
+        assert -1e-3 <= still.gaps[0, 0] <= (0.101 if "over" in name else 2e-3), name
+
+
+def test_a_start_that_cannot_be_stepped_is_not_solved() -> None:
+    task = hopper_jump()
+    over = task.variations["starts 0.1 m over the ground"](task.problem)
+    assert not travel(ROADS["given schedule"], task, over, None).solved
+
+
+def test_quick_tables(capsys) -> None:
+    main(["--quick"])
+    said = capsys.readouterr().out
+    assert all(said.count(name) == 2 for name in ROADS)
+    assert "2 of 2" in said
