@@ -1,4 +1,4 @@
-"""Centroidal motions over schedules: momentum in NumPy, cones, flights, footholds, bounds, and what is not found."""
+"""Centroidal motions over schedules: momentum in NumPy, cones, flights, footholds, bounds, refusals."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from surefoot.terrain import SlopeTerrain
 
 pytest.importorskip("casadi")
 
-from surefoot.planning.direct.problem import Window  # noqa: E402
-from surefoot.planning.schedule.centroidal import (  # noqa: E402
+from surefoot.planning.direct.problem import Window
+from surefoot.planning.schedule.centroidal import (
     CentroidalProblem,
     CentroidalWeights,
     optimise_centroidal,
@@ -53,9 +53,7 @@ def ask(schedule=JUMP, knots=40, forward=0.25, **changes):
     pose = np.array([0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0, 1.0])
     reference = np.tile(pose, (knots + 1, 1))
     reference[:, 0] = forward * np.linspace(0.0, 1.0, knots + 1)
-    end = Window(
-        reference[-1] - 1e-3, reference[-1] + 1e-3, np.full(6, -1e-3), np.full(6, 1e-3)
-    )
+    end = Window(reference[-1] - 1e-3, reference[-1] + 1e-3, np.full(6, -1e-3), np.full(6, 1e-3))
     given = {
         "mass": MASS, "inertia": INERTIA, "stand": STAND, "schedule": schedule, "dt": 0.025, "knots": knots,
         "pose": pose, "velocity": np.zeros(6), "feet": pose[:3] + STAND, "reference": reference,
@@ -95,7 +93,7 @@ def test_forces_lead_to_the_motion(jumped):
 
 
 def test_a_flight_is_the_parabola(jumped):
-    problem, motion = jumped
+    _, motion = jumped
     first, last = np.flatnonzero(~motion.stance.any(axis=1))[[0, -1]]
     t = motion.times[first : last + 2] - motion.times[first]
     fall = motion.com[first] + t[:, None] * motion.velocity[first] + 0.5 * t[:, None] ** 2 * G
@@ -125,15 +123,11 @@ def test_feet_stay_where_they_stand_within_reach(jumped):
 def test_forces_are_inside_exact_cones_of_the_ground(angle):
     terrain = SlopeTerrain(angle)
     frame = terrain.frame([0.0, 0.0])
-    problem = ask(ModeSchedule([0.2, 0.45], [15, 9, 15], feet=4), 30, forward=0.1, terrain=terrain, mu=0.4)
-    height = float(terrain.height([0.0, 0.0]))
-    tilt = np.array([0.0, 0.0, height]) + frame @ np.array([0.0, 0.0, HEIGHT])
-    pose = np.concatenate([tilt, [0.0, np.sin(0.5 * np.arctan2(frame[0, 2], frame[2, 2])), 0.0, 1.0]])
-    pose[3:] /= np.linalg.norm(pose[3:])
-    R = rotation_from_quaternion(pose[3:])
+    half = 0.5 * np.arctan2(frame[0, 2], frame[2, 2])
+    pose = np.concatenate([HEIGHT * frame[:, 2], [0.0, np.sin(half), 0.0, np.cos(half)]])
     problem = ask(
-        problem.schedule, 30, terrain=terrain, mu=0.4, pose=pose, feet=pose[:3] + STAND @ R.T,
-        reference=np.tile(pose, (31, 1)), windows={},
+        ModeSchedule([0.2, 0.45], [15, 9, 15], feet=4), 30, terrain=terrain, mu=0.4, pose=pose, windows={},
+        feet=pose[:3] + STAND @ frame.T, reference=np.tile(pose, (31, 1)),
     )  # fmt: skip
     motion = optimise_centroidal(problem)
     assert motion.found
@@ -141,9 +135,9 @@ def test_forces_are_inside_exact_cones_of_the_ground(angle):
     sideways = np.linalg.norm(local[..., :2], axis=-1)
     assert (sideways <= 0.4 * local[..., 2] + 1e-6).all()
     assert (local[..., 2] >= -1e-6).all()
-    off = (motion.footholds - terrain.height([0.0, 0.0]) * np.array([0, 0, 1.0])) @ frame[:, 2]
-    assert np.nanmax(np.abs(off)) < 1e-9
-    assert sideways.max() > (1.0 if angle else 0.0)
+    assert np.nanmax(np.abs(motion.footholds @ frame[:, 2])) < 1e-9
+    if angle:
+        assert sideways.max() > 1.0
 
 
 def test_a_file_of_modes_is_carried_out(tmp_path):
@@ -160,10 +154,10 @@ def test_a_file_of_modes_is_carried_out(tmp_path):
 
 
 def test_a_flight_that_gravity_forbids_is_not_found():
-    """Off the ground for 0.3 s from rest, the centre of mass cannot be where it was: it fell by 0.44 m."""
-    schedule = ModeSchedule([0.05, 0.35], [0, 0, 15], feet=4, max_flight=np.inf)
-    problem = ask(schedule, 20, forward=0.0)
-    level = Window(problem.pose - 0.01, problem.pose + 0.01)
+    """Off the ground for 0.3 s from rest, the centre of mass cannot be where it was: it falls by 0.44 m."""
+    schedule = ModeSchedule([0.3], [0, 15], feet=4, max_flight=np.inf)
+    pose = np.array([0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0, 1.0])
+    level = Window(pose - 0.01, pose + 0.01)
     motion = optimise_centroidal(ask(schedule, 20, forward=0.0, windows={12: level}), max_iterations=200)
     assert not motion.found
     assert motion.violation > 1e-3
@@ -198,7 +192,7 @@ def test_momentum_is_a_cost_or_bounded_and_not_zero(jumped, bound):
     assert 0.1 * bound < size <= bound + 1e-6
     dear = optimise_centroidal(ask(weights=CentroidalWeights(momentum=1e4)))
     assert dear.found
-    assert 0.0 < np.sum(dear.momentum**2) < 0.5 * np.sum(jumped[1].momentum**2)
+    assert 0.0 < np.sum(dear.momentum**2) < 0.5 * np.sum(jumped[1].momentum ** 2)
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ under them is known exactly::
     R⁺ = R exp(dt I⁻¹ R̄ᵀ h̄)        h̄ = (h + h⁺) / 2, R̄ half-way: of second order
 
 Feet that stand have a foothold on the ground that stays while they do and is within a box about its place
-below the hip, and forces inside the exact friction cone. Angular momentum is a cost, and within a bound if one
-is given; nothing forces it to zero.
+below the hip, and forces inside the exact friction cone. Angular momentum is a cost, and within a bound if
+one is given; nothing forces it to zero.
 
 References
 ----------
@@ -155,7 +155,8 @@ class CentroidalProblem:
         }  # fmt: skip
         for name, shape in shapes.items():
             object.__setattr__(self, name, finite_array(name, getattr(self, name), shape))
-        if not np.allclose(self.inertia, self.inertia.T, rtol=1e-6) or np.linalg.eigvalsh(self.inertia)[0] <= 0:
+        even = np.allclose(self.inertia, self.inertia.T, rtol=1e-6)
+        if not even or np.linalg.eigvalsh(self.inertia)[0] <= 0.0:
             raise ProblemError("inertia must be symmetric and positive definite")
         if (self.reach < 0.0).any():
             raise ProblemError(f"reach must be >= 0, got {self.reach}")
@@ -291,7 +292,8 @@ def _block(problem: CentroidalProblem) -> Block:
     )  # fmt: skip
     w, data, nothing = problem.weights, ca.SX.sym("data", 7 + n), ca.SX.sym("nothing", 0)
     reference, stands = data[:7], data[7:]
-    cost = w.position * ca.sumsqr(c_after - reference[:3]) + w.orientation * ca.sumsqr(turn_after - reference[3:])
+    cost = w.position * ca.sumsqr(c_after - reference[:3])
+    cost += w.orientation * ca.sumsqr(turn_after - reference[3:])
     cost += w.velocity * ca.sumsqr(v_after) + w.force * ca.sumsqr(u)
     cost += w.momentum * ca.sumsqr(h_after - ca.DM(problem.momentum / mass))
     cost += w.foothold * ca.dot(stands, ca.sum1(below[0][:2, :] ** 2).T)
@@ -371,8 +373,9 @@ def _read(problem: CentroidalProblem, found: Found) -> CentroidalMotion:
     forces = problem.weight * table[:, size:].reshape(N, n, 3) @ problem.frame.T
     places = problem.origin + states[:-1, STATE:].reshape(N, n, 2) @ problem.frame[:, :2].T
     places[~stance] = np.nan
+    times = np.asarray(problem.dt * np.arange(N + 1), dtype=np.float64)
     return CentroidalMotion(
-        problem.dt * np.arange(N + 1), states[:, :3], states[:, 7:10], problem.mass * states[:, 10:13],
+        times, states[:, :3], states[:, 7:10], problem.mass * states[:, 10:13],
         states[:, 3:7], forces, places, stance, found.cost, found.violation,
         bool(found.violation <= ACCEPTED), found.iterations, found.said,
     )  # fmt: skip

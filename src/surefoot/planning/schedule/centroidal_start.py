@@ -1,4 +1,4 @@
-"""From a whole-body problem to its centroidal one, and from a centroidal motion to a start for the whole body."""
+"""From a whole-body problem to its centroidal one, and from a centroidal motion back to a start."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ def centroidal_problem(
     """Return the centroidal problem of a whole-body one: its schedule, start, reference and windows.
 
     Mass, inertia and the feet's places are those of the start. The windows of the base's pose become those of
-    the centre of mass by the reference's rotation; those of its velocity bound the velocity and, times the
-    inertia, the angular momentum, as for an upright body.
+    the centre of mass by the reference's rotation; those of its velocity are kept as for an upright body.
+    Bounds on turning are kept where they mean rest: in the air legs that are drawn in or stretched change how
+    fast a body turns, and the inertia of this model is constant.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def centroidal_problem(
     reference = problem.reference[:, :7].copy()
     shift = np.array([rotation_from_quaternion(t) @ lever for t in reference[:, 3:]])
     reference[:, :3] += shift
-    windows = {k: _window(w, shift[k], np.diag(inertia)) for k, w in problem.windows.items()}
+    windows = {k: _window(w, shift[k]) for k, w in problem.windows.items()}
     found = CentroidalProblem(
         robot.mass, inertia, (feet - com) @ turned, problem.schedule, problem.dt, problem.knots,
         np.concatenate([com, q[3:7]]), start, feet, reference, windows=windows,
@@ -133,9 +134,7 @@ def _with_forces(
     return np.concatenate([table.ravel(), q[-1], v[-1]])
 
 
-def _reach(
-    problem: ScheduleProblem, data: Any, q: FloatArray, footholds: FloatArray, stands: Any
-) -> None:
+def _reach(problem: ScheduleProblem, data: Any, q: FloatArray, footholds: FloatArray, stands: Any) -> None:
     """Move the joints of (nq,) q so that feet reach (n, 3) footholds, as near as they can get [m]."""
     import pinocchio
 
@@ -171,10 +170,14 @@ def _soles(robot: Robot, data: Any, q: FloatArray, problem: ScheduleProblem) -> 
     )
 
 
-def _window(window: Window, shift: FloatArray, inertia: FloatArray) -> Window:
+def _window(window: Window, shift: FloatArray) -> Window:
     """Return a window of the base as one of the centre of mass, `shift` [m] away."""
     moved = np.concatenate([shift, np.zeros(4)])
-    scale = np.concatenate([np.ones(3), inertia])
     q = [None if side is None else side[:7] + moved for side in (window.q_low, window.q_high)]
-    v = [None if side is None else side[:6] * scale for side in (window.v_low, window.v_high)]
-    return Window(q[0], q[1], v[0], v[1])
+    if window.v_low is None or window.v_high is None:
+        return Window(q[0], q[1])
+    turning = (window.v_low[3:6] != 0.0) | (window.v_high[3:6] != 0.0)
+    free = np.concatenate([np.zeros(3, dtype=bool), turning])
+    return Window(
+        q[0], q[1], np.where(free, -np.inf, window.v_low[:6]), np.where(free, np.inf, window.v_high[:6])
+    )
