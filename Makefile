@@ -45,8 +45,10 @@ bench: setup ## every benchmark, one after the other
 	$(BIN)/surefoot bench walk --out runs
 	$(BIN)/surefoot bench faults --out runs
 
-docs: setup ## check every link and every shown command of the docs
+docs: setup ## the documentation site in docs/build/html: every page run, every link and shown command checked
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	$(BIN)/python docs/check.py
+	$(BIN)/python -m docs.site
 
 clean: ## remove caches and the virtual environment
-	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	rm -rf $(VENV) .mypy_cache .ruff_cache .pytest_cache .hypothesis docs/build

@@ -59,16 +59,24 @@ def _print_walk(console: Console, found: dict[str, Any]) -> None:
         f"contact-implicit MPC: N = {found['knots']}, dt = {1e3 * found['dt']:g} ms, "
         f"{found['iterations']} iteration(s) every {1e3 * found['interval']:g} ms"
     )
-    table = Table("", "up", "s", "m/s", "lean", "duty", "diagonal", "front apart", "strides/s", "clearance")
+    table = Table(
+        "", "up", "s", "m/s", "lean", "duty", "diagonal", "front apart", "strides/s", "clearance", "depth"
+    )
     walks = {f"{found['walk']['seconds']:.0f} s": found["walk"]}
     walks |= {f"push {p['direction']} +{p['phase']:g} s": p for p in found["pushes"]}
+    walks |= found["variants"]
     for name, w in walks.items():
         table.add_row(
             name, "yes" if w["done"] else "NO", f"{w['seconds']:.1f}", f"{w['speed']:.3f}",
             f"{w['tilt']:.1f}°", f"{w['duty']:.2f}", f"{w['together']:.2f}", f"{w['apart']:.2f}",
-            f"{w['stride']:.1f}", f"{1e3 * w['clearance']:.0f} mm",
+            f"{w['stride']:.1f}", f"{1e3 * w['clearance']:.0f} mm", f"{-1e3 * w['depth']:.1f} mm",
         )  # fmt: skip
     console.print(table)
+    drawn = found["drawn"]
+    console.print(
+        f"friction 0.5 to 0.7, payload to 0.8 kg, two pushes, seeds: {sum(w['done'] for w in drawn)} of "
+        f"{len(drawn)} walked to the end"
+    )
     up = sum(p["done"] for p in found["pushes"])
     console.print(f"pushes of 60 N for 0.1 s survived: {up} of {len(found['pushes'])}")
     for name, tick in found["tick"].items():

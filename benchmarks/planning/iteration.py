@@ -153,7 +153,7 @@ def measure(robot: Robot, quick: bool) -> dict[str, Any]:
     ours = Engine(problem(robot, True, DT))
     plain = Engine(problem(robot, False, RIVAL_DT))
     rival = MujocoEngine(plain.problem)
-    found = {
+    found: dict[str, Any] = {
         "knots": KNOTS,
         "dt": DT,
         "knot": time_knot(robot, repeats),

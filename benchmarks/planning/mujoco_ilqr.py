@@ -13,8 +13,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.engine import Engine
 from surefoot.planning.shooting.horizon import Horizon, Policy
-from surefoot.planning.shooting.state_space import defect, feedback
 from surefoot.planning.shooting.problem import ShootingProblem
+from surefoot.planning.shooting.state_space import defect, feedback
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import add_ground, robot_spec
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion, skew
@@ -36,7 +36,11 @@ class MujocoHorizon(Horizon):
         self.model = with_motors(p.robot, p.mu, p.dt)
         self._data = [mujoco.MjData(self.model) for _ in range(p.knots)]
         n = self.v.shape[1]
-        self.J, self.rates, self.heights = np.zeros((p.knots, 0, n)), np.zeros((p.knots, 0, n)), np.zeros((p.knots, 0))
+        self.J, self.rates, self.heights = (
+            np.zeros((p.knots, 0, n)),
+            np.zeros((p.knots, 0, n)),
+            np.zeros((p.knots, 0)),
+        )
         self._robot = p.robot.model
         self._FD = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, self.model.nu))
 
@@ -84,7 +88,7 @@ class MujocoHorizon(Horizon):
         """Fill A, B and `moved` by finite differences; there is nothing to smooth."""
         import pinocchio
 
-        n, b = self.v.shape[1], self.block
+        b = self.block
         for k, data in enumerate(self._data):
             self._mujoco.mjd_transitionFD(self.model, data, STEP, self._centred, *self._FD, None, None)
             before, after = _turned(self.q[k], self.v[k]), _turned(self.q[k + 1], self.v[k + 1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,13 +13,27 @@ from surefoot.control.controller import Controller, RobotState
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Ending, Log
 from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcCommand, MpcSettings
+from surefoot.planning.mpc.cost import WalkWeights
 from surefoot.robot import Robot, place
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
 
-SPEED, PUSH, PUSH_TIME = 0.5, 60.0, 0.1
-"""Commanded [m/s]; force [N] and length [s] of a push."""
+Velocity = tuple[float, float, float]
+"""Forward, left [m/s], yaw rate [rad/s]."""
+FORWARD: Velocity = (0.5, 0.0, 0.0)
+PUSH, PUSH_TIME = 60.0, 0.1
+"""Force [N] and length [s] of a push."""
+TRIED = WalkWeights()
+VARIANTS: dict[str, tuple[WalkWeights, Velocity]] = {
+    "diagonal legs not tied": (replace(TRIED, diagonal=0.0, diagonal_speed=0.0), FORWARD),
+    "landing 8": (replace(TRIED, landing=8.0), FORWARD),
+    "0.25 m/s": (TRIED, (0.25, 0.0, 0.0)),
+    "1 m/s": (TRIED, (1.0, 0.0, 0.0)),
+    "0.3 m/s backwards": (TRIED, (-0.3, 0.0, 0.0)),
+    "0.3 m/s to the left": (TRIED, (0.0, 0.3, 0.0)),
+}
+"""Other costs and commands."""
 SETTLED = 1.5
 """When the gait is looked at, and the first push comes [s]."""
 PRESSED = 2.0
@@ -65,8 +79,8 @@ class Walk:
         1 in a trot.
     stride
         Touchdowns of a foot a second.
-    clearance
-        Highest point of a foot over the ground, mean of the feet [m].
+    clearance, depth
+        Highest and deepest point of a foot over the ground, mean of the feet and all [m].
     planned
         Share of the ticks that found a plan.
     """
@@ -80,37 +94,41 @@ class Walk:
     apart: float
     stride: float
     clearance: float
+    depth: float
     planned: float
 
 
 def walk(
-    robot: Robot, seconds: float, pushes: list[Push], settings: MpcSettings
-) -> tuple[Walk, FloatArray, Log]:
-    """Return a walk, (ticks, 2) processor and wall times of its ticks [s], and its log."""
-    controller = Timed(ContactImplicitMpc(robot, VelocityCommand.constant(SPEED), None, settings))
-    scenario = Scenario(seconds, settings.mu, pushes=tuple(pushes), start=place(robot))
-    log = run(MujocoWorld(robot, mu=settings.mu), controller, scenario)
-    return account(log), np.array(controller.ticks), log
+    robot: Robot, seconds: float, pushes: list[Push], settings: MpcSettings, velocity: Velocity = FORWARD,
+    mu: float = 0.6, payload: float = 0.0,
+) -> tuple[Walk, FloatArray]:  # fmt: skip
+    """Return a walk and (ticks, 2) processor and wall times of its ticks [s]."""
+    controller = Timed(ContactImplicitMpc(robot, VelocityCommand.constant(*velocity), None, settings))
+    scenario = Scenario(seconds, mu, pushes=tuple(pushes), start=place(robot))
+    log = run(MujocoWorld(robot, mu=mu, payload=payload), controller, scenario)
+    return account(log, velocity), np.array(controller.ticks)
 
 
-def account(log: Log) -> Walk:
-    """Return what a log says of the gait."""
+def account(log: Log, velocity: Velocity) -> Walk:
+    """Return what a log says of the gait, the speed along the commanded direction."""
     late = log["time"] >= min(SETTLED, 0.5 * log["time"][-1])
     on, q, dt = log["forces"][late][:, :, 2] > PRESSED, log["q"], float(log.fact("dt"))
     upright = 1.0 - 2.0 * (q[late, 3] ** 2 + q[late, 4] ** 2)
     moved = q[late][-1, :2] - q[late][0, :2]
     seconds = dt * (late.sum() - 1)
+    along = np.array(velocity[:2]) / max(float(np.hypot(*velocity[:2])), 1e-9)
     downs = (~on[:-1] & on[1:]).sum(axis=0).mean()
     return Walk(
         log.fact("outcome") == str(Ending.DONE),
         float(log["time"][-1] + dt),
-        float(moved[0] / seconds),
+        float(moved @ along / seconds),
         float(np.degrees(np.arccos(np.clip(upright.min(), -1.0, 1.0)))),
         float(on.mean()),
         float(0.5 * ((on[:, 0] == on[:, 3]).mean() + (on[:, 1] == on[:, 2]).mean())),
         float((on[:, 0] != on[:, 1]).mean()),
         float(downs / seconds),
         float(log["gaps"][late].max(axis=0).mean()),
+        float(log["gaps"][late].min()),
         float(log["attained"].mean()),
     )
 
@@ -118,15 +136,21 @@ def account(log: Log) -> Walk:
 def measure(robot: Robot, quick: bool) -> dict[str, Any]:
     """Return the figures of a walk and of the pushes; times in seconds."""
     settings = MpcSettings()
-    long, ticks, _ = walk(robot, 2.0 if quick else 10.0, [], settings)
+    long, ticks = walk(robot, 1.6 if quick else 10.0, [], settings)
     times = ticks[1:]  # the first makes a plan from nothing
     pushed = []
     phases = (0.0,) if quick else (0.0, 0.1, 0.2)
     for name, (x, y) in list(DIRECTIONS.items())[: 1 if quick else None]:
         for phase in phases:
             push = Push(SETTLED + phase, (PUSH * x, PUSH * y, 0.0), PUSH_TIME)
-            one, _, _ = walk(robot, SETTLED + 0.5 if quick else SETTLED + 2.5, [push], settings)
+            one, _ = walk(robot, SETTLED + 0.5 if quick else SETTLED + 2.5, [push], settings)
             pushed.append({"direction": name, "phase": phase, **asdict(one)})
+    chance = np.random.default_rng(0)
+    drawn = [asdict(_draw(robot, chance, seed)) for seed in range(0 if quick else 10)]
+    variants = {}
+    for name, (weights, velocity) in list(VARIANTS.items())[: 0 if quick else None]:
+        one, _ = walk(robot, 4.0, [], replace(settings, weights=weights), velocity)
+        variants[name] = asdict(one)
     return {
         "knots": settings.knots,
         "dt": settings.dt,
@@ -139,4 +163,14 @@ def measure(robot: Robot, quick: bool) -> dict[str, Any]:
             for i, name in enumerate(("processor", "wall"))
         },
         "pushes": pushed,
+        "drawn": drawn,
+        "variants": variants,
     }
+
+
+def _draw(robot: Robot, chance: np.random.Generator, seed: int) -> Walk:
+    """Return a walk with friction, payload and two pushes by chance, the controller knowing of none."""
+    angle, mu, payload = chance.uniform(0.0, 2.0 * np.pi), chance.uniform(0.5, 0.7), chance.uniform(0.0, 0.8)
+    force = PUSH * np.cos(angle), PUSH * np.sin(angle), 0.0
+    pushes = [Push(start + chance.uniform(0.0, 0.4), force, PUSH_TIME) for start in (1.2, 2.6)]
+    return walk(robot, 4.5, pushes, MpcSettings(seed=seed), FORWARD, mu, payload)[0]

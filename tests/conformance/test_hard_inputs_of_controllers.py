@@ -18,6 +18,7 @@ from surefoot.control.standing_plan import Lift, StandingPlan
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.whole_body import Tasks, WholeBodyController
+from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
 from surefoot.robot import Robot, place
 from surefoot.terrain import FlatTerrain
 from tests.conformance.hard_inputs import (
@@ -64,6 +65,20 @@ class Walking:
         return c.torques, c.forces, c.attained, c.status
 
 
+class ContactImplicit:
+    """Plans anew at every step."""
+
+    def __init__(self, robot: Robot, mu: float = MU) -> None:
+        settings = MpcSettings(knots=4, first_iterations=2, mu=mu)
+        self.controller = ContactImplicitMpc(robot, VelocityCommand.constant(0.3), settings=settings)
+        self.time = 0.0
+
+    def step(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool, Status]:
+        self.time += 0.02
+        c = self.controller.step(RobotState(q, v, self.time))
+        return c.torques, c.forces, c.attained, c.status
+
+
 class WholeBody:
     def __init__(self, robot: Robot, mu: float = MU, effort: float = 1.0, normal_min: float = 0.0) -> None:
         self.controller = WholeBodyController(
@@ -87,6 +102,7 @@ CONTROLLERS: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "StandingController, a foot lifted": (Lifting, "go2"),
     "StandingController, flat feet": (Standing, "g1"),
     "WalkingController": (Walking, "go2"),
+    "ContactImplicitMpc": (ContactImplicit, "go2"),
     "WholeBodyController": (WholeBody, "go2"),
     "WholeBodyController, flat feet": (WholeBody, "g1"),
 }

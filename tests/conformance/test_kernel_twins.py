@@ -101,6 +101,20 @@ equilibrium.scaling      apply                equilibrium/test_equilibrium_kerne
 equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation
 equilibrium.scaling      scale                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
 equilibrium.scaling      step_to_boundary     equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
+estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
+estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
+estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
+estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
+estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
+estimation.foot_kinematics base_state         estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics feet_by_joints     estimation/test_foot_kinematics.py::test_feet_by_joints_is_its_sum
+estimation.foot_kinematics over_ground        estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics roll               estimation/test_foot_kinematics.py::test_a_sphere_rolls_as_far_as_it_turns
+estimation.inekf_kernels add_foot             estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
+estimation.inekf_kernels correct              estimation/test_inekf.py::test_a_correction_is_the_textbooks
+estimation.inekf_kernels correct_height       estimation/test_inekf.py::test_a_known_height_is_a_correction_with_one_row
+estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
+estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
 estimation.cube_contact  exchange             estimation/test_cube_motion.py::test_impulses_obey_the_laws_of_the_problem_as_numpy_writes_it
 estimation.cube_contact  place                estimation/test_cube_motion.py::test_corners_and_their_speeds_are_those_of_a_rotated_box
 estimation.cube_contact  rise                 estimation/test_cube_motion.py::test_corners_and_their_speeds_are_those_of_a_rotated_box
@@ -148,6 +162,8 @@ numerics.six             times                numerics/test_six.py::test_six_dim
 numerics.vectors         advance              numerics/test_points.py::test_vectors
 numerics.vectors         cross                numerics/test_points.py::test_vectors
 numerics.vectors         dot                  numerics/test_points.py::test_vectors
+planning.mpc.receding move_on planning/mpc/test_receding.py::test_a_plan_moved_on_is_read_between_its_knots
+planning.mpc.receding torques_between planning/mpc/test_receding.py::test_torques_between_knots_feed_the_distance_from_the_planned_state_back
 planning.shooting.cost_kernels cost_slopes planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals
 planning.shooting.cost_kernels motion_cost planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals by price
 planning.shooting.cost_kernels state_error planning/shooting/test_costs.py::test_cost_gradient_and_hessian_are_those_of_the_residuals by price

@@ -103,3 +103,8 @@ def test_the_page_runs() -> None:
     assert not names["found"].contact.any()  # limp and free: it falls
     np.testing.assert_allclose(names["found"].forces, 0.0, atol=200.0)
     assert names["tracker"].believed(0.6).shape == (4,)
+    assert names["used"].all()
+    robot = names["robot"]
+    np.testing.assert_allclose(names["q_estimated"], robot.nominal, atol=0.01)
+    assert np.abs(names["v_estimated"]).max() < 0.01
+    assert names["ekf"].filter.covariance.shape == (27, 27)

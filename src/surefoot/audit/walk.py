@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from surefoot.audit.estimate import EstimateErrors, estimate_errors
 from surefoot.audit.motion import commanded_excess, heading_velocity
 from surefoot.audit.summary import RunSummary, ending_of, shared_fields
 from surefoot.log import Ending, Log
@@ -73,6 +74,8 @@ class WalkSummary(RunSummary):
         Of the base along the ground, and upwards [m].
     notes
         What the controller changed in its command.
+    estimate
+        Errors of the state that the controller was told; None if that was the true one.
     """
 
     success_key: ClassVar[str] = "walked"
@@ -85,6 +88,7 @@ class WalkSummary(RunSummary):
     distance: float
     climb: float
     notes: list[str]
+    estimate: EstimateErrors | None = None
 
 
 def summarise_walk(log: Log) -> WalkSummary:
@@ -114,6 +118,7 @@ def summarise_walk(log: Log) -> WalkSummary:
         distance=float(np.linalg.norm(np.diff(q[:, :2], axis=0), axis=1).sum()),
         climb=float(q[-1, 2] - q[0, 2]),
         notes=log.fact("notes") if log.facts.get("notes") else [],
+        estimate=estimate_errors(log) if "q_estimated" in log else None,
     )
 
 

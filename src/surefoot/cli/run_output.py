@@ -14,6 +14,7 @@ OUTCOMES = {
     "fell": "fell",
     "interrupted": "was interrupted",
     "stopped": "was stopped",
+    "lost": "lost the estimate of its state and stopped",
     "invalid": "was lost: the simulated state is no longer finite",
 }
 """How runs end that did not go as they should, whatever the robot did."""

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli import estimators
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
@@ -54,7 +55,8 @@ def walk(
     push: options.Pushes = None,
     ice: options.IcePatches = None,
     payload: options.Payload = 0.0,
-    noise: Annotated[float, typer.Option(help="Sensor noise, 1 for that of ordinary sensors.")] = 0.0,
+    estimator: estimators.EstimatorName = "truth",
+    noise: estimators.Noise = None,
     delay: Annotated[float, typer.Option(help="Delay of the torques [s].")] = 0.0,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
@@ -81,12 +83,13 @@ def walk(
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
     if believed_mu is not None:
         parsing.friction("--believed-mu", believed_mu)
-    real_number("--noise", noise, low=0.0, high=100.0)
+    sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
-    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=Faults(noise=noise, delay=delay))
+    faults = Faults(noise=level, delay=delay)
+    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, sensors=sensors)
     options.require(robot, urdf, WORLDS[world][1], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     believed = mu if believed_mu is None else believed_mu

@@ -13,7 +13,7 @@ def headline(summary: WalkSummary) -> str:
     """Return one line that says how the run ended."""
     v = summary.velocity
     text = f"{summary.robot} {WALK_OUTCOMES[summary.outcome]}"
-    text += f" {'after' if summary.outcome == 'fell' else 'for'} {summary.duration:.2f} s"
+    text += f" {'after' if summary.outcome in ('fell', 'lost') else 'for'} {summary.duration:.2f} s"
     text += f" and {summary.distance:.2f} m{error_and_laws(summary)}"
     if summary.good:
         text += ", no law was broken"
@@ -72,5 +72,19 @@ def figure_lines(summary: WalkSummary) -> list[str]:
         f"hardest worked joint {summary.torque_use_joint} at {100 * summary.torque_use_max:.0f} % of its "
         "limit",
         f"whole-body step possible within all limits in {100 * summary.feasible_share:.2f} % of the steps",
+        *estimate_lines(summary),
         cost_line(summary),
+    ]
+
+
+def estimate_lines(summary: WalkSummary) -> list[str]:
+    """Return what is said about the state estimate: a line, or none."""
+    e = summary.estimate
+    if e is None:
+        return []
+    share = "" if e.drift_share is None else f" ({100 * e.drift_share:.2f} % of the way)"
+    return [
+        f"state estimate: velocity off by {1e3 * e.velocity_rms:.1f} mm/s rms, "
+        f"place by {1e3 * e.drift:.0f} mm at the end{share}, tilt by {e.tilt_rms_deg:.2f} deg rms, "
+        f"heading by {e.heading_deg:+.2f} deg; {e.step_us.median:.0f} us a step"
     ]

@@ -11,6 +11,9 @@ from surefoot.estimation.contact_detection import (
 from surefoot.estimation.forces import ForceEstimate, estimate_forces
 from surefoot.estimation.friction import FrictionBounds, FrictionTracker
 from surefoot.estimation.identify import Estimate, TossFit, identify
+from surefoot.estimation.inekf import FilterNoise, InvariantFilter
+from surefoot.estimation.inekf_robot import InvariantEkf
+from surefoot.estimation.state_estimator import Health, Reading, StateEstimator, WatchSettings
 from surefoot.estimation.toss_audit import TossAudit, audit_tosses
 from surefoot.estimation.toss_errors import TossErrors
 from surefoot.estimation.tosses import Cube, Tosses, holds_tosses, read_tosses, write_tosses
@@ -22,13 +25,20 @@ __all__ = [
     "DetectionErrors",
     "DetectionSettings",
     "Estimate",
+    "FilterNoise",
     "ForceEstimate",
     "FrictionBounds",
     "FrictionTracker",
+    "Health",
+    "InvariantEkf",
+    "InvariantFilter",
+    "Reading",
+    "StateEstimator",
     "TossAudit",
     "TossErrors",
     "TossFit",
     "Tosses",
+    "WatchSettings",
     "audit_tosses",
     "detect_contacts",
     "detection_errors",

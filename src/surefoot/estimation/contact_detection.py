@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
 from surefoot.audit.contact_times import debounced
 from surefoot.errors import ProblemError
+from surefoot.estimation.detection_kernels import foot_forces, observe_momentum
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -50,6 +51,8 @@ class DetectionSettings:
         Speed along the normal away from the ground from which a foot has left it [m/s].
     confirm
         How long the force must stay above `touchdown` before a contact is told [s].
+    still
+        A foot that is slower than this needs no more than `lift_off` to touch: it has landed softly [m/s].
     """
 
     bandwidth: float = 200.0
@@ -57,11 +60,13 @@ class DetectionSettings:
     lift_off: float = 0.10
     rising: float = 0.15
     confirm: float = 0.0015
+    still: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("bandwidth", "touchdown", "lift_off", "rising"):
             real_number(name, getattr(self, name), low=1e-9)
-        real_number("confirm", self.confirm, low=0.0)
+        for name in ("confirm", "still"):
+            real_number(name, getattr(self, name), low=0.0)
         if self.lift_off > self.touchdown:
             raise ProblemError(
                 f"lift_off must not exceed touchdown, got {self.lift_off:g} and {self.touchdown:g}"
@@ -119,14 +124,8 @@ class ContactDetector:
         self.dt = real_number("dt", dt, low=1e-6, high=1.0)
         self._data: Any = robot.model.createData()
         points = robot.contact_points
-        joints = np.arange(robot.model.nv) >= robot.base_dof
-        legs = [np.flatnonzero(moved & joints) for moved in points.foot_support]
-        kinds = [(6 if foot.flat else 3, leg.size) for foot, leg in zip(robot.feet, legs, strict=True)]
-        self._alike = [
-            (kind[0], which, np.array([legs[k] for k in which]))
-            for kind in dict.fromkeys(kinds)
-            for which in [np.array([k for k, one in enumerate(kinds) if one == kind])]
-        ]
+        self._support, self._flat, self._frames = points.foot_support, points.flat, points.frames
+        self._middles, self._radii = points.middles, points.foot_radii
         self._share = robot.mass * GRAVITY / len(robot.feet)
         self._keep = float(np.exp(-self.settings.bandwidth * self.dt))
         self.reset()
@@ -134,13 +133,13 @@ class ContactDetector:
     def reset(self) -> None:
         """Forget the past: the next update is the first."""
         n = len(self.robot.feet)
-        self._residual = np.zeros(self.robot.model.nv)
-        self._momentum: FloatArray | None = None
-        self._rate = np.zeros(self.robot.model.nv)
+        self._residual, self._momentum, self._rate = np.zeros((3, self.robot.model.nv))
+        self._known = False
         self._contact, self._above = np.zeros(n, dtype=bool), np.zeros(n)
+        self._forces, self._velocities = np.zeros((n, 3)), np.zeros((n, 3))
 
     def update(
-        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, normals: ArrayLike | None = None
+        self, q: ArrayLike, v: ArrayLike, tau: ArrayLike | None = None, normals: ArrayLike | None = None
     ) -> Detection:
         """Return which feet touch, after one more step of length dt.
 
@@ -149,7 +148,8 @@ class ContactDetector:
         q, v
             (nq,), (nv,) configuration [m, -, rad] and velocity [m/s, rad/s] now, Pinocchio's order.
         tau
-            (joints,) torques applied from now to the next update [N m].
+            (joints,) torques applied from now to the next update [N m]; None to tell them by `applied`, once
+            they are known.
         normals
             (n, 3) unit normals of the ground under each foot, world axes; None for upwards.
 
@@ -158,27 +158,56 @@ class ContactDetector:
         ProblemError
             For wrong shapes or numbers that are not finite; the past is kept then.
         """
+        model = self.robot.model
+        configuration = self.robot.configuration(q)
+        velocity = finite_array("v", v, (model.nv,))
+        torque = None if tau is None else finite_array("tau", tau, (self.robot.joints,))
+        found = self.advance(configuration, velocity, self._normals(normals))
+        if torque is not None:
+            self._rate[self.robot.base_dof :] += torque
+        return found
+
+    def advance(self, q: FloatArray, v: FloatArray, up: FloatArray) -> Detection:
+        """Do what `update` does, without a look at what is given; the torques are told by `applied`.
+
+        Parameters
+        ----------
+        q, v
+            (nq,), (nv,) finite [m, rad], [m/s, rad/s]; the quaternion of length 1.
+        up
+            (n, 3) normals of the ground, world axes [-].
+        """
         import pinocchio
 
-        robot, model, data = self.robot, self.robot.model, self._data
-        configuration = robot.configuration(q)
-        velocity = finite_array("v", v, (model.nv,))
-        torque = finite_array("tau", tau, (robot.joints,))
-        up = self._normals(normals)
-        M = np.triu(pinocchio.crba(model, data, configuration))
-        C = pinocchio.computeCoriolisMatrix(model, data, configuration, velocity)  # and Jacobians
-        pinocchio.updateFramePlacements(model, data)
-        momentum = (M + np.triu(M, 1).T) @ velocity
-        if self._momentum is not None:
-            # over one step ṗ - rate is Jᵀ f, constant: r' = K (Jᵀ f - r) is solved exactly
-            seen = (momentum - self._momentum) / self.dt - self._rate
-            self._residual = self._keep * self._residual + (1.0 - self._keep) * seen
-        self._momentum = momentum
-        self._rate = C.T @ velocity - pinocchio.computeGeneralizedGravity(model, data, configuration)
-        self._rate[robot.base_dof :] += torque
-        forces, speeds = self._feet(velocity, up)
-        self._decide(np.einsum("ni,ni->n", forces, up), speeds)
-        return Detection(self._contact.copy(), forces)
+        model, data = self.robot.model, self._data
+        pinocchio.crba(model, data, q)
+        C = pinocchio.computeCoriolisMatrix(model, data, q, v)  # and Jacobians
+        gravity = pinocchio.computeGeneralizedGravity(model, data, q)
+        points = np.empty((len(self._frames), 3))
+        for k, frame in enumerate(self._frames):
+            points[k] = pinocchio.updateFramePlacement(model, data, frame).act(self._middles[k])
+        points -= self._radii[:, None] * up
+        observe_momentum(
+            np.ascontiguousarray(data.M), np.ascontiguousarray(C), gravity, v, self._keep, self.dt,
+            self._known, self._momentum, self._rate, self._residual,
+        )  # fmt: skip
+        self._known = True
+        foot_forces(
+            np.ascontiguousarray(data.J), self._support, points, self._flat, self._residual, v, DAMPING,
+            self._forces, self._velocities,
+        )  # fmt: skip
+        self._decide(up)
+        return Detection(self._contact.copy(), self._forces.copy())
+
+    def applied(self, tau: ArrayLike) -> None:
+        """Tell the (joints,) torques [N m] from the last update, which was not told them, to the next.
+
+        Raises
+        ------
+        ProblemError
+            For the wrong shape or numbers that are not finite.
+        """
+        self._rate[self.robot.base_dof :] += finite_array("tau", tau, (self.robot.joints,))
 
     def _normals(self, normals: ArrayLike | None) -> FloatArray:
         n = len(self.robot.feet)
@@ -190,39 +219,17 @@ class ContactDetector:
             raise ProblemError(f"normals must have length 1, got {length}")
         return np.asarray(given / length[:, None])
 
-    def _feet(self, velocity: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return (n, 3) forces that the residual means, and (n,) speeds of the feet along the normals."""
-        import pinocchio
-
-        aligned = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        data, feet = self._data, self.robot.feet
-        J = np.array([pinocchio.getFrameJacobian(self.robot.model, data, f.frame, aligned) for f in feet])
-        arms = np.array([data.oMf[f.frame].rotation @ f.centre for f in feet])
-        arms -= np.array([f.radius for f in feet])[:, None] * up
-        J[:, :3] -= np.cross(arms[:, :, None], J[:, 3:], axis=1)
-        speeds = np.einsum("ni,nij,j->n", up, J[:, :3], velocity)
-        forces = np.zeros((len(feet), 3))
-        for rows, which, legs in self._alike:
-            A = J[which[:, None, None], np.arange(rows)[:, None], legs[:, None, :]]
-            forces[which] = _damped(A, self._residual[legs])[:, :3]
-        return forces, speeds
-
-    def _decide(self, normal: FloatArray, speeds: FloatArray) -> None:
-        """Move (n,) contacts on: hysteresis in the force, and a foot that rises has left."""
-        s = self.settings
-        pushed = (normal > s.touchdown * self._share) & (speeds < s.rising)
+    def _decide(self, up: FloatArray) -> None:
+        """Move the contacts on: hysteresis in the force, a rising foot has left, a resting one touches."""
+        s, share = self.settings, self._share
+        normal, rising = (self._forces * up).sum(axis=1), (self._velocities * up).sum(axis=1)
+        still = (self._velocities * self._velocities).sum(axis=1) < s.still**2
+        least = np.where(still, s.lift_off, s.touchdown) * share
+        pushed = (normal > least) & (rising < s.rising)
         self._above = np.where(pushed, self._above + self.dt, 0.0)
         begins = pushed & (self._above > s.confirm)
-        ends = (normal < s.lift_off * self._share) | (speeds > s.rising)
+        ends = (normal < s.lift_off * share) | (rising > s.rising)
         self._contact = np.where(self._contact, ~ends, begins)
-
-
-def _damped(J: FloatArray, torques: FloatArray) -> FloatArray:
-    """Return (n, r) forces f, Jᵀ f = torques by least squares, J (n, r, j), damped where levers are short."""
-    square = J @ J.transpose(0, 2, 1)
-    lowest = DAMPING**2 * np.trace(square, axis1=1, axis2=2)
-    square += lowest[:, None, None] * np.eye(J.shape[1])
-    return np.asarray(np.linalg.solve(square, (J @ torques[:, :, None])))[:, :, 0]
 
 
 def detect_contacts(robot: Robot, log: Log, settings: DetectionSettings | None = None) -> BoolArray:

@@ -122,6 +122,10 @@ _TABLE = (
     Channel("base_angular_velocity", (3,), "rad/s", "base", meaning="of the base"),
     Channel("imu_acceleration", (3,), "m/s^2", "base", meaning="specific force: +9.81 upwards at rest"),
     Channel("imu_angular_velocity", (3,), "rad/s", "base", meaning="as the IMU says"),
+    Channel("q_estimated", ("nq",), "m, rad", "world", meaning="configuration as estimated, like q"),
+    Channel("v_estimated", ("nv",), "m/s, rad/s", "base", meaning="velocity as estimated, like v"),
+    Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is told"),
+    Channel("estimator_time", (), "s", meaning="wall time of the estimator's step"),
     Channel("controller_time", (), "s", meaning="wall time of the controller's step"),
 )
 CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _TABLE}

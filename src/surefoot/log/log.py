@@ -25,6 +25,8 @@ class Ending(StrEnum):
     """All steps were made."""
     FELL = "fell"
     """The robot fell."""
+    LOST = "lost"
+    """The robot lost the estimate of its state, and stopped."""
     INVALID = "invalid"
     """The state or a torque stopped being finite, or the world could not go on."""
     INTERRUPTED = "interrupted"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,15 +12,16 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.control.controller import Controller, RobotState
+from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
-from surefoot.simulation.faults import Faults
+from surefoot.simulation.faults import ActiveFaults, Faults
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
+from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, Stop, TrueState
 from surefoot.simulation.world import ContactReading, World
 from surefoot.simulation.world_facts import softness_of, told_by
 from surefoot.spatial import GRAVITY
@@ -73,9 +75,11 @@ def run(
     controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
-    recorder = _recorder(world, controller, scenario, folder)
+    faults = (scenario.faults or Faults()).start(world, scenario.seed)
+    sensing = _sensing(world, scenario, faults)
+    recorder = _recorder(world, controller, sensing, scenario, folder)
     limits = AT_LIMIT * world.robot.effort_limits
-    this = _Run(world, controller, scenario, tuple(observers), recorder, limits)
+    this = _Run(world, controller, scenario, tuple(observers), recorder, limits, faults, sensing)
     log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
     log.facts.update(softness_of(world, log))
     for observer in observers:
@@ -90,10 +94,20 @@ def felt_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least:
     return out
 
 
-def _recorder(world: World, controller: Controller, scenario: Scenario, folder: Path | None) -> Recorder:
-    """Return a recorder for what every run has, and what the controller adds."""
+def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
+    """Return what tells the controller its state."""
+    if scenario.sensors is None:
+        return TrueState(faults)
+    return EstimatedState(scenario.sensors, world, scenario.seed)
+
+
+def _recorder(
+    world: World, controller: Controller, sensing: Sensing, scenario: Scenario, folder: Path | None
+) -> Recorder:
+    """Return a recorder for what every run has, and what controller and estimator add."""
     robot = world.robot
-    clash = [c.name for c in controller.channels if c.name in (*_SHARED, "other_forces")]
+    taken = (*_SHARED, "other_forces", *(c.name for c in sensing.channels))
+    clash = [c.name for c in controller.channels if c.name in taken]
     if clash:
         raise ProblemError(
             f"the controller's channel {clash[0]!r} is one that every log has; take another name"
@@ -115,7 +129,7 @@ def _recorder(world: World, controller: Controller, scenario: Scenario, folder: 
         "wall_time": float("nan"),
     }
     shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
-    channels = (*(CHANNELS[name] for name in shared), *controller.channels)
+    channels = (*(CHANNELS[name] for name in shared), *controller.channels, *sensing.channels)
     return Recorder(
         scenario.steps(world.dt), channels, folder, facts,
         nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
@@ -133,6 +147,11 @@ class _Run:
     observers: tuple[Observer, ...]
     recorder: Recorder
     limits: FloatArray
+    faults: ActiveFaults
+    sensing: Sensing
+
+    def __post_init__(self) -> None:
+        self.stop = Stop(self.world)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -154,16 +173,17 @@ class _Run:
         except BaseException:
             recorder.abandon()
             raise
+        if self.sensing.lost:
+            told = {"error": self.sensing.lost, **told}
         return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
     def _loop(self, height: float) -> Ending:
-        """Step the world to the end or a fall."""
-        world, controller, scenario = self.world, self.controller, self.scenario
-        faults = (scenario.faults or Faults()).start(world, scenario.seed)
+        """Step the world to the end, a fall, or a stop because the state is not known."""
+        world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
         ice = sorted(scenario.ice, key=lambda change: change.start)
         mu, feet, touch = scenario.mu, len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
         world.set_friction(mu)
-        reading = world.contacts()
+        reading, command, stopped = world.contacts(), None, math.inf
         for k in range(scenario.steps(world.dt)):
             # what the world is like, and what the controller makes of it
             now = k * world.dt
@@ -172,22 +192,33 @@ class _Run:
                 world.set_friction(mu)
             push = push_at(scenario.pushes, now)
             q, v = world.state()
-            contact = felt_feet(world.contact_foot, feet, reading, touch)
-            state = RobotState(*faults.sense(q, v), now, contact)
+            state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
             start = clock.perf_counter()
-            command = controller.step(state)
+            command = self._decide(state, command)
             spent = clock.perf_counter() - start
             # the step
             torques = faults.act(command.torques)
+            sensing.acted(command, torques)
             world.step(torques, push)
             reading = world.contacts()
             # its row
             self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
+            # whether it goes on
+            if sensing.lost:
+                stopped = min(stopped, now)
+                if now - stopped >= STOP_TIME:
+                    return Ending.LOST
             if k % LOOK_EVERY == 0:
                 fallen = scenario.fall.happened(q, height, world.terrain)
                 if fallen is not None:
                     return fallen
-        return Ending.DONE
+        return Ending.LOST if sensing.lost else Ending.DONE
+
+    def _decide(self, state: RobotState, last: Command | None) -> Command:
+        """Return the controller's command, or that of a robot which has lost its state."""
+        if self.sensing.lost and last is not None:
+            return self.stop.command(state, last)
+        return self.controller.step(state)
 
     def _record(self, moment: Moment) -> None:
         """Write the row of a step, and show it to the observers."""
@@ -210,7 +241,7 @@ class _Run:
         own = command.rows()
         if self.recorder.count == 0:
             _check_rows(own, self.controller)
-        for name, value in own.items():
+        for name, value in (*own.items(), *self.sensing.rows().items()):
             rows[name][i] = value
         self.recorder.count += 1
         for observer in self.observers:

@@ -12,6 +12,7 @@ from surefoot.arrays import FloatArray
 from surefoot.log import Ending
 from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
+from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import World
 from surefoot.spatial import rotation_from_quaternion
@@ -100,6 +101,8 @@ class Scenario:
         How deep in the ground it starts [m], see `START_DEPTH`.
     fall
         When it has fallen, and the run ends.
+    sensors
+        What the robot has to estimate its state from; None for a controller that is told the true state.
     """
 
     duration: float
@@ -111,6 +114,7 @@ class Scenario:
     start: FloatArray | None = None
     depth: float = 0.0
     fall: Fall = Fall()
+    sensors: SensorModel | None = None
 
     def steps(self, dt: float) -> int:
         """Return the number of steps of length `dt` [s], at least one."""

@@ -33,6 +33,12 @@ FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
     (0.9, 0.6, 0.05, 1.0),
 )
 
+BONE_COLOUR = (0.25, 0.28, 0.32, 1.0)
+LIGHTEST = 1e-6
+"""Mass [kg] and inertia [kg m2] of a link that has none, in a model that is only drawn."""
+POINT_SIZE = 0.012
+"""Radius of the ball that stands for a foot without one [m]."""
+_WIDER = {WANTED_COLOUR: 1.6, BONE_COLOUR: 5.0}
 CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
 
 Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]
@@ -70,9 +76,18 @@ class Renderer:
         add_meshes(spec, robot)
         _add_light(mujoco, spec, width, height, 8 if fine else 0)
         spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
+        for geom in spec.geoms:  # a foot that is a point is drawn as a small ball
+            if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE and geom.size[0] <= 0.0:
+                geom.size[0] = POINT_SIZE
+        spec.compiler.boundmass = spec.compiler.boundinertia = LIGHTEST  # links without mass are drawn, too
         self.robot = robot
-        self.model = spec.compile()
+        try:
+            self.model = spec.compile()
+        except ValueError as error:
+            told = " ".join(str(error).split())
+            raise RenderError(f"no pictures: MuJoCo cannot draw {robot.name} ({told:.120})") from error
         self.data = mujoco.MjData(self.model)
+        self._bones = [] if robot.visual.ngeoms else self._skeleton()
         try:
             self._renderer = mujoco.Renderer(self.model, height, width)
         except Exception as error:  # each GL backend fails with a class of its own
@@ -92,12 +107,25 @@ class Renderer:
         if self.robot.floating:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
         self._mujoco.mj_forward(self.model, self.data)
-        self._camera.lookat[:] = q[:3] - [0.0, 0.0, 0.45 * self._size]
+        middle = q[:3] if self.robot.floating else self.data.xpos[1:].mean(axis=0)
+        self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self._size]
         self._renderer.update_scene(self.data, self._camera)
-        for line, drawn in ((False, arrows), (True, lines)):
+        bones = [(a.copy(), b - a, BONE_COLOUR) for a, b in self._bones]
+        for line, drawn in ((False, arrows), (True, [*lines, *bones])):
             for start, vector, colour in drawn:
                 self._arrow(start, vector, colour, line)
         return self._renderer.render()
+
+    def _skeleton(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Return where the ends of bones are, as views of MuJoCo's places: of links without meshes."""
+        model, data = self.model, self.data
+        joined = [
+            (data.xpos[model.body_parentid[k]], data.xpos[k])
+            for k in range(1, model.nbody)
+            if model.body_parentid[k]
+        ]
+        feet = [g for g in range(model.ngeom) if model.geom(g).name.startswith("foot:")]
+        return joined + [(data.xpos[model.geom_bodyid[g]], data.geom_xpos[g]) for g in feet]
 
     def _arrow(
         self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False
@@ -107,7 +135,7 @@ class Renderer:
             return
         geom = scene.geoms[scene.ngeom]
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE if line else mujoco.mjtGeom.mjGEOM_ARROW
-        width = (0.0045 if line else 0.03) * (1.6 if colour == WANTED_COLOUR else 1.0) * self._size
+        width = (0.0045 if line else 0.03) * _WIDER.get(colour, 1.0) * self._size
         shade = np.array(colour, np.float32)
         mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), shade)
         length = 1.0 if line else 2.0  # MuJoCo draws an arrow half as long as its connector

@@ -24,7 +24,7 @@ from surefoot.planning.shooting import (
     TorqueLimits,
 )
 from surefoot.planning.shooting.guess import holding_torques
-from surefoot.planning.shooting.horizon import Horizon
+from surefoot.planning.shooting.horizon import Horizon, Policy
 from surefoot.planning.tasks.task import Iteration
 from surefoot.robot import Robot, load_robot, place
 
@@ -212,13 +212,14 @@ def test_steps_that_are_not_finite_are_refused_and_change_nothing() -> None:
     horizon = Horizon(go2(), 3, 0.02, 0.6, None)
     horizon.torques[1] = np.nan
     other = Horizon(go2(), 3, 0.02, 0.6, None)
-    policy = np.zeros((3, 12, 36)), np.zeros((3, 12))
+    still = np.zeros((3, 12, 36)), np.zeros((3, 12)), np.zeros((3, 36))
+    policy = Policy(horizon.q, horizon.v, horizon.torques, *still)
     limits = np.tile(np.array([np.full(12, -50.0), np.full(12, 50.0)]), (3, 1, 1))
     start = place(go2()), np.zeros(18)
-    assert not other.run(start, horizon, policy, 1.0, limits)
+    assert not other.run(start, policy, 1.0, limits)
     assert other.cost == np.inf
     horizon.torques[1] = 0.0
-    assert other.run(start, horizon, policy, 1.0, limits)
+    assert other.run(start, policy, 1.0, limits)
 
 
 @pytest.mark.parametrize(

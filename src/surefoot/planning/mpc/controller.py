@@ -39,12 +39,16 @@ RAMP = 1.5
 """Largest change of the wanted velocity [m/s²], [rad/s²]."""
 LEAD = 0.3
 """The wanted heading is never further from the body's than this [rad]."""
-ENOUGH = 1.02
+ENOUGH = 1.1
 """A motion that costs no more, in units of the last plan, is taken at once."""
+SMALL = 0.05
+"""Cost that does not matter."""
 MOST = 1e4
 """Largest damping, relative to the torques' mean weight."""
 STIFFNESS, DAMPING = 30.0, 1.0
-"""Of joints that follow a plan, or stand, where the plan's own gains fail [N m/rad], [N m s/rad]."""
+"""Of joints where there is no plan [N m/rad], [N m s/rad]."""
+SOFTNESS = 0.25
+"""Share of the stiffness and damping with which a step of a knot's length would just be stable."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +81,14 @@ class MpcSettings:
         pose has no reason to lift one foot before the other.
     """
 
-    knots: int = 20
-    dt: float = 0.025
-    interval: float = 0.025
-    iterations: int = 2
+    knots: int = 25
+    dt: float = 0.02
+    interval: float = 0.02
+    iterations: int = 1
     first_iterations: int = 30
     smoothing: float = 0.33
-    shares: tuple[float, ...] = (1.0, 0.5, 0.2)
-    damping: float = 1.0
+    shares: tuple[float, ...] = (1.0, 0.3)
+    damping: float = 0.35
     mu: float = 0.6
     weights: WalkWeights = field(default_factory=WalkWeights)
     seed: int = 0
@@ -177,18 +181,25 @@ class ContactImplicitMpc(Controller):
         ]
         self.facts = {
             "kind": "walk", "normal_min": 0.0, "normal_max": math.inf, "mu_controller": s.mu,
-            "gait": "contact-implicit", "notes": list(self.notes), "knots": s.knots, "knot_length": s.dt, "interval": s.interval,
+            "gait": "contact-implicit", "notes": list(self.notes), "knots": s.knots, "knot_length": s.dt,
+            "interval": s.interval,
         }  # fmt: skip
         self.reset()
 
     def _fallbacks(self) -> tuple[FloatArray, Policy]:
-        """Return gains of springs and dampers at the joints, and the policy that stands by them."""
-        N, m, n = self.settings.knots, self.robot.joints, int(self.robot.model.nv)
-        gains = np.zeros((N, m, 2 * n))
-        for i in range(m):
-            gains[:, i, n - m + i], gains[:, i, 2 * n - m + i] = -STIFFNESS, -DAMPING
+        """Return gains that stand by `step`, and the policy that stands in rollouts.
+
+        Springs and dampers of rollouts are as stiff as a step of a knot's length takes with a leg in the air.
+        """
+        import pinocchio
+
+        N, m, n, dt = self.settings.knots, self.robot.joints, int(self.robot.model.nv), self.settings.dt
+        inertia = pinocchio.crba(self.robot.model, self.robot.model.createData(), self._pose)
+        legs = np.diag(inertia)[n - m :]
+        soft = _springs(N, n, SOFTNESS * legs / dt**2, 2.0 * SOFTNESS * legs / dt)
         q, hold = np.tile(self._pose, (N + 1, 1)), np.tile(self._hold, (N, 1))
-        return gains, Policy(q, np.zeros((N + 1, n)), hold, gains, np.zeros((N, m)), np.zeros((N, 2 * n)))
+        standing = Policy(q, np.zeros((N + 1, n)), hold, soft, np.zeros((N, m)), np.zeros((N, 2 * n)))
+        return _springs(N, n, np.full(m, STIFFNESS), np.full(m, DAMPING)), standing
 
     def reset(self) -> None:
         """Forget the past: the next step is the first of a run."""
@@ -249,19 +260,26 @@ class ContactImplicitMpc(Controller):
         )  # fmt: skip
 
     def _plan_again(self, state: RobotState) -> bool:
-        """Make the next plan from a state; return whether one was found."""
-        first = not math.isfinite(self.planned_at)
-        passed = 0.0 if first else state.time - self.planned_at
+        """Make the next plan from a state; return whether one was found, else stand by springs."""
+        never = not math.isfinite(self.planned_at)
+        passed = 0.0 if never else state.time - self.planned_at
         self.planned_at = state.time
         self._aim(state, passed)
+        count = self.settings.first_iterations if never else self.settings.iterations
         try:
-            begun = self._begin(state) if first else self._go_on(state, passed)
-            if not begun:
-                return False
-            count = self.settings.first_iterations if first else self.settings.iterations
-            return all([self._iterate() for _ in range(count)])
+            begun = self._go_on(state, passed) if self._well else self._begin(state)
+            if begun and all(self._iterate() for _ in range(count)):
+                return True
         except SurefootError:  # a state that no step can be taken from
-            return False
+            pass
+        self._stand_by()
+        return False
+
+    def _stand_by(self) -> None:
+        """Take the nominal pose for a plan, followed by springs."""
+        now, still = self.engine.now, self._standing()
+        now.q[:], now.v[:], now.torques[:], now.impulses[:] = still.q, still.v, still.torques, 0.0
+        self.engine.gains[:] = self._springs
 
     def _aim(self, state: RobotState, passed: float) -> None:
         """Write the wanted motion into the cost: heading and velocities over the horizon."""
@@ -288,13 +306,14 @@ class ContactImplicitMpc(Controller):
         s, still, engine = self.settings, self._standing(), self.engine
         noise = np.random.default_rng(s.seed).normal(size=still.torques.shape)
         engine.now.q[0], engine.now.v[0] = state.q, state.v
-        still.q[:, :7] = state.q[:7]
         return engine.choose([(still._replace(steps=s.noise * noise), 1.0), (still, 0.0)], -math.inf) >= 0
 
     def _go_on(self, state: RobotState, passed: float) -> bool:
         """Move the last plan on in time, and let it begin where the robot is."""
         engine, dt = self.engine, self.settings.dt
         now, left = engine.now, passed / dt
+        if left > len(now):  # nothing is left of the plan
+            return self._begin(state)
         while left > 0.0:
             move_on(now.floating, now.q, now.v, now.torques, min(left, 1.0), dt)
             left -= 1.0
@@ -305,7 +324,7 @@ class ContactImplicitMpc(Controller):
     def _iterate(self) -> bool:
         """Take one step of the solver from the last plan, gaps and all; return whether there is a new one."""
         engine, s = self.engine, self.settings
-        enough, policy = ENOUGH * engine.now.cost, engine.policy
+        enough, policy = ENOUGH * engine.now.cost + SMALL, engine.policy
         candidates = [self._track(policy), (self._standing(), 0.0)]
         if engine.differentiate(s.smoothing) and engine.backward():
             candidates = [*((policy, share) for share in s.shares), *candidates]
@@ -320,13 +339,22 @@ class ContactImplicitMpc(Controller):
 
     def _track(self, policy: Policy) -> tuple[Policy, float]:
         """Return the policy that follows a motion by springs and dampers at the joints."""
-        return policy._replace(gains=self._springs), 0.0
+        return policy._replace(gains=self._still.gains), 0.0
 
     def _standing(self) -> Policy:
         """Return the policy that holds the nominal pose where the robot is."""
         now, still = self.engine.now, self._still
         still.q[:, :7] = now.q[0, :7]
         return still
+
+
+def _springs(knots: int, nv: int, stiffness: FloatArray, damping: FloatArray) -> FloatArray:
+    """Return gains (N, m, 2nv) of springs and dampers (m,) at the joints."""
+    m = len(stiffness)
+    gains = np.zeros((knots, m, 2 * nv))
+    for i in range(m):
+        gains[:, i, nv - m + i], gains[:, i, 2 * nv - m + i] = -stiffness[i], -damping[i]
+    return gains
 
 
 def _heading(q: FloatArray) -> float:

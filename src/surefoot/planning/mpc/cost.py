@@ -2,7 +2,7 @@
 
 There is no schedule, no phase and no foothold in this cost. A trot comes out of five choices together:
 
-- the body should move at the commanded speed, level and at its height, which feet that stand cannot do for long;
+- the body should move at the commanded speed, level and at its height, which no standing foot can for long;
 - feet near the ground should not slip (`slip`), so one that has to move is lifted first;
 - diagonal legs should use the same torques, mirrored (`diagonal`), and move alike (`diagonal_speed`): without
   it other gaits come out, and irregular ones;
@@ -45,8 +45,8 @@ class WalkWeights:
         Tangential speed of a foot near the ground [s²/m²], and the gap over which that fades [m].
     lift
         Of a foot's height [1/m²].
-    landing
-        Of a foot's normal speed near the ground [s²/m²].
+    landing, landing_width
+        Of a foot's normal speed near the ground [s²/m²], and the gap over which that fades [m].
     torque
         Of torques less those that hold the robot [1/(N m)²].
     diagonal
@@ -57,24 +57,25 @@ class WalkWeights:
         Weights of the last state, in units of those of the others.
     """
 
-    height: float = 335.0
-    tilt: float = 125.0
-    heading: float = 43.0
-    forward: float = 44.0
+    height: float = 147.0
+    tilt: float = 130.0
+    heading: float = 50.0
+    forward: float = 40.0
     vertical: float = 8.0
-    spin: float = 3.0
+    spin: float = 3.5
     hip: float = 21.0
-    knee: float = 1.75
-    joint_speed: float = 0.011
-    slip: float = 0.4
-    width: float = 0.025
+    knee: float = 1.6
+    joint_speed: float = 0.0042
+    slip: float = 0.8
+    width: float = 0.016
     lift: float = 0.0
-    landing: float = 0.1
-    torque: float = 0.0034
-    diagonal: float = 0.0072
+    landing: float = 0.5
+    landing_width: float = 0.016
+    torque: float = 0.004
+    diagonal: float = 0.006
     diagonal_pose: float = 0.0
-    diagonal_speed: float = 0.0044
-    terminal: float = 1.0
+    diagonal_speed: float = 0.0092
+    terminal: float = 0.3
 
 
 def walking_costs(robot: Robot, q: FloatArray, weights: WalkWeights) -> Costs:
@@ -97,7 +98,7 @@ def walking_costs(robot: Robot, q: FloatArray, weights: WalkWeights) -> Costs:
     return Costs(
         StateCost(state, w.terminal * state, q),
         TorqueCost(w.torque, w.diagonal * alike, holding_torques(robot, q)),
-        FootCost(w.slip, w.width, w.lift, landing=w.landing),
+        FootCost(w.slip, w.width, w.lift, landing=w.landing, landing_width=w.landing_width),
         JointCost(10.0, 0.1, coupling=coupling if coupling.any() else None),
     )
 

@@ -118,13 +118,15 @@ class FootCost:
     slip
         A number, (p,) or (N, p): weight of tangential speed near the ground [s²/m²].
     width
-        Gap over which the weights of slip and landing fall off [m].
+        Gap over which the weight of a slip falls off [m].
     lift
         A number, (p,) or (N, p): weight of the height [1/m²].
     heights
         A number, (p,) or (N, p): wanted height [m].
     landing
         A number, (p,) or (N, p): weight of normal speed near the ground [s²/m²].
+    landing_width
+        Gap over which that falls off [m]. A foot that comes down within a knot is seen only before it.
     """
 
     slip: ArrayLike = 0.0
@@ -132,6 +134,7 @@ class FootCost:
     lift: ArrayLike = 0.0
     heights: ArrayLike = 0.0
     landing: ArrayLike = 0.0
+    landing_width: float = 0.02
 
     def table(self, robot: Robot, knots: int) -> FootTable:
         """Return weights, wanted heights and the width."""
@@ -140,8 +143,11 @@ class FootCost:
         weights[:, 0] = _spread("slip", self.slip, shape, low=0.0)
         weights[:, 1] = _spread("lift", self.lift, shape, low=0.0)
         weights[:, 2] = _spread("landing", self.landing, shape, low=0.0)
-        width = real_number("width", self.width, low=1e-6)
-        return weights, _spread("heights", self.heights, shape), np.array([width])
+        widths = [
+            real_number("width", self.width, low=1e-6),
+            real_number("landing_width", self.landing_width, low=1e-6),
+        ]
+        return weights, _spread("heights", self.heights, shape), np.array(widths)
 
 
 @dataclass(frozen=True)

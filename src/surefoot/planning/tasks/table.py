@@ -14,6 +14,7 @@ TASKS: dict[str, str] = {
     "jump": "surefoot.planning.tasks.jump:JUMP",
     "jump-up": "surefoot.planning.tasks.jump:JUMP_UP",
     "backflip": "surefoot.planning.tasks.backflip:BACKFLIP",
+    "trot": "surefoot.planning.tasks.trot:TROT",
 }
 """Name to "module:object"."""
 

@@ -88,8 +88,8 @@ def _limit(model: Any, limits: Sequence[float]) -> None:
 
 def _robot(name: str, model: Any, feet: Sequence[Foot], nominal: FloatArray, floating: bool = False) -> Robot:
     """Return a robot without geometry."""
-    empty = _pinocchio().GeometryModel()
-    out = Robot(name, model, empty, empty, (), nominal, floating)
+    empty = _pinocchio().GeometryModel
+    out = Robot(name, model, empty(), empty, (), nominal, floating)
     out.feet = tuple(feet)
     return out
 

@@ -1,0 +1,136 @@
+"""Put the site's sources together: pages of the docs, the reference, and the course in two languages."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import traceback
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from docs.site import reference, render
+from docs.site.execute import run_page
+from docs.site.page import LANGUAGES, Page, pages
+
+ROOT = Path(__file__).resolve().parents[2]
+COPIED = ("docs/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
+SECTIONS = {
+    1: {"en": "Contact and friction laws", "zh": "接触与摩擦定律"},
+    2: {"en": "Friction cones", "zh": "摩擦锥"},
+    3: {"en": "Complementarity made smooth", "zh": "互补约束的光滑化"},
+    4: {"en": "Contact Jacobians", "zh": "接触雅可比"},
+    5: {"en": "Centroidal momentum", "zh": "质心动量"},
+    6: {"en": "Angular momentum", "zh": "角动量"},
+    7: {"en": "Force distribution", "zh": "接触力分配"},
+    8: {"en": "Simulators", "zh": "仿真器"},
+    9: {"en": "Learning with contact", "zh": "学习与接触"},
+    10: {"en": "Capstone", "zh": "综合练习"},
+    11: {"en": "Tables, measured anew", "zh": "重新测量的表格"},
+    12: {"en": "Traps, shown happening", "zh": "陷阱演示"},
+    13: {"en": "Troubleshooting", "zh": "故障排查手册"},
+}
+"""Hundreds of a page's order, and what stands above them."""
+TITLE = {"en": "The course", "zh": "课程"}
+ABOUT = {
+    "en": "Contact mechanics of legged robots by measurement: every exercise of a textbook chapter, its "
+    "tables measured anew, its traps shown happening, and a troubleshooting manual that breaks things. "
+    "All code uses public names and runs when this site is built; all numbers in the texts come out "
+    "of it, and what they claim is asserted.",
+    "zh": "用测量来学习足式机器人的接触力学：一章教材的全部习题、重新测量的表格、演示出来的陷阱，"
+    "以及一份故意制造故障的排查手册。"
+    "全部代码只用公开接口，在构建本站时执行；文中数字都来自这些代码，结论由断言检验。",
+}
+
+
+def assemble(build: Path, only: Iterable[str] | None = None, jobs: int = 2) -> dict[str, Path]:
+    """Write the source trees below `build`; return them by language.
+
+    Parameters
+    ----------
+    build
+        Folder whose `source-en` and `source-zh` are replaced.
+    only
+        Names of course pages to run; None for all.
+    jobs
+        Processes that run pages.
+    """
+    trees = {language: build / f"source-{language}" for language in LANGUAGES}
+    for tree in trees.values():
+        shutil.rmtree(tree, ignore_errors=True)
+        (tree / "course" / "figures").mkdir(parents=True)
+    chosen = [page for page in pages() if only is None or page.name in set(only)]
+    with ProcessPoolExecutor(jobs) as pool:
+        list(pool.map(_run, chosen, [trees] * len(chosen)))
+    for picture in (trees["en"] / "course" / "figures").iterdir():
+        shutil.copy(picture, trees["zh"] / "course" / "figures")
+    for language, tree in trees.items():
+        (tree / "course" / "index.md").write_text(contents(chosen, language), encoding="utf-8")
+    (trees["zh"] / "index.md").write_text(_zh_front(), encoding="utf-8")
+    _copy(trees["en"])
+    reference.write(trees["en"] / "api")
+    return trees
+
+
+def _run(page: Page, trees: dict[str, Path]) -> None:
+    try:
+        render.write(run_page(page, trees["en"] / "course" / "figures"), trees)
+    except Exception as error:
+        places = [frame for frame in traceback.extract_tb(error.__traceback__) if "course/" in frame.filename]
+        line = places[-1].lineno if places else 0
+        raise RuntimeError(f"course/{page.name}.md:{line}: {type(error).__name__}: {error}") from error
+
+
+def contents(chosen: list[Page], language: str) -> str:
+    """Return the course's list of contents."""
+    lines = [f"# {TITLE[language]}", "", ABOUT[language], ""]
+    for hundred, title in SECTIONS.items():
+        names = [page.name for page in chosen if page.order // 100 == hundred]
+        if names:
+            caption = title[language] if hundred > 9 else f"52.{hundred} {title[language]}"
+            lines += ["```{toctree}", ":maxdepth: 1", f":caption: {caption}", "", *names, "```", ""]
+    return "\n".join(lines)
+
+
+def _zh_front() -> str:
+    return "\n".join([
+        "# Surefoot 课程", "", ABOUT["zh"], "", '<a href="../index.html">English documentation</a>', "",
+        "```{toctree}", ":maxdepth: 2", "", "course/index", "```", "",
+    ])  # fmt: skip
+
+
+def _copy(tree: Path) -> None:
+    """Copy what the repository already says, links to its other files turned into their names."""
+    for pattern in COPIED:
+        for path in ROOT.glob(pattern):
+            target = tree / path.relative_to(ROOT)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if path.suffix == ".md":
+                target.write_text(without_code_links(path), encoding="utf-8")
+            else:
+                shutil.copy(path, target)
+    (tree / "index.md").write_text(front_page(), encoding="utf-8")
+
+
+def front_page() -> str:
+    """Return the first page: `index.md`, and the docs that it does not list yet in a menu of their own."""
+    text = Path(__file__).with_name("index.md").read_text(encoding="utf-8")
+    names = sorted(path.stem for path in (ROOT / "docs").glob("*.md"))
+    others = [f"docs/{name}" for name in names if f"\ndocs/{name}\n" not in text]
+    if not others:
+        return text
+    return "\n".join([text, "```{toctree}", ":maxdepth: 1", ":caption: More", "", *others, "```", ""])
+
+
+_LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s:]+)\)")
+
+
+def without_code_links(path: Path) -> str:
+    """Return a page whose links to folders and files outside the site are code spans."""
+
+    def kept(found: re.Match[str]) -> str:
+        target = (path.parent / found[2]).resolve()
+        inside = target.suffix in (".md", ".png", ".svg") and target.is_file()
+        return found[0] if inside else f"{found[1]} (`{target.relative_to(ROOT)}`)"
+
+    return _LINK.sub(kept, path.read_text(encoding="utf-8"))

@@ -1,0 +1,101 @@
+"""Run the code of a course page, and fill its texts with what came out."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from contextlib import redirect_stdout
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from docs.site.page import HEADINGS, LANGUAGES, Page
+
+_VALUE = re.compile(r"\{\{(.+?)\}\}")
+_STYLE = {
+    "figure.figsize": (7.0, 3.6),
+    "figure.constrained_layout.use": True,
+    "figure.dpi": 110,
+    "axes.axisbelow": True,
+}
+
+
+@dataclass
+class Ran:
+    """A page that was run: finished pieces by language, and its names.
+
+    Each piece is (kind, text): "markdown", "code", "output" or "figure" (its file's name).
+    """
+
+    page: Page
+    pieces: dict[str, list[tuple[str, str]]] = field(default_factory=lambda: {k: [] for k in LANGUAGES})
+    names: dict[str, Any] = field(default_factory=lambda: {"__name__": "__main__"})
+
+
+def run_page(page: Page, figures: Path | None = None) -> Ran:
+    """Run a page block after block.
+
+    Parameters
+    ----------
+    page
+        From `read_page`.
+    figures
+        Folder for its pictures; None draws them and saves none.
+    """
+    import matplotlib
+
+    from surefoot.viz.style import FOOT_COLOURS, house_style
+
+    matplotlib.use("Agg")
+    ran, count = Ran(page), 0
+    style = _STYLE | {"axes.prop_cycle": matplotlib.cycler(color=FOOT_COLOURS)}
+    with house_style(), matplotlib.rc_context(style):
+        for part in page.parts:
+            if part.kind == "heading":
+                for language in LANGUAGES:
+                    ran.pieces[language].append(("markdown", f"## {HEADINGS[part.text][language]}"))
+            elif part.kind == "code":
+                printed = _execute(page, part.text, part.line, ran.names)
+                pieces = [("code", part.text.rstrip())] + ([("output", printed)] if printed else [])
+                for figure in _open_figures():
+                    count += 1
+                    name = f"{page.name}-{count}.png"
+                    if figures is not None:
+                        figure.savefig(figures / name)
+                    pieces.append(("figure", name))
+                for language in LANGUAGES:
+                    ran.pieces[language] += pieces
+            else:
+                ran.pieces[part.kind].append(("markdown", filled(part.text.strip(), ran.names)))
+    return ran
+
+
+def _execute(page: Page, code: str, line: int, names: dict[str, Any]) -> str:
+    """Run a block whose first line is behind `line` of the page's file; return what it printed."""
+    printed = io.StringIO()
+    with redirect_stdout(printed), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
+        exec(compile("\n" * line + code, f"course/{page.name}.md", "exec"), names)
+    return printed.getvalue().rstrip()
+
+
+def _open_figures() -> list[Any]:
+    """Return pyplot's open figures and close them."""
+    from matplotlib import pyplot
+
+    found = [pyplot.figure(number) for number in pyplot.get_fignums()]
+    pyplot.close("all")
+    return found
+
+
+def filled(text: str, names: dict[str, Any]) -> str:
+    """Return a text with every `{{expression:format}}` replaced by its value."""
+    return "\n".join(_line(line, names) for line in text.splitlines())
+
+
+def _line(line: str, names: dict[str, Any]) -> str:
+    whole = re.fullmatch(r"\{\{(\w+)\}\}", line)
+    if whole and isinstance(names[whole[1]], list):
+        return "\n".join("| " + " | ".join(str(cell) for cell in row) + " |" for row in names[whole[1]])
+    return _VALUE.sub(lambda found: str(eval(f"f'''{{{found[1]}}}'''", names)), line)

@@ -1,0 +1,172 @@
+"""Where the feet are, how they turn and how well that is known, from the joints alone: body axes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.kernels import kernel
+from surefoot.numerics.points import point_velocity
+from surefoot.robot import Robot
+
+FLOOR = 1e-10
+"""Least variance of a foot's place [m²]: a straight leg has no lever along itself, and is not exact."""
+
+
+@kernel
+def feet_by_joints(
+    twists: FloatArray, support: BoolArray, centres: FloatArray, speeds: FloatArray, variance: float,
+    velocities: FloatArray, spreads: FloatArray,
+) -> None:  # fmt: skip
+    """Fill velocities (n, 3) [m/s] and covariances (n, 3, 3) [m²] of the feet against the base.
+
+    `twists` (6, nv) are the joints' columns with the base at the origin, `support` (n, nv) what moves each
+    foot, `centres` (n, 3) where they are [m], `speeds` (nv - 6,) the joints'; an angle's `variance` times
+    J Jᵀ is a foot's.
+    """
+    for k in range(centres.shape[0]):
+        x, y, z = centres[k, 0], centres[k, 1], centres[k, 2]
+        velocity, spread = velocities[k], spreads[k]
+        for r in range(3):
+            velocity[r] = 0.0
+            for s in range(3):
+                spread[r, s] = FLOOR if r == s else 0.0
+        for j in range(6, twists.shape[1]):
+            if support[k, j]:
+                column = point_velocity(twists, j, x, y, z)
+                for r in range(3):
+                    velocity[r] += column[r] * speeds[j - 6]
+                    for s in range(3):
+                        spread[r, s] += variance * column[r] * column[s]
+
+
+@kernel
+def over_ground(
+    X: FloatArray, turn: FloatArray, arm: FloatArray, centres: FloatArray, velocities: FloatArray,
+    out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill out (n,) with the feet's speeds over the ground [m/s], from the body's own velocity and turn rate.
+
+    X (3, 5 + n) is the filter's state with the IMU as its body, at `arm` (3,) from the base; `turn` (3,) the
+    turn rate, `centres` and `velocities` (n, 3) the feet against the base, all in body axes.
+    """
+    u = X[0, 0] * X[0, 3] + X[1, 0] * X[1, 3] + X[2, 0] * X[2, 3]
+    v = X[0, 1] * X[0, 3] + X[1, 1] * X[1, 3] + X[2, 1] * X[2, 3]
+    w = X[0, 2] * X[0, 3] + X[1, 2] * X[1, 3] + X[2, 2] * X[2, 3]
+    for k in range(centres.shape[0]):
+        x, y, z = centres[k, 0] - arm[0], centres[k, 1] - arm[1], centres[k, 2] - arm[2]
+        a = u + velocities[k, 0] + turn[1] * z - turn[2] * y
+        b = v + velocities[k, 1] + turn[2] * x - turn[0] * z
+        c = w + velocities[k, 2] + turn[0] * y - turn[1] * x
+        out[k] = math.sqrt(a * a + b * b + c * c)
+
+
+@kernel
+def roll(
+    X: FloatArray, feet: FloatArray, normals: FloatArray, radii: FloatArray, touching: BoolArray,
+    last: FloatArray, rolled: FloatArray,
+) -> None:  # fmt: skip
+    """Add to rolled (n, 3) how far the centres of round feet went by rolling since the last call, world axes.
+
+    A sphere that turns by a small δθ without sliding moves by r δθ x n; one in the air has not rolled.
+    `feet` (n, 3, 3) are the feet's rotations in body axes, `last` (n, 3, 3) those in the world at the last
+    call, which are replaced.
+    """
+    now = np.empty((3, 3))
+    for k in range(radii.shape[0]):
+        for r in range(3):
+            for s in range(3):
+                now[r, s] = 0.0
+                for t in range(3):
+                    now[r, s] += X[r, t] * feet[k, t, s]
+        a = b = c = 0.0  # twice the turn: the skew part of now lastᵀ
+        for s in range(3):
+            a += now[2, s] * last[k, 1, s] - now[1, s] * last[k, 2, s]
+            b += now[0, s] * last[k, 2, s] - now[2, s] * last[k, 0, s]
+            c += now[1, s] * last[k, 0, s] - now[0, s] * last[k, 1, s]
+        x, y, z, half = normals[k, 0], normals[k, 1], normals[k, 2], 0.5 * radii[k]
+        rolled[k, 0] = rolled[k, 0] + half * (b * z - c * y) if touching[k] else 0.0
+        rolled[k, 1] = rolled[k, 1] + half * (c * x - a * z) if touching[k] else 0.0
+        rolled[k, 2] = rolled[k, 2] + half * (a * y - b * x) if touching[k] else 0.0
+        last[k] = now
+
+
+@kernel
+def base_state(X: FloatArray, turn: FloatArray, arm: FloatArray, q: FloatArray, v: FloatArray) -> None:
+    """Fill the base's part of q and v in Pinocchio's order from the filter's state; see `over_ground`."""
+    for r in range(3):
+        q[r] = X[r, 4] - X[r, 0] * arm[0] - X[r, 1] * arm[1] - X[r, 2] * arm[2]
+        v[r] = X[0, r] * X[0, 3] + X[1, r] * X[1, 3] + X[2, r] * X[2, 3]
+        v[3 + r] = turn[r]
+    v[0] -= turn[1] * arm[2] - turn[2] * arm[1]
+    v[1] -= turn[2] * arm[0] - turn[0] * arm[2]
+    v[2] -= turn[0] * arm[1] - turn[1] * arm[0]
+    # Shepperd's method: divide by the largest of the quaternion's numbers
+    trace = X[0, 0] + X[1, 1] + X[2, 2]
+    i = 0
+    if X[1, 1] > X[i, i]:
+        i = 1
+    if X[2, 2] > X[i, i]:
+        i = 2
+    if trace >= X[i, i]:
+        q[6] = 1.0 + trace
+        q[3], q[4], q[5] = X[2, 1] - X[1, 2], X[0, 2] - X[2, 0], X[1, 0] - X[0, 1]
+    else:
+        j, m = (i + 1) % 3, (i + 2) % 3
+        q[3 + i] = 1.0 + 2.0 * X[i, i] - trace
+        q[3 + j], q[3 + m] = X[j, i] + X[i, j], X[m, i] + X[i, m]
+        q[6] = X[m, j] - X[j, m]
+    size = math.sqrt(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6])
+    for r in range(3, 7):
+        q[r] /= size if q[6] >= 0.0 else -size
+
+
+class FootKinematics:
+    """The feet of a robot as its joints have them; arrays are overwritten by the next `update`.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and feet.
+    deviation
+        Standard deviation of a joint's angle [rad].
+
+    Attributes
+    ----------
+    centres
+        (n, 3) middles of the feet from the base's origin, base axes [m].
+    rotations
+        (n, 3, 3) rotation_base_foot.
+    velocities
+        (n, 3) of the middles against the base [m/s].
+    spreads
+        (n, 3, 3) covariances of the middles [m²].
+    """
+
+    def __init__(self, robot: Robot, deviation: float) -> None:
+        points, n = robot.contact_points, len(robot.feet)
+        self._model, self._data, self._variance = robot.model, robot.model.createData(), deviation**2
+        self._q: FloatArray = np.zeros(robot.model.nq)
+        self._q[6] = 1.0
+        self._frames, self._middles, self._support = points.frames, points.middles, points.foot_support
+        self.centres, self.velocities = np.zeros((n, 3)), np.zeros((n, 3))
+        self.rotations, self.spreads = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+
+    def update(self, positions: FloatArray, speeds: FloatArray) -> None:
+        """Move to (joints,) angles [rad] and speeds [rad/s]."""
+        import pinocchio
+
+        model: Any = self._model
+        data: Any = self._data
+        self._q[7:] = positions
+        pinocchio.computeJointJacobians(model, data, self._q)
+        for k, frame in enumerate(self._frames):
+            pose = pinocchio.updateFramePlacement(model, data, frame)
+            self.rotations[k], self.centres[k] = pose.rotation, pose.act(self._middles[k])
+        twists = np.ascontiguousarray(data.J)
+        feet_by_joints(
+            twists, self._support, self.centres, speeds, self._variance, self.velocities, self.spreads
+        )

@@ -1,0 +1,282 @@
+"""The arithmetic of the contact-aided right-invariant filter: covariance along the motion, corrections, feet.
+
+The state is X = [R | v | p | d_1 ... d_n] (3, 5 + n) with biases (6,): gyro, accelerometer. Its error is
+X̂ X⁻¹ = exp(ξ), world axes, and the biases' own, in the order [φ; v; p; d_1 ... d_n; gyro; accelerometer]; P
+is its covariance, N = 15 + 3n. Feet that do not touch have rows and columns of zeros. Equations: [1]_.
+
+References
+----------
+.. [1] R. Hartley, M. Ghaffari, R. M. Eustice, J. W. Grizzle, "Contact-aided invariant extended Kalman
+   filtering for robot state estimation", IJRR 39(4), 2020.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.estimation.extended_poses import apply, gammas, move
+from surefoot.kernels import inline_kernel, kernel
+from surefoot.spatial import GRAVITY
+
+
+@inline_kernel
+def _transition_rows(P: FloatArray, X: FloatArray, on: BoolArray, h: float) -> None:
+    """Replace every row x of P by Φ x, Φ = exp(A h) = I + A h + A² h²/2 + A³ h³/6 (A is nilpotent)."""
+    N, n = P.shape[0], on.shape[0]
+    R, m = X[:, :3], 9 + 3 * n
+    h2, h3 = 0.5 * h * h, h * h * h / 6.0
+    vx, vy, vz = X[0, 3], X[1, 3], X[2, 3]
+    px, py, pz = X[0, 4], X[1, 4], X[2, 4]
+    for i in range(N):
+        x = P[i]
+        a, b, c = apply(R, x[m], x[m + 1], x[m + 2])
+        d, e, f = apply(R, x[m + 3], x[m + 4], x[m + 5])
+        # g x y = GRAVITY (y_y, -y_x, 0)
+        x[6] += h * x[3] + h2 * (GRAVITY * x[1] - d) - h * (py * c - pz * b) - h2 * (vy * c - vz * b)
+        x[7] += h * x[4] - h2 * (GRAVITY * x[0] + e) - h * (pz * a - px * c) - h2 * (vz * a - vx * c)
+        x[8] += h * x[5] - h2 * f - h * (px * b - py * a) - h2 * (vx * b - vy * a)
+        x[6] -= h3 * GRAVITY * b
+        x[7] += h3 * GRAVITY * a
+        x[3] += h * (GRAVITY * x[1] - d) - h * (vy * c - vz * b) - h2 * GRAVITY * b
+        x[4] += -h * (GRAVITY * x[0] + e) - h * (vz * a - vx * c) + h2 * GRAVITY * a
+        x[5] += -h * f - h * (vx * b - vy * a)
+        for k in range(n):
+            if on[k]:
+                X0, Y0, Z0, j = X[0, 5 + k], X[1, 5 + k], X[2, 5 + k], 9 + 3 * k
+                x[j] -= h * (Y0 * c - Z0 * b)
+                x[j + 1] -= h * (Z0 * a - X0 * c)
+                x[j + 2] -= h * (X0 * b - Y0 * a)
+        x[0] -= h * a
+        x[1] -= h * b
+        x[2] -= h * c
+
+
+@inline_kernel
+def _transpose(P: FloatArray) -> None:
+    for i in range(P.shape[0]):
+        for j in range(i):
+            P[i, j], P[j, i] = P[j, i], P[i, j]
+
+
+@inline_kernel
+def _add_noise(P: FloatArray, X: FloatArray, on: BoolArray, densities: FloatArray, h: float) -> None:
+    """Add Ad_X Cov Ad_Xᵀ h to P; see `propagate` for the densities."""
+    n = on.shape[0]
+    m = 9 + 3 * n
+    G = np.zeros((m, 3))  # how the gyro's noise moves the group: [I; v x; p x; d x]
+    for r in range(3):
+        G[r, r] = 1.0
+    for k in range(2 + n):
+        if k < 2 or on[k - 2]:
+            x, y, z, j = X[0, 3 + k], X[1, 3 + k], X[2, 3 + k], 3 + 3 * k
+            G[j, 1], G[j, 2] = -z, y
+            G[j + 1, 0], G[j + 1, 2] = z, -x
+            G[j + 2, 0], G[j + 2, 1] = -y, x
+    q = densities[0] * h
+    for i in range(m):
+        a, b, c = q * G[i, 0], q * G[i, 1], q * G[i, 2]
+        for j in range(m):
+            P[i, j] += a * G[j, 0] + b * G[j, 1] + c * G[j, 2]
+    for r in range(3):
+        P[3 + r, 3 + r] += densities[1] * h
+        P[m + r, m + r] += densities[2] * h
+        P[m + 3 + r, m + 3 + r] += densities[3] * h
+        for k in range(n):
+            if on[k]:
+                P[9 + 3 * k + r, 9 + 3 * k + r] += densities[4 + k] * h
+
+
+@kernel
+def propagate(
+    X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, gyro: FloatArray,
+    accelerometer: FloatArray, densities: FloatArray, h: float,
+) -> None:  # fmt: skip
+    """Move state and covariance on by h [s] under a constant turn rate and specific force (3,), body axes.
+
+    `densities` (4 + n,) are variances per second of white noise in: turn rate, specific force, the two
+    biases' walks, and each foot's place. P becomes Φ (P + Ad_X Cov Ad_Xᵀ h) Φᵀ.
+    """
+    _add_noise(P, X, on, densities, h)
+    _transition_rows(P, X, on, h)
+    _transpose(P)
+    _transition_rows(P, X, on, h)
+    G, phi, R = np.empty((3, 3, 3)), np.empty(3), X[:, :3].copy()
+    for r in range(3):
+        phi[r] = (gyro[r] - bias[r]) * h
+    gammas(phi, G)
+    force = accelerometer - bias[3:]
+    u = apply(R, *apply(G[1], force[0], force[1], force[2]))
+    w = apply(R, *apply(G[2], force[0], force[1], force[2]))
+    for r in range(3):
+        g = -GRAVITY if r == 2 else 0.0
+        X[r, 4] += h * X[r, 3] + h * h * (w[r] + 0.5 * g)
+        X[r, 3] += h * (u[r] + g)
+        for s in range(3):
+            X[r, s] = R[r, 0] * G[0, 0, s] + R[r, 1] * G[0, 1, s] + R[r, 2] * G[0, 2, s]
+
+
+@inline_kernel
+def _factor(S: FloatArray) -> bool:
+    """Replace a symmetric (3, 3) matrix by its Cholesky factor below the diagonal; False if there is none."""
+    for j in range(3):
+        for i in range(j, 3):
+            total = S[i, j]
+            for k in range(j):
+                total -= S[i, k] * S[j, k]
+            if i > j:
+                S[i, j] = total / S[j, j]
+            elif total > 0.0:
+                S[j, j] = math.sqrt(total)
+            else:
+                return False
+    return True
+
+
+@inline_kernel
+def _whiten(L: FloatArray, z: FloatArray) -> float:
+    """Replace z (3,) by L⁻¹ z and return its square."""
+    z[0] = z[0] / L[0, 0]
+    z[1] = (z[1] - L[1, 0] * z[0]) / L[1, 1]
+    z[2] = (z[2] - L[2, 0] * z[0] - L[2, 1] * z[1]) / L[2, 2]
+    return float(z[0] * z[0] + z[1] * z[1] + z[2] * z[2])
+
+
+@inline_kernel
+def _innovation(
+    X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: FloatArray, S: FloatArray, z: FloatArray
+) -> None:
+    """Fill z = R y - (d_k - p) and its covariance S = H P Hᵀ + R N Rᵀ, H = [.. -I (p) .. I (d_k) ..]."""
+    R, j = X[:, :3], 9 + 3 * k
+    u = apply(R, place[0], place[1], place[2])
+    for r in range(3):
+        z[r] = u[r] - X[r, 5 + k] + X[r, 4]
+        for s in range(3):
+            S[r, s] = P[j + r, j + s] - P[j + r, 6 + s] - P[6 + r, j + s] + P[6 + r, 6 + s]
+            for a in range(3):
+                for b in range(3):
+                    S[r, s] += R[r, a] * spread[a, b] * R[s, b]
+
+
+@kernel
+def correct(
+    X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, places: FloatArray, spreads: FloatArray,
+    gate: float, distances: FloatArray, used: BoolArray,
+) -> int:  # fmt: skip
+    """Correct with where the feet are seen from the body; return how many were believed.
+
+    A foot is believed if its squared Mahalanobis distance, before any correction, is at most `gate`.
+
+    `places` (n, 3) [m] are measured in body axes, `spreads` (n, 3, 3) [m²] say how well; `distances` (n,) and
+    `used` (n,) are filled. Feet are taken one by one (their noise is independent), the state is moved once by
+    exp of the sum: for linear errors this is the one correction with all rows.
+    """
+    N, n, count = P.shape[0], on.shape[0], 0
+    delta, W = np.zeros(N), np.empty((N, 3))
+    S, z = np.empty((3, 3)), np.empty(3)
+    for k in range(n):
+        used[k], distances[k] = False, 0.0
+        if on[k]:
+            _innovation(X, P, k, places[k], spreads[k], S, z)
+            distances[k] = _whiten(S, z) if _factor(S) else np.inf
+            used[k] = distances[k] <= gate
+    for k in range(n):
+        if not used[k]:
+            continue
+        _innovation(X, P, k, places[k], spreads[k], S, z)
+        j = 9 + 3 * k
+        for r in range(3):
+            z[r] -= delta[j + r] - delta[6 + r]
+        _factor(S)
+        _whiten(S, z)
+        for i in range(N):  # W = P Hᵀ L⁻ᵀ, so that P - K S Kᵀ = P - W Wᵀ is symmetric
+            W[i, 0] = (P[i, j] - P[i, 6]) / S[0, 0]
+            W[i, 1] = (P[i, j + 1] - P[i, 7] - S[1, 0] * W[i, 0]) / S[1, 1]
+            W[i, 2] = (P[i, j + 2] - P[i, 8] - S[2, 0] * W[i, 0] - S[2, 1] * W[i, 1]) / S[2, 2]
+        for i in range(N):
+            a, b, c = W[i, 0], W[i, 1], W[i, 2]
+            delta[i] += a * z[0] + b * z[1] + c * z[2]
+            for s in range(N):
+                P[i, s] -= a * W[s, 0] + b * W[s, 1] + c * W[s, 2]
+        count += 1
+    if count:
+        _move_all(X, bias, delta)
+    return count
+
+
+@inline_kernel
+def _move_all(X: FloatArray, bias: FloatArray, delta: FloatArray) -> None:
+    """Apply a correction (N,) to group and biases, and keep R a rotation (one Newton step)."""
+    m = delta.shape[0] - 6
+    move(X, delta[:m])
+    for r in range(6):
+        bias[r] += delta[m + r]
+    R = X[:, :3].copy()
+    for r in range(3):
+        for s in range(3):
+            total = 1.5 * R[r, s]
+            for a in range(3):
+                for b in range(3):
+                    total -= 0.5 * R[r, a] * R[b, a] * R[b, s]
+            X[r, s] = total
+
+
+@kernel
+def correct_height(
+    X: FloatArray, bias: FloatArray, P: FloatArray, k: int, normal: FloatArray, excess: float,
+    variance: float, gate: float,
+) -> bool:  # fmt: skip
+    """Correct with a foot's known distance from a plane; return whether it was believed.
+
+    `excess` is nᵀ d_k less the distance that is known [m], with the plane's normal n (3,) in world axes. From
+    d = d̂ + δφ x d̂ + δd the row is [(d̂ x n)ᵀ on φ, nᵀ on d_k].
+    """
+    N, j = P.shape[0], 9 + 3 * k
+    nx, ny, nz = normal[0], normal[1], normal[2]
+    x, y, z = X[0, 5 + k], X[1, 5 + k], X[2, 5 + k]
+    a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
+    column = np.empty(N)
+    for i in range(N):
+        p = P[i]
+        column[i] = a * p[0] + b * p[1] + c * p[2] + nx * p[j] + ny * p[j + 1] + nz * p[j + 2]
+    S = a * column[0] + b * column[1] + c * column[2] + variance
+    S += nx * column[j] + ny * column[j + 1] + nz * column[j + 2]
+    if not excess * excess <= gate * S:
+        return False
+    for i in range(N):
+        for s in range(N):
+            P[i, s] -= column[i] * column[s] / S
+    _move_all(X, bias, column * (-excess / S))
+    return True
+
+
+@kernel
+def forget_foot(P: FloatArray, k: int) -> None:
+    """Take foot k out of the covariance P (N, N): its rows and columns, of any unit, become zero."""
+    for r in range(9 + 3 * k, 12 + 3 * k):
+        for i in range(P.shape[0]):
+            P[r, i] = P[i, r] = 0.0
+
+
+@kernel
+def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: FloatArray) -> None:
+    """Put foot k where it is seen from the body, place (3,) [m] with covariance (3, 3): d = p + R y.
+
+    Its error is that of p and R times the measurement's: no Jacobian depends on the state.
+    """
+    R, j = X[:, :3], 9 + 3 * k
+    u = apply(R, place[0], place[1], place[2])
+    for r in range(3):
+        X[r, 5 + k] = X[r, 4] + u[r]
+        for i in range(P.shape[0]):
+            P[j + r, i] = P[6 + r, i]
+    for i in range(P.shape[0]):
+        for r in range(3):
+            P[i, j + r] = P[i, 6 + r]
+    for r in range(3):
+        for s in range(3):
+            for a in range(3):
+                for b in range(3):
+                    P[j + r, j + s] += R[r, a] * spread[a, b] * R[s, b]

@@ -1,0 +1,164 @@
+"""The invariant filter on a robot: IMU and encoders in, configuration and velocity out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.errors import ProblemError
+from surefoot.estimation.foot_kinematics import FootKinematics, base_state, over_ground, roll
+from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
+from surefoot.robot import Robot
+from surefoot.spatial import rotation_from_quaternion
+from surefoot.terrain import Terrain
+
+SLIDING = 0.5
+"""A foot that moves faster than this over the ground does not stand, whatever the contact says [m/s]."""
+SETTLING = 0.02
+"""Time after a touchdown in which a foot may still move a little, see `FilterNoise.landing` [s]."""
+HEIGHT = 0.005
+"""Standard deviation of the height that a map has for the ground under a foot that lands [m]."""
+
+
+class InvariantEkf:
+    """State estimate of a legged robot from its IMU, encoders and which feet touch; see `InvariantFilter`.
+
+    A round foot rolls while it stands: what stands still is its centre less what it has rolled, r ∫ ω x n dt.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and feet.
+    dt
+        Time between predictions [s].
+    noise
+        See `FilterNoise`; None for its defaults.
+    ground
+        Map of the ground. Where a foot lands, its height there corrects the estimate, which else drifts
+        upwards or down; None to know nothing about the ground (it is taken to be level for rolling).
+    imu_position
+        (3,) of the IMU from the base's origin, base axes [m]; its axes are the base's.
+    gate
+        Squared Mahalanobis distance from which a foot is not believed.
+
+    Attributes
+    ----------
+    filter
+        `InvariantFilter`, with covariance and biases; its body is the IMU.
+    normals
+        (n, 3) of the ground where each foot landed last, world axes.
+
+    Raises
+    ------
+    ProblemError
+        If the robot is bolted to the world or has no feet, or a number is out of range.
+
+    Examples
+    --------
+    >>> from surefoot.robot import load_robot
+    >>> robot = load_robot("go2")
+    >>> ekf = InvariantEkf(robot, 0.001)
+    >>> ekf.reset(robot.nominal)
+    >>> ekf.predict([0.0, 0.0, 0.0], [0.0, 0.0, 9.81])
+    >>> ekf.update(robot.nominal[7:], np.zeros(12), [True] * 4)
+    array([False, False, False, False])
+    >>> q, v = ekf.state()
+    >>> bool(abs(q - robot.nominal).max() < 1e-9)
+    True
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        dt: float,
+        noise: FilterNoise | None = None,
+        ground: Terrain | None = None,
+        imu_position: ArrayLike = (0.0, 0.0, 0.0),
+        gate: float = GATE,
+    ) -> None:
+        if not robot.floating or not robot.feet:
+            raise ProblemError(f"a state estimate needs a floating base with feet; {robot.name} has no such")
+        self.robot, self.dt, self.ground = robot, real_number("dt", dt, low=1e-6, high=1.0), ground
+        self.filter = InvariantFilter(len(robot.feet), noise, gate)
+        self.imu_position = finite_array("imu_position", imu_position, (3,))
+        points = robot.contact_points
+        self._radii = np.where(points.flat, 0.0, points.foot_radii)
+        self._soles = points.foot_radii
+        self._feet = FootKinematics(robot, self.filter.noise.joint)
+        self.reset(robot.nominal)
+
+    def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
+        """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s]: place and heading are taken as they are.
+
+        Velocity (zero for None), tilt and biases are as uncertain as the noise says.
+
+        Raises
+        ------
+        ProblemError
+            For wrong shapes or numbers that are not finite.
+        """
+        start = self.robot.configuration(q)
+        velocity = (
+            np.zeros(self.robot.model.nv) if v is None else finite_array("v", v, (self.robot.model.nv,))
+        )
+        R, arm, n = rotation_from_quaternion(start[3:7]), self.imu_position, len(self.robot.feet)
+        linear = R @ (velocity[:3] + np.cross(velocity[3:6], arm))
+        self.filter.reset(R, linear, start[:3] + R @ arm)
+        self._turn = velocity[3:6].copy()
+        self._joints, self._speeds = start[7:].copy(), velocity[6:].copy()
+        self._rolled, self._age, self._pace = np.zeros((n, 3)), np.full(n, -self.dt), np.zeros(n)
+        self.normals = np.tile([0.0, 0.0, 1.0], (n, 1))
+        self._feet.update(self._joints, self._speeds)
+        self._turned = np.ascontiguousarray(R @ self._feet.rotations)
+
+    def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
+        """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] of the IMU, base axes."""
+        rate = np.asarray(gyro, dtype=np.float64)
+        self.filter.predict(rate, np.asarray(accelerometer, dtype=np.float64), self.dt)
+        self._turn = rate - self.filter.bias[:3]
+
+    def joints(self, positions: ArrayLike, speeds: ArrayLike) -> None:
+        """Tell the (joints,) angles [rad] and speeds [rad/s] that `state` holds from now on."""
+        self._joints = np.asarray(positions, dtype=np.float64)
+        self._speeds = np.asarray(speeds, dtype=np.float64)
+
+    def update(self, positions: ArrayLike, speeds: ArrayLike, contact: ArrayLike) -> BoolArray:
+        """Correct with encoders and contacts; return which feet were believed: (n,).
+
+        Parameters
+        ----------
+        positions, speeds
+            (joints,) angles [rad] and speeds [rad/s].
+        contact
+            (n,) which feet touch; one that moves over the ground all the same is not used.
+        """
+        self.joints(positions, speeds)
+        feet, body, arm = self._feet, self.filter, self.imu_position
+        feet.update(self._joints, self._speeds)
+        over_ground(body.X, self._turn, arm, feet.centres, feet.velocities, self._pace)
+        touching = np.asarray(contact, dtype=bool) & (self._pace <= SLIDING)
+        roll(body.X, feet.rotations, self.normals, self._radii, touching, self._turned, self._rolled)
+        self._age = np.where(touching, self._age + self.dt, -self.dt)
+        landed = self._age < SETTLING
+        places = feet.centres - arm - self._rolled @ body.rotation  # rows: Rᵀ rolled
+        used = body.observe(places, feet.spreads, touching, landed)
+        for k in np.flatnonzero(touching & (self._age < 0.5 * self.dt)):
+            self._land(int(k))
+        return used
+
+    def _land(self, k: int) -> None:
+        """Use the map where a foot has landed."""
+        if self.ground is None:
+            return
+        place = self.filter.X[:, 5 + k]
+        normal = self.normals[k] = self.ground.normal(place[:2])
+        excess = float(place[2] - self.ground.height(place[:2])) * normal[2] - self._soles[k]
+        self.filter.observe_height(k, self.normals[k], excess, HEIGHT)
+
+    def state(self) -> tuple[FloatArray, FloatArray]:
+        """Return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
+        q, v = np.empty(self.robot.model.nq), np.empty(self.robot.model.nv)
+        base_state(self.filter.X, self._turn, self.imu_position, q, v)
+        q[7:], v[6:] = self._joints, self._speeds
+        return q, v

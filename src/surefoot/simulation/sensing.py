@@ -1,0 +1,157 @@
+"""What a controller is told in a run: the true state, or what an estimator makes of the robot's sensors."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.controller import Command, RobotState
+from surefoot.control.standstill import Standstill
+from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
+from surefoot.log import CHANNELS
+from surefoot.log.channels import Channel
+from surefoot.simulation.faults import ActiveFaults
+from surefoot.simulation.sensors import SensorModel, Sensors
+from surefoot.simulation.world import World
+from surefoot.spatial import GRAVITY
+
+STOP_TIME = 1.5
+"""How long a robot that has lost its state estimate goes on standing before the run ends [s]."""
+
+
+class Sensing(Protocol):
+    """Tells a controller the state, step by step; subclass it to take what stands here ready-made.
+
+    Attributes
+    ----------
+    channels
+        What it adds to the log; `rows` gives the values.
+    lost
+        Why it cannot tell the state any longer; empty while it can.
+    """
+
+    channels: tuple[Channel, ...] = ()
+    lost: str = ""
+
+    def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
+        """Return what the controller is told at a true state, with (n,) the feet that truly touch."""
+        ...
+
+    def acted(self, command: Command, torques: FloatArray) -> None:
+        """Learn what followed: the command, and the (joints,) torques that the motors give [N m]."""
+        return
+
+    def rows(self) -> Mapping[str, Any]:
+        """Return the values of its channels at this step."""
+        return {}
+
+
+class TrueState(Sensing):
+    """Tells the true state with the simple noise of `Faults`, and which feet truly touch."""
+
+    def __init__(self, faults: ActiveFaults) -> None:
+        self._faults = faults
+
+    def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
+        """See `Sensing.state`."""
+        return RobotState(*self._faults.sense(q, v), time, contact)
+
+
+class EstimatedState(Sensing):
+    """Tells what a contact-aided invariant filter makes of IMU, encoders and torques; see docs/estimation.md.
+
+    Parameters
+    ----------
+    model
+        The sensors.
+    world
+        Whose true motion they measure; its terrain is the map, if there is one.
+    seed
+        Of all their random numbers.
+
+    Raises
+    ------
+    ProblemError
+        For sensors that cannot be, or a robot that is bolted to the world.
+    """
+
+    channels = tuple(
+        CHANNELS[name] for name in ("q_estimated", "v_estimated", "contact_estimated", "estimator_time")
+    )
+
+    def __init__(self, model: SensorModel, world: World, seed: int | None) -> None:
+        robot = world.robot
+        self.sensors = Sensors(model, robot, world.dt, seed)
+        ground = world.terrain if model.heights else None
+        ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
+        self.estimator = StateEstimator(ekf)
+        foot = np.asarray(world.contact_foot)
+        self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
+        self._standing: BoolArray | None = None
+        self._warm_up(robot.nominal)
+        self._started = False
+
+    def _warm_up(self, q: FloatArray) -> None:
+        """Compile or load all that a step calls, so that no step of the run waits."""
+        estimator, joints = self.estimator, np.zeros(self.sensors.robot.joints)
+        reading = Reading(np.zeros(3), np.array([0.0, 0.0, GRAVITY]), q[7:], joints)
+        for _ in range(3):
+            touching = estimator.predict(reading)
+            estimator.update(np.ones_like(touching))
+            estimator.applied(joints)
+
+    def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
+        """See `Sensing.state`."""
+        estimator = self.estimator
+        if not self._started:
+            estimator.reset(self.sensors.attitude_at_start(q))
+            self._started = True
+        reading = self.sensors.read(q, v)
+        start = clock.perf_counter()
+        detected = estimator.predict(reading)
+        spent = clock.perf_counter() - start
+        touching = self.sensors.touches(detected)
+        start = clock.perf_counter()
+        estimate = estimator.update(touching, self._standing)
+        self._spent = spent + clock.perf_counter() - start
+        self._told = RobotState(*estimate, time, touching)
+        if estimator.health is not Health.GOOD and not self.lost:
+            self.lost = f"the state estimate was lost at {time:.3f} s: {estimator.health}"
+        return self._told
+
+    def acted(self, command: Command, torques: FloatArray) -> None:
+        """See `Sensing.acted`."""
+        start = clock.perf_counter()
+        self._standing = np.array([bool(command.active[points].any()) for points in self._points])
+        self.estimator.applied(self.sensors.torques(torques))
+        self._spent += clock.perf_counter() - start
+
+    def rows(self) -> Mapping[str, Any]:
+        """See `Sensing.rows`."""
+        told = self._told
+        return {
+            "q_estimated": told.q, "v_estimated": told.v, "contact_estimated": told.contact,
+            "estimator_time": self._spent,
+        }  # fmt: skip
+
+
+class Stop:
+    """What is commanded once the state is lost: joints that go to the stance by themselves, no forces."""
+
+    def __init__(self, world: World) -> None:
+        self._standstill = Standstill(world.robot, world.dt)
+
+    def command(self, state: RobotState, last: Command) -> Command:
+        """Return the command for a state whose joints alone are known, after the last one."""
+        return replace(
+            last,
+            torques=self._standstill.torques(state.q[7:], state.v[6:]),
+            forces=np.zeros_like(last.forces),
+            active=np.zeros_like(last.active),
+            attained=False,
+        )

@@ -1,0 +1,72 @@
+"""`surefoot plan` on the command line: what it prints and leaves, and what it refuses in one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from surefoot.cli.main import main
+from surefoot.planning import Plan
+from surefoot.planning.planner import task_names
+
+pytest.importorskip("casadi")
+
+
+def test_a_ball_is_planned_and_saved(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["plan", "ball", "--no-video", "--json", "--out", str(tmp_path)]) == 0
+    facts = json.loads(capfd.readouterr().out)
+    assert {"status", "cost", "law_residual", "iterations", "time", "contacts", "executed"} <= set(facts)
+    assert facts["status"] == "solved"
+    assert facts["law_residual"] <= 1e-8
+    folder = Path(facts["folder"])
+    assert {p.name for p in folder.iterdir()} >= {"plan.npz", "summary.json", "report.html", "contacts.png"}
+    again = Plan.read(folder / "plan.npz")
+    assert again.task == "ball"
+    assert again.status.value == "solved"
+
+
+def test_a_jump_is_planned_in_words(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    shown = ["--no-video", "--no-report", "--out", str(tmp_path)]
+    assert main(["plan", "jump", "0.2", "--dt", "0.02", *shown]) == 0
+    said = capfd.readouterr().out
+    assert "jump: solved" in said
+    assert "FL_foot" in said
+
+
+def test_what_is_not_solved_is_exit_code_1(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    shown = ["--no-video", "--no-report", "--out", str(tmp_path), "--max-iterations", "3"]
+    assert main(["plan", "jump", "0.2", "--dt", "0.02", *shown]) == 1
+    said = capfd.readouterr().out
+    assert "the optimiser ended with Maximum_Iterations_Exceeded" in said
+    assert "jump: solved" not in said
+    assert list(tmp_path.glob("plan-jump-*/plan.npz"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["fly"], "valid names: " + ", ".join(sorted(task_names()))),
+        (["jump", "far"], "amount"),
+        (["jump", "99"], "distance [m]"),
+        (["jump", "--robot", "g1"], "four feet"),
+        (["jump", "--robot", "robodog"], "robodog"),
+        (["jump", "--method", "guess"], "valid names"),
+        (["jump", "--mu", "-1"], "mu"),
+        (["jump", "--dt", "0"], "dt"),
+        (["jump", "--execute", "gazebo"], "mujoco"),
+        (["backflip", "0.3"], "takes no number"),
+        (["ball", "--robot", "go2"], "robot of its own"),
+        (["jump", "--max-iterations", "0"], "max_iterations"),
+        (["jump", "--seed", "-1"], "seed"),
+    ],
+)
+def test_wrong_input_is_one_line(
+    arguments: list[str], told: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plan", *arguments, "--out", str(tmp_path / "out")]) == 2
+    said = capfd.readouterr()
+    assert told in said.err
+    assert said.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()

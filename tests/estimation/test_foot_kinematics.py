@@ -1,0 +1,128 @@
+"""The feet as the joints have them, rolling, and the detector's kernels: against Pinocchio and NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio
+import pytest
+
+from surefoot.estimation.detection_kernels import foot_forces, observe_momentum
+from surefoot.estimation.extended_poses import exponential
+from surefoot.estimation.foot_kinematics import (
+    FLOOR,
+    FootKinematics,
+    base_state,
+    feet_by_joints,
+    over_ground,
+    roll,
+)
+from surefoot.robot import load_robot
+from surefoot.spatial import rotation_about, rotation_from_normal, rotation_from_quaternion
+
+
+@pytest.mark.parametrize("name", ["go2", "g1"])
+def test_places_speeds_and_spreads_are_those_of_differences(name: str) -> None:
+    robot, random, deviation, h = load_robot(name), np.random.default_rng(0), 0.01, 1e-6
+    joints = robot.nominal[7:] + 0.1 * random.normal(size=robot.joints)
+    speeds = random.normal(size=robot.joints)
+    feet = FootKinematics(robot, deviation)
+    feet.update(joints, speeds)
+
+    def places(angles: np.ndarray) -> np.ndarray:
+        return robot.foot_positions(np.r_[np.zeros(6), 1.0, angles])
+
+    np.testing.assert_allclose(feet.centres, places(joints), atol=1e-12)
+    moved = (places(joints + h * speeds) - places(joints - h * speeds)) / (2.0 * h)
+    np.testing.assert_allclose(feet.velocities, moved, atol=1e-8)
+    J = np.array(
+        [(places(joints + h * e) - places(joints - h * e)) / (2.0 * h) for e in np.eye(robot.joints)]
+    )
+    for k, spread in enumerate(feet.spreads):
+        np.testing.assert_allclose(spread, deviation**2 * J[:, k].T @ J[:, k] + FLOOR * np.eye(3), atol=1e-10)
+    pinocchio.framesForwardKinematics(robot.model, robot.data, np.r_[np.zeros(6), 1.0, joints])
+    turned = [robot.data.oMf[f.frame].rotation for f in robot.feet]
+    np.testing.assert_allclose(feet.rotations, turned, atol=1e-12)
+
+
+def test_feet_by_joints_is_its_sum() -> None:
+    random = np.random.default_rng(1)
+    twists, centres, speeds = random.normal(size=(6, 9)), random.normal(size=(2, 3)), random.normal(size=3)
+    support = np.array([[True] * 8 + [False], [True] * 6 + [False, True, True]])
+    velocities, spreads = np.zeros((2, 3)), np.zeros((2, 3, 3))
+    feet_by_joints(twists, support, centres, speeds, 0.04, velocities, spreads)
+    for k, place in enumerate(centres):
+        J = (twists[:3, 6:] + np.cross(twists[3:, 6:], place, axis=0)) * support[k, 6:]
+        np.testing.assert_allclose(velocities[k], J @ speeds)
+        np.testing.assert_allclose(spreads[k], 0.04 * J @ J.T + FLOOR * np.eye(3))
+
+
+def test_a_sphere_rolls_as_far_as_it_turns() -> None:
+    """Down a slope about the level axis, seen from a body that turns as well."""
+    normal, radius, steps = np.array([0.6, 0.0, 0.8]), 0.02, 1000
+    frame, angle = rotation_from_normal(normal), 0.7
+    X = exponential(np.r_[0.3, -0.2, 0.5, np.zeros(9)])
+    body = X[:, :3].copy()
+    last = (body @ (body.T @ np.eye(3)))[None].copy()
+    rolled = np.zeros((1, 3))
+    for k in range(1, steps + 1):
+        world = rotation_about(frame[:, 1], angle * k / steps)  # about the contact frame's y: along its x
+        X[:, :3] = body @ rotation_about([0.0, 0.0, 1.0], 0.4 * k / steps)
+        feet = (X[:, :3].T @ world)[None].copy()
+        roll(X, feet, normal[None], np.array([radius]), np.array([True]), last, rolled)
+    np.testing.assert_allclose(rolled[0], radius * angle * frame[:, 0], atol=1e-8)
+    roll(X, feet, normal[None], np.array([radius]), np.array([False]), last, rolled)
+    assert not rolled.any()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_base_state_and_speeds_over_ground(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    X = exponential(
+        np.r_[random.normal(size=3) * (0.1, 1.0, 1.0, 2.0, 3.0, 3.1)[seed], random.normal(size=12)]
+    )
+    turn, arm = random.normal(size=3), random.normal(size=3)
+    q, v = np.zeros(19), np.zeros(18)
+    base_state(X, turn, arm, q, v)
+    R = X[:, :3]
+    np.testing.assert_allclose(rotation_from_quaternion(q[3:7]), R, atol=1e-12)
+    assert q[6] >= 0.0
+    np.testing.assert_allclose(q[:3], X[:, 4] - R @ arm)
+    np.testing.assert_allclose(v[:3], R.T @ X[:, 3] - np.cross(turn, arm))
+    np.testing.assert_allclose(v[3:6], turn)
+    centres, velocities, out = random.normal(size=(2, 3)), random.normal(size=(2, 3)), np.zeros(2)
+    over_ground(X, turn, arm, centres, velocities, out)
+    expected = [
+        np.linalg.norm(v[:3] + np.cross(turn, c) + w) for c, w in zip(centres, velocities, strict=True)
+    ]
+    np.testing.assert_allclose(out, expected)
+
+
+def test_the_observer_is_its_equation() -> None:
+    random, n = np.random.default_rng(2), 8
+    A, C = random.normal(size=(n, n)), random.normal(size=(n, n))
+    M, gravity, v = A @ A.T, random.normal(size=n), random.normal(size=n)
+    momentum, rate, residual = random.normal(size=(3, n))
+    expected = 0.7 * residual + 0.3 * ((M @ v - momentum) / 0.01 - rate)
+    before = residual.copy()
+    observe_momentum(np.triu(M), C, gravity, v, 0.7, 0.01, True, momentum, rate, residual)
+    np.testing.assert_allclose(residual, expected)
+    np.testing.assert_allclose(momentum, M @ v)
+    np.testing.assert_allclose(rate, C.T @ v - gravity)
+    observe_momentum(np.triu(M), C, gravity, v, 0.7, 0.01, False, momentum, rate, before)
+    assert (before != residual).any()  # a first step leaves the residual as it was
+
+
+def test_forces_are_damped_least_squares() -> None:
+    random, damping = np.random.default_rng(3), 0.1
+    twists, points, v = random.normal(size=(6, 18)), random.normal(size=(3, 3)), random.normal(size=18)
+    support, flat = random.random((3, 18)) < 0.7, np.array([False, True, False])
+    support[2, 6:] = False  # a foot without joints
+    residual, forces, velocities = random.normal(size=18), np.zeros((3, 3)), np.zeros((3, 3))
+    foot_forces(twists, support, points, flat, residual, v, damping, forces, velocities)
+    for k, point in enumerate(points):
+        J = np.vstack([twists[:3] + np.cross(twists[3:], point, axis=0), twists[3:]]) * support[k]
+        np.testing.assert_allclose(velocities[k], J[:3] @ v, atol=1e-12)
+        A = J[: 6 if flat[k] else 3, 6:]
+        square = A @ A.T + damping**2 * np.trace(A @ A.T) * np.eye(len(A))
+        expected = np.zeros(3) if k == 2 else np.linalg.solve(square, A @ residual[6:])[:3]
+        np.testing.assert_allclose(forces[k], expected, atol=1e-10)

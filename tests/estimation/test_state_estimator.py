@@ -1,0 +1,150 @@
+"""The state estimate of a robot from its sensors: on logged motions, and when it fails."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.audit.estimate import EstimateErrors, estimate_errors
+from surefoot.errors import ProblemError
+from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator, WatchSettings
+from surefoot.log import Log
+from surefoot.robot import Robot, load_robot
+from surefoot.simulation.sensors import SensorModel, Sensors
+from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.terrain import FlatTerrain
+from tests.audit.logs import TROT, log_of
+
+REST = np.array([0.0, 0.0, GRAVITY])
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return load_robot("go2")
+
+
+def replayed(robot: Robot, log: Log, model: SensorModel, seed: int) -> tuple[StateEstimator, EstimateErrors]:
+    """Return an estimator that has seen a log through sensors, and its errors."""
+    dt, sensors = log.fact("dt"), Sensors(model, robot, log.fact("dt"), seed)
+    ground = FlatTerrain() if model.heights else None
+    estimator = StateEstimator(InvariantEkf(robot, dt, model.filter_noise(), ground, model.imu.position))
+    estimator.reset(sensors.attitude_at_start(log["q"][0]))
+    told, standing = [], None
+    for q, v, torques, active in zip(log["q"], log["v"], log["torques"], log["active"], strict=True):
+        touching = sensors.touches(estimator.predict(sensors.read(q, v)))
+        told.append(estimator.update(touching, standing))
+        estimator.applied(sensors.torques(torques))
+        standing = active
+    q, v = (np.array(part) for part in zip(*told, strict=True))
+    seen = Log({"time": log["time"], "q": log["q"], "v": log["v"], "q_estimated": q, "v_estimated": v})
+    return estimator, estimate_errors(seen)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_trot_is_followed_within_centimetres_a_second(robot: Robot, seed: int) -> None:
+    estimator, errors = replayed(robot, log_of(TROT), SensorModel(), seed)
+    assert estimator.health is Health.GOOD
+    assert errors.velocity_rms < 0.01
+    assert errors.drift < 0.005  # of 0.4 m; whole walks are in tests/simulation/test_estimated_walks.py
+    assert errors.tilt_rms_deg < 0.5
+
+
+def test_perfect_sensors_leave_what_the_ground_gives_way(robot: Robot) -> None:
+    model = SensorModel().scaled(0.0)
+    quick = replace(model, imu=replace(model.imu, latency=0.0), encoders=replace(model.encoders, latency=0.0))
+    _, errors = replayed(robot, log_of(TROT), quick, 0)
+    assert errors.velocity_rms < 0.002
+    assert errors.drift < 0.003
+
+
+def test_an_imu_off_the_base_tells_the_same(robot: Robot) -> None:
+    model = SensorModel()
+    off = replace(model, imu=replace(model.imu, position=(-0.1, 0.05, 0.1)))
+    errors = [replayed(robot, log_of(TROT), one, 1)[1] for one in (model, off)]
+    assert errors[1].velocity_rms < 1.5 * errors[0].velocity_rms
+    assert errors[1].drift < 0.02
+
+
+def test_missed_and_false_touches_do_little(robot: Robot) -> None:
+    model = SensorModel()
+    worse = replace(model, touch=replace(model.touch, missed=0.1, false=3.0))
+    estimator, errors = replayed(robot, log_of(TROT), worse, 2)
+    assert estimator.health is Health.GOOD
+    assert errors.velocity_rms < 0.02
+
+
+def test_a_foot_that_moves_over_the_ground_is_not_used(robot: Robot) -> None:
+    ekf = InvariantEkf(robot, 0.001)
+    ekf.reset(robot.nominal)
+    speeds, everyone = np.zeros(12), [True] * 4
+    speeds[1] = 5.0  # a thigh: its foot moves at more than a metre a second
+    for _ in range(3):
+        ekf.predict(np.zeros(3), REST)
+        used = ekf.update(robot.nominal[7:], speeds, everyone)
+    assert used.tolist() == [False, True, True, True]
+
+
+def test_without_contact_it_is_lost_and_says_so(robot: Robot) -> None:
+    estimator = StateEstimator(InvariantEkf(robot, 0.001))
+    reading = Reading(np.zeros(3), REST, robot.nominal[7:], np.zeros(12))
+    none = np.zeros(4, dtype=bool)
+    for k in range(305):
+        assert estimator.health is Health.GOOD or k >= 299
+        estimator.predict(reading)
+        estimator.update(none)
+        estimator.applied(np.zeros(12))
+    assert estimator.health is Health.NO_CONTACT
+    estimator.reset(robot.nominal)
+    assert estimator.health is Health.GOOD
+
+
+def test_what_feet_contradict_is_diverged(robot: Robot) -> None:
+    """Feet that touch and go somewhere, each elsewhere, while the joints' speeds say that they rest."""
+    estimator = StateEstimator(InvariantEkf(robot, 0.001), watch=WatchSettings(doubt=1.0))
+    everyone, angles = np.ones(4, dtype=bool), robot.nominal[7:].copy()
+    creep = 0.02 * np.random.default_rng(12).normal(size=12)
+    for _ in range(600):
+        reading = Reading(np.zeros(3), REST, angles.copy(), np.zeros(12))
+        estimator.predict(reading)
+        estimator.update(everyone)
+        estimator.applied(np.zeros(12))
+        angles += creep
+    assert estimator.health is Health.DIVERGED
+
+
+def test_a_broken_accelerometer_is_found(robot: Robot) -> None:
+    estimator, everyone = StateEstimator(InvariantEkf(robot, 0.001)), np.ones(4, dtype=bool)
+    reading = Reading(np.zeros(3), 0.6 * REST, robot.nominal[7:], np.zeros(12))
+    for _ in range(2000):
+        estimator.predict(reading)
+        estimator.update(everyone)
+        estimator.applied(np.zeros(12))
+    assert estimator.health is Health.DIVERGED
+    estimator.reset(robot.nominal)
+    estimator.predict(reading._replace(gyro=np.full(3, np.nan)))
+    estimator.update(everyone)
+    estimator.predict(reading._replace(gyro=np.full(3, np.nan)))
+    assert estimator.health is Health.DIVERGED
+
+
+def test_start_and_wrong_input(robot: Robot) -> None:
+    random = np.random.default_rng(0)
+    q = robot.nominal.copy()
+    q[3:7] = np.array([0.1, -0.2, 0.3, 0.9]) / np.sqrt(0.95)
+    v = random.normal(size=18)
+    ekf = InvariantEkf(robot, 0.001, imu_position=(0.1, 0.2, 0.3))
+    ekf.reset(q, v)
+    found = ekf.state()
+    np.testing.assert_allclose(found[0], q, atol=1e-12)
+    np.testing.assert_allclose(found[1], v, atol=1e-12)
+    R = rotation_from_quaternion(q[3:7])
+    np.testing.assert_allclose(ekf.filter.position, q[:3] + R @ [0.1, 0.2, 0.3])
+    with pytest.raises(ProblemError, match="floating base"):
+        InvariantEkf(sf.load_robot("go2", fixed_base=True), 0.001)
+    with pytest.raises(ProblemError, match="patience must be"):
+        WatchSettings(patience=0.0)
+    with pytest.raises(ProblemError, match="no estimated state"):
+        estimate_errors(log_of(TROT))

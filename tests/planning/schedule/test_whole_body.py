@@ -1,0 +1,208 @@
+"""Motions over a schedule: checked by Pinocchio, led through exact steps, honest where there is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from surefoot.contact import Status
+from surefoot.errors import ModelError, ProblemError
+from surefoot.planning.planner import plan
+from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
+from surefoot.planning.schedule.motions import backflip, jump, modes
+from surefoot.planning.schedule.search import start_from
+from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
+from surefoot.planning.schedule.transcribe import swing_heights
+from surefoot.planning.tasks.backflip import turned
+from surefoot.robot import load_robot, place
+from surefoot.terrain import SlopeTerrain, rough_ground
+
+pytest.importorskip("casadi")
+
+
+@pytest.fixture(scope="module")
+def go2():
+    return load_robot("go2")
+
+
+@pytest.fixture(scope="module")
+def found(go2) -> tuple[ScheduleProblem, ScheduledMotion]:
+    """A jump of 0.2 m in knots of 20 ms."""
+    problem = jump(go2, 0.2, 0.0, 0.6, 0.02)
+    return problem, optimise(problem)
+
+
+def test_the_motion_keeps_to_the_equations_of_motion(go2, found) -> None:
+    problem, motion = found
+    assert motion.found, motion.said
+    model, points = go2.model, go2.contact_points
+    data = model.createData()
+    for k in range(problem.knots):
+        rate = (motion.v[k + 1] - motion.v[k]) / problem.dt
+        effort = pin.rnea(model, data, motion.q[k], motion.v[k], rate)
+        pin.computeJointJacobians(model, data, motion.q[k])
+        for force, joint, centre, radius in zip(
+            motion.forces[k], points.joints, points.places, points.radii, strict=True
+        ):
+            J = pin.getJointJacobian(model, data, int(joint), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            arm = data.oMi[int(joint)].rotation @ centre - [0.0, 0.0, radius]
+            effort -= J[:3].T @ force + J[3:].T @ np.cross(
+                arm, force
+            )  # flat ground: contact axes are the world's
+        assert np.abs(effort[:6]).max() < 1e-4
+        assert np.abs(effort[6:] - motion.torques[k]).max() < 1e-4
+        assert (
+            np.abs(pin.integrate(model, motion.q[k], problem.dt * motion.v[k + 1]) - motion.q[k + 1]).max()
+            < 1e-7
+        )
+
+
+def test_forces_modes_and_limits(go2, found) -> None:
+    problem, motion = found
+    stance = problem.stance
+    assert np.abs(motion.forces[~stance]).max() == 0.0
+    normal = motion.forces[..., 2][stance]
+    tangential = np.hypot(motion.forces[..., 0], motion.forces[..., 1])[stance]
+    assert (normal >= problem.force_min - 1e-6).all()
+    assert (tangential <= problem.mu * normal + 2e-3 * problem.weight).all()
+    assert (np.abs(motion.torques) <= problem.torque_limits * (1.0 + 1e-6)).all()
+    assert (np.abs(motion.v[1:, 6:]) <= problem.speed_limits * (1.0 + 1e-6)).all()
+    assert (~stance.any(axis=1)).sum() * problem.dt == pytest.approx(0.3, abs=0.03)
+
+
+def test_left_and_right_do_the_same(found) -> None:
+    _, motion = found
+    assert np.abs(motion.q[:, 1]).max() < 2e-3
+    assert np.abs(motion.forces[:, 0, 2] - motion.forces[:, 1, 2]).max() < 0.02 * np.abs(motion.forces).max()
+
+
+def test_exact_steps_lead_to_the_same_motion(go2) -> None:
+    found = plan(go2, "jump", 0.2, dt=0.02)
+    assert found.status is Status.SOLVED, found.facts["goal"]
+    assert found.law_residual <= 1e-8
+    moved = found["contact_positions"][-1] - found["contact_positions"][0]
+    assert moved[:, 0].mean() == pytest.approx(0.2, abs=0.02)
+    phases = [p for p in found.contacts if p.foot == "FL_foot"]
+    assert [round(p.start, 1) for p in phases] == [0.0, 0.7]
+
+
+def test_a_search_that_is_stopped_is_not_solved(go2) -> None:
+    def stop(iteration) -> None:
+        if iteration.number == 5:
+            raise KeyboardInterrupt
+
+    found = plan(go2, "jump", 0.2, dt=0.02, tell=stop)
+    assert found.status is not Status.SOLVED
+    assert found.facts["interrupted"] is True
+    assert plan(go2, "jump", 0.2, dt=0.02, max_iterations=3).status is not Status.SOLVED
+
+
+def test_what_motors_cannot_do_is_not_found(go2) -> None:
+    problem = replace(jump(go2, 0.4, 0.0, 0.6, 0.02), torque_share=0.15)
+    motion = optimise(problem, max_iterations=60)
+    assert not motion.found
+
+
+@pytest.mark.parametrize("name", ["go2", "a1", "anymal_c", "solo12"])
+def test_mirrored_joints_move_mirrored_feet(name: str) -> None:
+    robot = load_robot(name)
+    other, sign = mirrored_joints(robot)
+    order = quadruped_order(robot)
+    rng = np.random.default_rng(0)
+    q = robot.nominal.copy()
+    q[:7] = [0, 0, 0, 0, 0, 0, 1]
+    q[7:] = rng.uniform(-0.5, 0.5, robot.joints)
+    twin = q.copy()
+    twin[7:] = sign * q[7:][other]
+    data = robot.model.createData()
+    places = []
+    for pose in (q, twin):
+        pin.framesForwardKinematics(robot.model, data, pose)
+        places.append(np.array([data.oMf[k].translation.copy() for k in robot.contact_points.frames])[order])
+    swapped = places[1][[1, 0, 3, 2]] * [1.0, -1.0, 1.0]
+    assert np.abs(places[0] - swapped).max() < 5e-3
+
+
+def test_robots_that_are_no_quadrupeds_are_refused() -> None:
+    robot = load_robot("g1")
+    with pytest.raises(ProblemError, match="four feet"):
+        plan(robot, "jump", 0.3)
+    with pytest.raises(ProblemError, match="four feet"):
+        plan(robot, "backflip")
+
+
+def test_a_robot_without_symmetry_is_refused() -> None:
+    with pytest.raises(ModelError, match="not symmetric"):
+        mirrored_joints(_lame())
+
+
+def _lame():
+    """Return a Go2 with one hip moved."""
+    robot = load_robot("go2")
+    model = robot.model.copy()
+    placement = model.jointPlacements[2]
+    placement.translation = placement.translation + np.array([0.05, 0.0, 0.0])
+    model.jointPlacements[2] = placement
+    out = object.__new__(type(robot))
+    out.__dict__.update(robot.__dict__)
+    out.model = model
+    return out
+
+
+def test_schedules_are_those_of_the_phases(go2) -> None:
+    schedule, length = modes(go2, [(0.4, "all"), (0.2, "rear"), (0.3, "none"), (0.5, "all")])
+    assert length == pytest.approx(1.4)
+    seen = schedule.contacts([0.2, 0.5, 0.7, 1.0])
+    assert seen.tolist() == [[True] * 4, [False, False, True, True], [False] * 4, [True] * 4]
+
+
+def test_swing_heights_rise_and_fall(go2) -> None:
+    problem = jump(go2, 0.2, 0.0, 0.6, 0.02)
+    height = swing_heights(problem)
+    assert np.isneginf(height[problem.stance]).all()
+    flight = height[~problem.stance[:, 0], 0]
+    assert (flight > 0.0).all()
+    assert flight.max() == pytest.approx(problem.clearance, rel=0.01)
+
+
+def test_a_backflip_turns_its_reference_once(go2) -> None:
+    problem = backflip(go2, 0.6, 0.02)
+    assert turned(problem.reference) == pytest.approx(-2.0 * math.pi, abs=1e-6)
+    assert problem.reference[-1, 6] == pytest.approx(-problem.q[6], abs=1e-9)
+    assert start_from(problem).shape == (problem.knots * (37 + 24) + 37,)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"dt": 0.0}, "dt"),
+        ({"knots": 1}, "knots"),
+        ({"mu": -1.0}, "mu"),
+        ({"torque_share": 0.0}, "torque_share"),
+        ({"force_min": 1e4}, "force_min"),
+        ({"clearance": -0.1}, "clearance"),
+        ({"reference": np.zeros((3, 19))}, "reference"),
+        ({"v": np.full(18, np.nan)}, "v"),
+        ({"terrain": rough_ground(1, 0.05)}, "plane"),
+        ({"windows": {999: None}}, "windows"),
+    ],
+)
+def test_bad_problems_are_named(go2, change: dict, told: str) -> None:
+    with pytest.raises(ProblemError, match=told):
+        replace(jump(go2, 0.2, 0.0, 0.6, 0.02), **change)
+
+
+@pytest.mark.parametrize("amount", [-9.0, 9.0, math.inf])
+def test_jumps_out_of_reach_are_refused(go2, amount: float) -> None:
+    with pytest.raises(ProblemError, match="distance"):
+        plan(go2, "jump", amount)
+
+
+def test_a_slope_is_a_plane(go2) -> None:
+    terrain = SlopeTerrain(10.0)
+    problem = replace(jump(go2, 0.1, 0.0, 0.6, 0.02), terrain=terrain, q=place(go2, terrain))
+    assert problem.terrain.planar

@@ -1,0 +1,14 @@
+"""The Python on the pages about the shooting solver and the contact-implicit controller runs."""
+
+import pytest
+
+from tests.pages import run_page
+
+
+@pytest.mark.parametrize("page", ["shooting.md", "contact-implicit-mpc.md"])
+def test_the_python_of_a_page_runs(page: str) -> None:
+    names = run_page(page)
+    if page == "shooting.md":
+        assert names["found"].gains.shape == (16, 12, 36)
+    else:
+        assert names["log"]["planned"].shape == (300, 4)
