@@ -13,6 +13,7 @@ from surefoot.planning.schedule.centroidal import optimise_centroidal
 from surefoot.planning.schedule.centroidal_start import centroidal_problem, whole_body_start
 from surefoot.planning.schedule.motions import jump
 from surefoot.spatial import rotation_from_quaternion
+from tests.pages import run_page
 
 
 @pytest.fixture(scope="module")
@@ -71,3 +72,8 @@ def test_the_benchmark_finds_every_motion(capsys):
     assert [row.motion for row in table] == ["jump", "jump-up", "backflip"]
     assert all(row.found for row in table)
     assert len(capsys.readouterr().out.splitlines()) == 5
+
+
+def test_the_page_runs():
+    names = run_page("schedules.md")
+    assert names["motion"].found
