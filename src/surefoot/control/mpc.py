@@ -18,12 +18,21 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, re
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
+from surefoot.control.mpc_momentum import MomentumCost, MpcMomentum, Search
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
 from surefoot.solvers.dual_newton.horizon import newton
 from surefoot.spatial import GRAVITY
 
-__all__ = ["BodyReference", "BodyState", "ConvexMpc", "HorizonProgram", "MpcPlan", "MpcWeights"]
+__all__ = [
+    "BodyReference",
+    "BodyState",
+    "ConvexMpc",
+    "HorizonProgram",
+    "MpcMomentum",
+    "MpcPlan",
+    "MpcWeights",
+]
 
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved."""
@@ -116,6 +125,10 @@ class ConvexMpc:
         self._weights = self.weights.matrix()
         self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
         self._K = np.ascontiguousarray(np.linalg.inv(self._P))
+        term = self.weights.momentum
+        self._momentum: MomentumCost | None = None
+        if term is not None and not term.idle:
+            self._momentum = MomentumCost(term, inertia, self._P, self.dt)
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
 
     def reset(self) -> None:
@@ -169,10 +182,7 @@ class ConvexMpc:
             if program is None:
                 return self._share_weight(given)
             force = np.empty((program.step.size, 3))
-            count, error = newton(
-                self._K, self._P, program.q, program.step, program.M, program.bounds, program.centre,
-                program.rho, self.tol, PATIENCE, self.max_iterations, point, force,
-            )  # fmt: skip
+            count, error = self._minimise(program, given, point, force)
             if not math.isfinite(error):
                 return self._share_weight(given)
             total += count
@@ -198,13 +208,29 @@ class ConvexMpc:
         *,
         mu: ArrayLike | None = None,
     ) -> HorizonProgram:
-        """Return the program of the first pass, for another solver; parameters and errors as for `solve`."""
+        """Return the program of the first pass, for another solver; parameters and errors as for `solve`.
+
+        A cost of angular momentum is not part of it.
+        """
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
         sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
         program = self._build(given, sway)
         if program is None:
             raise ProblemError("state, reference, foot positions and frames must be finite")
         return program
+
+    def _minimise(
+        self, program: HorizonProgram, given: _Given, point: FloatArray, force: FloatArray
+    ) -> tuple[int, float]:
+        """Fill the forces of a program from guessed points; return Newton steps and error bound [N]."""
+        if self._momentum is not None:
+            search = Search(self.tol, PATIENCE, self.max_iterations)
+            rates = given.ref_motion[:, 2]
+            return self._momentum.minimise(program, given.ref_rotation, rates, search, point, force)
+        return newton(
+            self._K, self._P, program.q, program.step, program.M, program.bounds, program.centre,
+            program.rho, self.tol, PATIENCE, self.max_iterations, point, force,
+        )  # fmt: skip
 
     def _build(self, given: _Given, sway: FloatArray) -> HorizonProgram | None:
         """Return the program, or None where the input is not finite; see `solve` for the errors."""

@@ -112,22 +112,26 @@ def choose_scenes(names: Sequence[str] | None) -> tuple[MpcScene, ...]:
     return SCENES if names is None else tuple(by_name[name] for name in names)
 
 
-def controller(scene: MpcScene, horizon: int = 10, tol: float = 1e-2) -> ConvexMpc:
-    """Return the controller of a scene."""
+def controller(
+    scene: MpcScene, horizon: int = 10, tol: float = 1e-2, weights: MpcWeights | None = None
+) -> ConvexMpc:
+    """Return the controller of a scene, for forces within `tol` of their optimum [N]."""
     return ConvexMpc(
-        MASS, INERTIA, horizon=horizon, mu=scene.mu, normal_min=2.0, normal_max=300.0, weights=MpcWeights(),
-        tol=tol,
+        MASS, INERTIA, horizon=horizon, mu=scene.mu, normal_min=2.0, normal_max=300.0,
+        weights=weights or MpcWeights(), tol=tol,
     )  # fmt: skip
 
 
-def record(scene: MpcScene, count: int, horizon: int = 10, seed: int = 0) -> list[MpcInput]:
-    """Return `count` successive inputs of a scene.
+def record(
+    scene: MpcScene, count: int, horizon: int = 10, seed: int = 0, weights: MpcWeights | None = None
+) -> list[MpcInput]:
+    """Return `count` successive inputs of a scene, with other weights for its controller if given.
 
     The body is pulled back to its reference if it strays by more than 0.3 m or 0.6 rad, as it may where
     the scene asks for more than friction gives.
     """
     rng = np.random.default_rng(seed)
-    mpc = controller(scene, horizon)
+    mpc = controller(scene, horizon, weights=weights)
     path = _Path(scene, rng)
     state = path.at(0.0)
     inputs = []

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.blocks import build_nlp
+from surefoot.planning.direct.blocks import Block, build_nlp
 from surefoot.planning.direct.search import QUIET
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.transcribe import row_bounds, transcribe, variable_bounds
@@ -21,6 +22,28 @@ Tell = Callable[[int, float, float], None]
 """Who hears of the number of an iteration, its cost and its violation."""
 ACCEPTED = 1e-6
 """Largest violation of a row or bound, in its own scale, of a motion that counts as found."""
+
+
+Sides = tuple[FloatArray, FloatArray]
+"""Least and largest values."""
+
+
+class Search(NamedTuple):
+    """How Ipopt searches: most iterations, who hears of them, its options without their prefix."""
+
+    max_iterations: int = 500
+    tell: Tell | None = None
+    options: Mapping[str, Any] = MappingProxyType({})
+
+
+class Found(NamedTuple):
+    """What Ipopt found: variables and cost in their own units, largest violation of a row or bound."""
+
+    variables: FloatArray
+    cost: float
+    violation: float
+    iterations: int
+    said: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,33 +159,64 @@ def optimise(
     MissingExtra
         If CasADi is not installed.
     """
-    ca = import_casadi()
     block, parts = transcribe(problem)
-    nlp, derivatives = build_nlp(block, problem.knots)
-    low, high = row_bounds(problem, parts)
+    search = Search(max_iterations, tell, options)
+    begin = start_from(problem) if start is None else start
+    found = solve_blocks(
+        block, problem.reference[1:], row_bounds(problem, parts), variable_bounds(problem), begin, search
+    )
+    return _read(problem, found)
+
+
+def solve_blocks(
+    block: Block, data: FloatArray, rows: Sides, variables: Sides, begin: FloatArray, search: Search
+) -> Found:
+    """Return what Ipopt finds for blocks in a row.
+
+    Parameters
+    ----------
+    block
+        Of every knot.
+    data
+        (knots, nd) numbers of every knot, in their own units.
+    rows, variables
+        Least and largest values of the rows (knots, m), and of all variables, in their own units. Rows that
+        nothing bounds are left out.
+    begin
+        Variables to start from, in the unit of each.
+    search
+        See `Search`.
+
+    Raises
+    ------
+    MissingExtra
+        If CasADi is not installed.
+    """
+    ca = import_casadi()
+    nlp, derivatives = build_nlp(block, len(data))
+    low, high = rows
     kept = np.flatnonzero((np.isfinite(low) | np.isfinite(high)).ravel())
     nlp, derivatives = _only(nlp, derivatives, kept)
     given = {
-        **QUIET, "ipopt.tol": TOLERANCE, "ipopt.max_iter": max_iterations, "ipopt.mu_strategy": "adaptive",
-        **{f"ipopt.{name}": value for name, value in options.items()}, **derivatives,
+        **QUIET, "ipopt.tol": TOLERANCE, "ipopt.max_iter": search.max_iterations,
+        "ipopt.mu_strategy": "adaptive", **{f"ipopt.{name}": value for name, value in search.options.items()},
+        **derivatives,
     }  # fmt: skip
     row_low, row_high = low.ravel()[kept], high.ravel()[kept]
-    watch = _Watch(tell, row_low, row_high)
+    watch = _Watch(search.tell, row_low, row_high)
     listener = _callback(nlp, watch)
     given["iteration_callback"] = listener
     solver = ca.nlpsol("schedule", "ipopt", nlp, given)
-    below, above = variable_bounds(problem)
-    begin = start_from(problem) if start is None else start
+    below, above = variables
     out = solver(
-        x0=np.clip(begin, below, above), p=problem.reference[1:].ravel(), lbx=below, ubx=above, lbg=row_low,
-        ubg=row_high,
-    )  # fmt: skip
+        x0=np.clip(begin, below, above), p=data.ravel(), lbx=below, ubx=above, lbg=row_low, ubg=row_high
+    )
     said = solver.stats()
     x, g = np.array(out["x"]).ravel(), np.array(out["g"]).ravel()
     beyond = [below - x, x - above, row_low - g, g - row_high]
     violation = float(max(np.max(b, initial=0.0) for b in beyond))
     told = "interrupted" if watch.interrupted else str(said["return_status"])
-    return _read(problem, x, (float(out["f"]), violation), int(said["iter_count"]), told)
+    return Found(x, float(out["f"]), violation, int(said["iter_count"]), told)
 
 
 def _only(
@@ -251,16 +305,16 @@ def _callback(nlp: dict[str, Any], watch: _Watch) -> Any:
     return Callback()
 
 
-def _read(
-    problem: ScheduleProblem, x: FloatArray, worth: tuple[float, float], iterations: int, said: str
-) -> ScheduledMotion:
-    """Return the motion that variables mean; `worth` is cost and violation."""
-    model, joints = problem.robot.model, problem.robot.joints
+def _read(problem: ScheduleProblem, found: Found) -> ScheduledMotion:
+    """Return the motion that variables mean."""
+    model, joints, x = problem.robot.model, problem.robot.joints, found.variables
     nq, nx, p = int(model.nq), int(model.nq + model.nv), len(problem.robot.contact_points)
     table = x[:-nx].reshape(problem.knots, -1)
     states = np.vstack([table[:, :nx], x[-nx:]])
     torques = table[:, nx : nx + joints] * problem.torque_limits
     forces = table[:, nx + joints :].reshape(-1, p, 3) * problem.weight
     motion = states[:, :nq].copy(), states[:, nq:].copy(), torques, forces
-    found = worth[1] <= ACCEPTED
-    return ScheduledMotion(*motion, *worth, found=bool(found), iterations=iterations, said=said, variables=x)
+    return ScheduledMotion(
+        *motion, found.cost, found.violation, found=bool(found.violation <= ACCEPTED),
+        iterations=found.iterations, said=found.said, variables=x,
+    )  # fmt: skip

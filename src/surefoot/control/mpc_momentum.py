@@ -1,0 +1,245 @@
+"""Angular momentum in the horizon's cost: a weight on it, a bound on it, and their forces.
+
+The horizon's body is rigid, so its momentum about the centre of mass is that of its angular velocity,
+h = R I Rᵀ w, with R the reference's as in the rest of the model. What is added to the cost, summed over the
+horizon and the heading's axes::
+
+    1/2 weight (h - reference)²  +  1/2 beyond max(|h| - bound, 0)²
+
+The solver takes one quadratic per axis, and no corners. The cost is convex and piecewise quadratic in the
+angular velocities, so it is replaced by a quadratic with the same slope at the last plan's angular
+velocities, and a curvature per axis that is at least its own there (the sums of the absolute entries of the
+rows of its Hessian); then again from the new plan, until the slopes agree. Where the inertia is diagonal
+along the heading's axes and no bound begins or ceases to bite, the first round is exact.
+
+A plan of these rounds minimises a cost whose slope differs by some d from the true one. Both costs are
+strongly convex with Hessian P in the accelerations and ρ in the forces, so that the two optima differ by
+
+    ||f - f*|| <= 1/2 sqrt(dᵀ P⁻¹ d / ρ)
+
+which is added to the error bound of the plan.
+
+References
+----------
+.. [1] D. Orin, A. Goswami, S.-H. Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 35, 2013.
+.. [2] H. Walker, P. Ni, "Anderson acceleration for fixed-point iterations", SIAM J. Numer. Anal. 49, 2011.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.control.mpc_model import predict
+from surefoot.errors import ProblemError
+from surefoot.solvers.dual_newton.horizon import newton
+
+if TYPE_CHECKING:
+    from surefoot.control.mpc_plan import HorizonProgram
+
+ROUNDS = 100
+"""Most quadratics for one plan."""
+MEMORY, FARTHER = 8, 2.0
+"""Rounds that a guess of where they lead looks back on; moves so much longer than the last one end it."""
+INNER = 0.25
+"""Share of the tolerance for the error of the forces of one quadratic."""
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class MpcMomentum:
+    """What angular momentum about the centre of mass costs in a plan; heading axes, as in `MpcWeights`.
+
+    Attributes
+    ----------
+    weight
+        (3,) on the squared distance from the reference, per step [1/(N m s)²].
+    reference
+        (3,) the momentum that costs nothing [N m s].
+    bound
+        (3,) size of the momentum up to which `beyond` costs nothing [N m s], inf for none. It is a soft
+        bound: after a push the momentum may be larger whatever the forces.
+    beyond
+        Weight on the square of what is beyond the bound, per step [1/(N m s)²].
+
+    Raises
+    ------
+    ProblemError
+        For negative weights, and a bound that is not positive: a body without angular momentum could never
+        turn, not even back to its reference.
+    """
+
+    weight: Three = (0.0, 0.0, 0.0)
+    reference: Three = (0.0, 0.0, 0.0)
+    bound: Three = (math.inf, math.inf, math.inf)
+    beyond: float = 100.0
+
+    def __post_init__(self) -> None:
+        if (finite_array("momentum weight", self.weight, (3,)) < 0.0).any():
+            raise ProblemError(f"momentum weight must be >= 0, got {self.weight}")
+        finite_array("momentum reference", self.reference, (3,))
+        try:
+            bound = np.asarray(self.bound, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise ProblemError(f"momentum bound must be three numbers [N m s], got {self.bound!r}") from error
+        if bound.shape != (3,) or not (bound > 0.0).all():
+            raise ProblemError(
+                f"momentum bound must be three numbers > 0 [N m s], got {self.bound!r}: a body that may have "
+                "no angular momentum cannot turn back to its reference"
+            )
+        real_number("weight beyond the momentum bound", self.beyond, low=0.0, high=1e12)
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is asked."""
+        bounded = self.beyond > 0.0 and bool(np.isfinite(self.bound).any())
+        return not (bounded or any(self.weight))
+
+    def cost(self, momentum: FloatArray) -> float:
+        """Return the cost of (N, 3) momenta along the heading's axes [N m s]."""
+        off = momentum - np.array(self.reference)
+        excess = np.maximum(np.abs(momentum) - np.array(self.bound), 0.0)
+        return 0.5 * float(np.sum(np.array(self.weight) * off**2) + self.beyond * np.sum(excess**2))
+
+
+def momentum_of(inertia: ArrayLike, rotation: ArrayLike, angular_velocity: ArrayLike) -> FloatArray:
+    """Return the angular momentum R I Rᵀ w (..., 3) of rigid bodies about their centres, world axes [N m s].
+
+    Parameters
+    ----------
+    inertia
+        (3, 3) in body axes [kg m²].
+    rotation, angular_velocity
+        (..., 3, 3) rotation_world_body, (..., 3) world axes [rad/s].
+
+    Examples
+    --------
+    >>> momentum_of(np.diag([0.1, 0.2, 0.3]), np.eye(3), [1.0, 0.0, 2.0]).tolist()
+    [0.1, 0.0, 0.6]
+    """
+    R, w = np.asarray(rotation, dtype=np.float64), np.asarray(angular_velocity, dtype=np.float64)
+    return np.asarray(np.einsum("...ij,jk,...lk,...l->...i", R, np.asarray(inertia), R, w))
+
+
+class Search(NamedTuple):
+    """How far to go: wanted error [N], Newton steps before the staged start, and in all."""
+
+    tol: float
+    patience: int
+    limit: int
+
+
+class _Ahead:
+    """Guesses where the rounds lead from the last few of them: Anderson's acceleration [2]_."""
+
+    def __init__(self) -> None:
+        self._steps: list[tuple[FloatArray, FloatArray]] = []
+
+    def next(self, here: FloatArray, there: FloatArray) -> FloatArray:
+        """Return where to go on after a round that led from (N, 3) rates to others [rad/s]."""
+        move = there - here
+        if self._steps and np.linalg.norm(move) > FARTHER * np.linalg.norm(self._steps[-1][1]):
+            self._steps.clear()
+        self._steps = [*self._steps[-MEMORY:], (there, move)]
+        if len(self._steps) == 1:
+            return there
+        ends, moves = (np.diff([s[i].ravel() for s in self._steps], axis=0).T for i in (0, 1))
+        share = np.linalg.lstsq(moves, move.ravel(), rcond=1e-10)[0]
+        return np.asarray(there - (ends @ share).reshape(there.shape))
+
+
+class MomentumCost:
+    """The momentum term of a horizon, ready for its plans.
+
+    Parameters
+    ----------
+    term
+        See `MpcMomentum`.
+    inertia
+        (3, 3) body axes [kg m²].
+    P
+        (6, N, N) Hessian of the tracking cost in the accelerations, see `mpc_model.hessians`.
+    dt
+        Length of a step [s].
+    """
+
+    def __init__(self, term: MpcMomentum, inertia: FloatArray, P: FloatArray, dt: float) -> None:
+        self._term, self._inertia, self._P, self._dt = term, inertia, P, dt
+        self._K = np.ascontiguousarray(np.linalg.inv(P))
+        self._sum = dt * np.tri(P.shape[1])  # rates after every step of the accelerations in all steps
+        self._weight, self._reference = np.array(term.weight), np.array(term.reference)
+        self._bound = np.array(term.bound)
+
+    def minimise(
+        self, program: HorizonProgram, rotation: FloatArray, rates: FloatArray, search: Search,
+        point: FloatArray, force: FloatArray,
+    ) -> tuple[int, float]:  # fmt: skip
+        """Fill the forces of a horizon; return the Newton steps and the bound on the forces' error [N].
+
+        Parameters
+        ----------
+        program
+            Without the momentum term.
+        rotation, rates
+            (N + 1, 3, 3) and (N + 1, 3) of the reference: rotation_world_body, angular velocity [rad/s].
+        search
+            See `Search`.
+        point, force
+            (c, 3) guess of the points, filled with the answer's, and the forces; see
+            `surefoot.solvers.dual_newton.horizon.newton` [N].
+        """
+        axes = program.heading.T @ rotation[1:]
+        inertia = axes @ self._inertia @ axes.transpose(0, 2, 1)
+        wanted = rates[1:] @ program.heading
+        N = len(wanted)
+        free = predict(program.drift, np.zeros((N, 6)), self._dt)[1:, 1, 3:]
+        error, total, here, ahead = math.inf, 0, np.zeros((N, 3)), _Ahead()
+        for _ in range(ROUNDS):
+            slope, curve = self._slope(inertia, wanted + here), self._curvature(inertia, wanted + here)
+            P, K, q = self._with_curve(curve, slope + curve * (free - here), program.q)
+            count, inner = newton(
+                K, P, q, program.step, program.M, program.bounds, program.centre, program.rho,
+                INNER * search.tol, search.patience, search.limit - total, point, force,
+            )  # fmt: skip
+            total += count
+            turning = np.zeros((N, 3))
+            np.add.at(turning, program.step, np.einsum("cxa,cx->ca", program.M[:, :, 3:], force))
+            there = free + self._sum @ turning
+            missed = self._sum.T @ (self._slope(inertia, wanted + there) - slope - curve * (there - here))
+            away = float(np.einsum("kj,jkm,mj->", missed, self._K[3:], missed))
+            error = inner + 0.5 * math.sqrt(max(away, 0.0) / program.rho)
+            if error <= search.tol or not math.isfinite(error) or total >= search.limit:
+                break
+            here = ahead.next(here, there)
+        return total, error
+
+    def _slope(self, inertia: FloatArray, w: FloatArray) -> FloatArray:
+        """Return the derivative of the cost (N, 3) in the angular velocities."""
+        h = np.einsum("kij,kj->ki", inertia, w)
+        excess = h - np.clip(h, -self._bound, self._bound)
+        pull = self._weight * (h - self._reference) + self._term.beyond * excess
+        return np.asarray(np.einsum("kij,ki->kj", inertia, pull))
+
+    def _curvature(self, inertia: FloatArray, w: FloatArray) -> FloatArray:
+        """Return a diagonal (N, 3) that is at least the cost's Hessian in the angular velocities."""
+        h = np.einsum("kij,kj->ki", inertia, w)
+        weight = self._weight + self._term.beyond * (np.abs(h) > self._bound)
+        hessian = np.einsum("kij,ki,kil->kjl", inertia, weight, inertia)
+        return np.asarray(np.abs(hessian).sum(axis=2))
+
+    def _with_curve(
+        self, curve: FloatArray, slope: FloatArray, q: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return Hessians, inverses and gradient with a cost on the rates added, see `newton`."""
+        P, K, q = self._P.copy(), self._K.copy(), q.copy()
+        for j in range(3):
+            P[3 + j] += self._sum.T @ (curve[:, j, None] * self._sum)
+            K[3 + j] = np.linalg.inv(P[3 + j])
+            q[3 + j :: 6] += self._sum.T @ slope[:, j]
+        return P, K, q
