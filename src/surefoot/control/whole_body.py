@@ -167,7 +167,7 @@ class WholeBodyController:
         return self._now
 
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
-        """Return mass matrix (nv, nv) and bias forces (nv,) of the last `update`."""
+        """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""
         return self._mass_matrix, self._nle
 
     def solve(self, tasks: Tasks) -> WholeBodyCommand:

@@ -103,7 +103,7 @@ class LinkContacts:
         return np.where(self._feet_on_ground(contact.geom), contact.efc_address, -1).astype(np.int32)
 
     def others(self, data: Any) -> IntArray:
-        """Return the indices of the contacts that carry a force and are no foot's on the ground."""
+        """Return the indices (k,) of the contacts that carry a force and are no foot's on the ground."""
         contact = data.contact
         out = np.flatnonzero(~self._feet_on_ground(contact.geom) & (contact.efc_address >= 0))
         return np.asarray(out[data.efc_force[contact.efc_address[out]] > 0.0])

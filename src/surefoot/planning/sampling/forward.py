@@ -27,7 +27,7 @@ class ForwardModel(Protocol):
     dt: float
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at a configuration and velocity (Pinocchio's order; zero for None), at time 0."""
+        """Put the robot at (nq,) q and (nv,) v (Pinocchio's order; zero for None), at time 0."""
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) and v (nv,) in Pinocchio's order."""
@@ -55,7 +55,7 @@ class RigidModel:
         self.reset(robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
-        """Put the robot at a configuration and velocity."""
+        """Put the robot at (nq,) q and (nv,) v."""
         self._state: State = self.stepper.start(q, v)
         self.worst_residual, self.unsolved = 0.0, 0
 

@@ -23,12 +23,12 @@ STOP = 0.02
 
 
 def upright(q: FloatArray) -> float:
-    """Return the vertical part of the base's own vertical axis, 1 upright to -1 on the back."""
+    """Return the vertical part of the own vertical axis of (nq,) q, 1 upright to -1 on the back."""
     return 1.0 - 2.0 * float(q[3] ** 2 + q[4] ** 2)
 
 
 def beyond(angles: FloatArray, low: FloatArray, high: FloatArray) -> float:
-    """Return by how much a joint is at most beyond its range [rad]; rigid steps have no stops."""
+    """Return by how much (joints,) angles are at most beyond their range [rad]; rigid steps have no stops."""
     return max(float((low - angles).max()), float((angles - high).max()), 0.0)
 
 

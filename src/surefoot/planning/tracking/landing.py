@@ -56,7 +56,7 @@ class Landing:
         self._heading = rotation_about([0.0, 0.0, 1.0], yaw)
 
     def tasks(self, now: Kinematics, stance: BoolArray) -> Tasks:
-        """Return the tasks for a stance of one foot or more."""
+        """Return the tasks for a stance (n,) of one foot or more."""
         around = self._feet @ self._heading.T
         # where the weight belongs as seen from every foot that stands
         wanted = (now.centres[stance] - around[stance]).mean(axis=0)
