@@ -81,7 +81,7 @@ def cross_entropy(
 
     Examples
     --------
-    >>> found = cross_entropy(lambda x: float(((x - 3.0) ** 2).sum()), np.zeros(2), np.ones(2), rounds=40)
+    >>> found = cross_entropy(lambda x: float(((x - 3.0) ** 2).sum()), np.zeros(2), np.full(2, 4.0), rounds=40)
     >>> found.point.round(2)
     array([3., 3.])
     """
