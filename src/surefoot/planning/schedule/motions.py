@@ -24,12 +24,13 @@ PUSH, LAND = 0.4, 0.5
 """Time on the ground before and after a flight [s]."""
 FLIGHT = 0.3
 """Of a jump forward [s]."""
-REAR, TURN = 0.2, 0.52
-"""Time on the rear feet, and in the air, of a backflip [s]."""
+REAR, TURN, FRONT = 0.2, 0.38, 0.2
+"""Time on the rear feet, in the air, and on the front feet, of a backflip [s]."""
 KNOT = 0.01
 """Length of a knot [s]."""
 LIKELY = 0.75
 """Share of the ground's friction that a plan counts on."""
+RISE = 0.3
 GAP = 0.27
 """How far the rear legs stay behind the front ones when they are tucked, as a share of the base's height."""
 ABDUCTION, FOLD = 0.12, 0.12
@@ -46,11 +47,11 @@ def time_scale(robot: Robot) -> float:
 
 
 def modes(robot: Robot, phases: list[tuple[float, str]]) -> tuple[ModeSchedule, float]:
-    """Return the schedule of (duration [s], feet) and its length; feet are "all", "rear" or "none"."""
+    """Return the schedule of (duration [s], feet) and its length; feet are "all", "front", "rear" or "none"."""
     order = quadruped_order(robot)
     table = np.zeros((len(phases), len(order)), dtype=bool)
     for row, (_, feet) in zip(table, phases, strict=True):
-        row[order if feet == "all" else order[2:] if feet == "rear" else []] = np.True_
+        row[{"all": order, "front": order[:2], "rear": order[2:], "none": []}[feet]] = np.True_
     ends = np.cumsum([length for length, _ in phases])
     return ModeSchedule(ends[:-1], table, max_flight=math.inf), float(ends[-1])
 
@@ -95,23 +96,23 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
         For a robot that is no quadruped.
     """
     scale = time_scale(robot)
-    push, rear, flight, land = (scale * time for time in (PUSH, REAR, TURN, LAND))
+    push, rear, flight, front, land = (scale * time for time in (PUSH, REAR, TURN, FRONT, LAND))
     dt = round(KNOT * scale, 3) if dt is None else dt
-    parts = [(push, "all"), (rear, "rear"), (flight, "none"), (land, "all")]
+    parts = [(push, "all"), (rear, "rear"), (flight, "none"), (front, "front"), (land, "all")]
     schedule, length = modes(robot, parts)
     knots = round(length / dt)
     q, t, nv = place(robot), dt * np.arange(knots + 1), int(robot.model.nv)
-    share = np.clip((t - push) / (rear + flight), 0.0, 1.0)
+    share = np.clip((t - push) / (rear + flight + front), 0.0, 1.0)
     reference = np.tile(q, (knots + 1, 1))
     reference[:, 0] -= 0.6 * float(robot.nominal[2]) * share
-    reference[:, 2] += _flight_height(np.asarray(t - push - rear), flight)
+    reference[:, 2] += RISE * (0.5 - 0.5 * np.cos(2.0 * math.pi * share))
     reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
     within = np.concatenate([[0.45 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
     end = window_about(reference[-1], np.zeros(nv), within, 0.0)
     touchdown = round((push + rear + flight) / dt)
     windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}
-    windows |= {touchdown: _landing(robot, reference[-1], scale), knots: end}
+    windows |= {knots: end}
     weights = ScheduleWeights(
         position=0.1, orientation=1.0, joints=0.05, velocity=0.002, change=1e-4, symmetry=50.0
     )

@@ -184,7 +184,8 @@ class TrackingController(Controller):
 
     def _planned_stance(self) -> BoolArray:
         assert self._reference is not None
-        return self._reference.at(self._clock).stance
+        landed = self._flights[self._next - 1].end + 1e-9 if self._next else 0.0
+        return self._reference.at(max(self._clock, landed)).stance
 
     def _advance(self, now: Kinematics, state: RobotState, felt: BoolArray) -> None:
         """Go from one phase to the next: by the plan into flight, by touch out of it."""
@@ -200,10 +201,11 @@ class TrackingController(Controller):
             goal = flights[self._next]
             if felt.any() and clock - goal.start > LEAST_FLIGHT * (goal.end - goal.start):
                 self._next += 1
-                if self._next == len(flights):
+                if self._next == len(flights) and goal.landing.all():
                     self._land(now)
                 else:
-                    self.phase, self._clock = GROUND, goal.end
+                    self.phase, self._clock = GROUND, min(clock, goal.end)
+                    self._reference = self._reference.laid(now.centres, goal.end, goal.landing)
                 self._unfelt[:] = np.where(felt, 0.0, math.inf)
 
     def _leaves(self, state: RobotState, start: float) -> bool:
@@ -240,7 +242,7 @@ class TrackingController(Controller):
             miss = places - want.com - (now.centres - now.com)
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
             feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
-            lost = want.stance & ~stance
+            lost = self._planned_stance() & ~stance
             feet[lost, :3] = lowered(now)[lost]
         gaps = pressed(now, self._radii)
         return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
@@ -250,7 +252,8 @@ class TrackingController(Controller):
         assert self._reference is not None
         goal = self._flights[min(self._next, len(self._flights) - 1)] if self._flights else None
         q, v = state.q, state.v
-        planned = self._reference.at(min(self._clock, goal.end - 1e-9) if goal else self._clock).q[7:]
+        moment = self._clock if goal is None else min(self.flight.moment(now, goal, self._clock), goal.end - 1e-9)
+        planned = self._reference.at(moment).q[7:]
         if goal is None:
             targets = Targets(planned, np.zeros_like(planned), np.zeros_like(planned))
         else:
