@@ -34,7 +34,7 @@ that still turns would put some of them down too early."""
 SOFT, EXTRA = 0.7, 0.08
 """Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and how
 much further down they reach before that [m]."""
-SLACK, MOST_TURN = 0.03, 0.3
+SLACK, MOST_TURN = 0.03, 0.5
 """Of the way that soft landings are corrected: damping [m/rad], and most of any joint [rad]."""
 SPEED_SHARE = 0.9
 """Share of a joint's speed limit that targets in the air may move with."""
@@ -161,18 +161,21 @@ class Flight:
         return np.asarray(np.linalg.solve(np.array(self._data.Ig.inertia), momentum))
 
     def levelled(self, now: Kinematics, goal: Touchdown, left: float) -> FloatArray:
-        """Return by how much joints (joints,) move from the plan's for feet to land as high as planned.
+        """Return by how much joints (joints,) move from the plan's for feet to land where planned.
 
         The body will be off the plan's attitude as it is now; a foot that reaches the ground early trips it.
         Feet that do not land, and the joints at the base that a folded leg has little use of, stay.
         """
         planned = goal.attitude(max(goal.end - left, goal.start))
         off = now.rotation @ planned.T
-        up = ((np.eye(3) - off) @ goal.feet.T)[2, goal.landing]
-        slope = np.einsum("i,nij->nj", (off @ goal.rotation)[2], self.legs.slopes(goal.joints))[goal.landing]
+        ahead = np.cross(goal.rotation[:, 1], [0.0, 0.0, 1.0])
+        sides = np.array([ahead / max(float(np.linalg.norm(ahead)), 1e-9), [0.0, 0.0, 1.0]])
+        miss = (goal.feet[goal.landing] @ (np.eye(3) - off).T @ sides.T).ravel()
+        slope = np.einsum("ai,nij->naj", sides @ off @ goal.rotation, self.legs.slopes(goal.joints))
+        slope = slope[goal.landing].reshape(len(miss), -1)
         slope[:, self._roots] = 0.0
-        square = slope @ slope.T + SLACK**2 * np.eye(len(up))
-        return np.clip(slope.T @ np.linalg.solve(square, up), -MOST_TURN, MOST_TURN)
+        square = slope @ slope.T + SLACK**2 * np.eye(len(miss))
+        return np.clip(slope.T @ np.linalg.solve(square, miss), -MOST_TURN, MOST_TURN)
 
     def landing_joints(
         self, q: FloatArray, v: FloatArray, now: Kinematics, goal: Touchdown, left: float

@@ -42,6 +42,8 @@ BAUMGARTE = (2500.0, 100.0)
 """Stiffness [1/s²] and damping [1/s] with which feet are held on the ground."""
 LEAST = 0.03
 """Least normal force of a stance foot, over m g: one without leaves the ground as soon as the body turns."""
+AROUND = (0.03, 0.05)
+"""How much earlier and later than the plan's end of a flight its next stance may begin [s]."""
 LEAST_FLIGHT = 0.3
 """Share of the planned flight in which touch is not yet a landing: feet scrape as they leave."""
 
@@ -195,7 +197,7 @@ class TrackingController(Controller):
             if self._next < len(flights) and self._leaves(state, flights[self._next].start):
                 self.phase = FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
-            elif clock >= self._reference.duration:
+            elif clock >= self._reference.duration or (0 < self._next == len(flights) and felt.all()):
                 self._land(now)
         elif self.phase == FLYING:
             goal = flights[self._next]
@@ -204,7 +206,7 @@ class TrackingController(Controller):
                 if self._next == len(flights) and goal.landing.all():
                     self._land(now)
                 else:
-                    self.phase, self._clock = GROUND, min(clock, goal.end)
+                    self.phase, self._clock = GROUND, self._as_turned(now, goal.end)
                     self._reference = self._reference.laid(now.centres, goal.end, goal.landing)
                 self._unfelt[:] = np.where(felt, 0.0, math.inf)
 
@@ -216,6 +218,13 @@ class TrackingController(Controller):
         planned = self._planned_stance()
         lost = 2 * int((planned & (self._unfelt > GONE)).sum()) >= int(planned.sum())
         return self._clock >= start - EARLY and (fast or lost)
+
+    def _as_turned(self, now: Kinematics, end: float) -> float:
+        """Return the time of the plan about a flight's end at which the body is turned most as it is now."""
+        assert self._reference is not None
+        times = end + self.dt * np.arange(-round(AROUND[0] / self.dt), round(AROUND[1] / self.dt) + 1)
+        off = [np.trace(self._reference.attitude_at(float(t)).T @ now.rotation) for t in times[::4]]
+        return float(times[::4][int(np.argmax(off))])
 
     def _land(self, now: Kinematics) -> None:
         self.phase = LANDED
