@@ -18,11 +18,12 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
+from surefoot.control.motor_limits import motor_limits
 from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
 from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
-from surefoot.planning.tracking.landing import Landing, lowered, pressed
+from surefoot.planning.tracking.landing import Landing, gently, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_log
@@ -129,6 +130,7 @@ class TrackingController(Controller):
         self.whole_body = WholeBodyController(
             robot, s.mu, least, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
         )
+        self.motors = motor_limits(robot, "curve")
         self.flight = Flight(robot, s.joints, s.capture)
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
@@ -170,7 +172,8 @@ class TrackingController(Controller):
         body = self.whole_body.solve(tasks)
         loose = ~self._support[stance & felt].any(axis=0)
         slow = self._not_too_fast(body.torques, state.v[6:])
-        return self._told(replace(body, torques=np.where(loose, slow, body.torques)), stance)
+        torques = self.motors.clip(np.where(loose, slow, body.torques), state.v[6:])
+        return self._told(replace(body, torques=torques), stance)
 
     @property
     def _off(self) -> BoolArray:
@@ -251,6 +254,8 @@ class TrackingController(Controller):
             miss = places - want.com - (now.centres - now.com)
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
             feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
+            if self._next > 0:
+                feet[:, 2] = np.maximum(feet[:, 2], gently(now, self._radii))
             lost = self._planned_stance() & ~stance
             feet[lost, :3] = lowered(now)[lost]
         gaps = pressed(now, self._radii)
@@ -270,7 +275,7 @@ class TrackingController(Controller):
         M, bias = self.whole_body.dynamics()
         torques = self.flight.torques(M, bias, q[7:], v[6:], targets)
         limits = self.whole_body.limits
-        torques = self._not_too_fast(np.clip(torques, -limits, limits), v[6:])
+        torques = self.motors.clip(self._not_too_fast(np.clip(torques, -limits, limits), v[6:]), v[6:])
         return TrackCommand(
             torques, np.zeros((len(self.whole_body.point_foot), 3)),
             self._off[self.whole_body.point_foot], True, Status.SOLVED, self.phase,
