@@ -54,7 +54,7 @@ def time_scale(robot: Robot) -> float:
 
 
 def modes(robot: Robot, phases: list[tuple[float, str]]) -> tuple[ModeSchedule, float]:
-    """Return the schedule of (duration [s], feet) and its length; feet are "all", "front", "rear" or "none"."""
+    """Return the schedule of (duration [s], feet) and its length; feet: "all", "front", "rear" or "none"."""
     order = quadruped_order(robot)
     table = np.zeros((len(phases), len(order)), dtype=bool)
     for row, (_, feet) in zip(table, phases, strict=True):
@@ -119,7 +119,7 @@ def backflip(robot: Robot, mu: float, dt: float | None = None) -> ScheduleProble
     reference[:, 2] += RISE * (0.5 - 0.5 * np.cos(2.0 * math.pi * share))
     reference[:, 3:7] = _turned(q[3:7], -2.0 * math.pi * share)
     reach = float(robot.nominal[2])
-    within = np.concatenate([[0.45 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
+    within = np.concatenate([[1.05 * reach, 0.02, 0.03], np.full(4, 0.03), np.full(robot.joints, 0.12)])
     end = window_about(reference[-1], np.zeros(nv), within, 0.0)
     touchdown = round((push + rear + flight) / dt)
     windows = {k: _spread(robot, q) for k in range(round((push + rear) / dt), touchdown)}

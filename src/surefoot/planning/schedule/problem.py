@@ -90,8 +90,8 @@ class ScheduleProblem:
         Largest speed of a foot along each contact axis when it lands [m/s]; infinite for any. Legs that give
         way before they land need not change their joints' speeds in an instant.
     stance_reach
-        How far below the base, along its own z axis, feet stand at least [m]; 0 for any. A foot level with the
-        axis about which its leg is abducted cannot be moved or held sideways.
+        How far below the base, along its own z axis, feet stand at least [m]; 0 for any. A foot level with
+        the axis about which its leg is abducted cannot be moved or held sideways.
     clearance
         How high feet swing in the middle of their flight [m].
     force_min

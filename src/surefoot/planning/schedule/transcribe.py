@@ -88,7 +88,9 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Parts]:
         before = ca.mtimes(ca.DM(frame.T), body.point_velocities(q, v, normal))
         named["touchdown"] = ca.reshape(before, 3 * p, 1)
     if problem.motors is not None:
-        named["motors"] = _motor_use(problem.motors, torques, (v[robot.base_dof :], v_after[robot.base_dof :]))
+        named["motors"] = _motor_use(
+            problem.motors, torques, (v[robot.base_dof :], v_after[robot.base_dof :])
+        )
     reference = ca.SX.sym("reference", nq)
     cost = _cost(problem, (q_after - reference, v_after, v_after - v), u)
     if problem.weights.symmetry:
@@ -166,7 +168,7 @@ def _reach(robot: Robot, body: SymbolicBody, q: Any) -> Any:
 
 
 def _motor_use(motors: MotorLimits, torques: Any, speeds: tuple[Any, Any]) -> Any:
-    """Return what must be from -1 to 1 for motors to give torques at the speeds of a knot's ends (2 joints, 1).
+    """Return what must be from -1 to 1 for motors to give torques at a knot's two speeds (2 joints, 1).
 
     The falling part of a torque-speed curve, driving (1 - speed) / (1 - knee) along the motion as shares of
     the limits, is a straight line that bounds nothing against the motion: two half spaces, no cases.

@@ -127,7 +127,9 @@ class Flight:
         self._pin, self._model, self._data = pinocchio, robot.model, robot.model.createData()
         self._omega, self._capture = stiffness, capture
         model = robot.model
-        self._roots = [int(model.joints[k].idx_v) - 6 for k in range(2, model.njoints) if model.parents[k] == 1]
+        self._roots = [
+            int(model.joints[k].idx_v) - 6 for k in range(2, model.njoints) if model.parents[k] == 1
+        ]
         speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
         self._fastest = SPEED_SHARE * np.where(speed > 0.0, speed, np.inf)
 

@@ -48,7 +48,9 @@ class Legs:
     def slopes(self, joints: FloatArray) -> FloatArray:
         """Return how feet move with (joints,) angles (n, 3, joints), by central differences [m/rad]."""
         step = STEP * np.eye(len(joints))
-        return np.stack([(self.feet(joints + s) - self.feet(joints - s)) / (2.0 * STEP) for s in step], axis=2)
+        return np.stack(
+            [(self.feet(joints + s) - self.feet(joints - s)) / (2.0 * STEP) for s in step], axis=2
+        )
 
     def feet(self, joints: FloatArray) -> FloatArray:
         """Return the centres of the feet (n, 3) for (joints,) angles [m]."""

@@ -11,7 +11,13 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion, rotation_log
+from surefoot.spatial import (
+    GRAVITY,
+    quaternion_from_rotation,
+    rotation_about,
+    rotation_from_quaternion,
+    rotation_log,
+)
 
 LOADED = 1e-2
 """A foot stands where the plan's normal force on it exceeds this share of m g."""

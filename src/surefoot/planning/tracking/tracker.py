@@ -266,7 +266,9 @@ class TrackingController(Controller):
         assert self._reference is not None
         goal = self._flights[min(self._next, len(self._flights) - 1)] if self._flights else None
         q, v = state.q, state.v
-        moment = self._clock if goal is None else min(self.flight.moment(now, goal, self._clock), goal.end - 1e-9)
+        moment = (
+            self._clock if goal is None else min(self.flight.moment(now, goal, self._clock), goal.end - 1e-9)
+        )
         planned = self._reference.at(moment).q[7:]
         if goal is None:
             targets = Targets(planned, np.zeros_like(planned), np.zeros_like(planned))
