@@ -147,6 +147,7 @@ class ScheduleProblem:
         real_number("mu", self.mu, low=0.0, high=1e6)
         for name in ("torque_share", "speed_share", "motor_share"):
             real_number(name, getattr(self, name), low=1e-3, high=1e3)
+        real_number("touchdown_speed", self.touchdown_speed, low=0.0)
         real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
         for name in ("clearance", "leg_gap", "stance_reach", "body_clearance", "knee_clearance"):
             real_number(name, getattr(self, name), low=0.0, high=10.0)

@@ -177,7 +177,7 @@ class Flight:
         slope = slope[goal.landing].reshape(len(miss), -1)
         slope[:, self._roots] = 0.0
         square = slope @ slope.T + SLACK**2 * np.eye(len(miss))
-        return np.clip(slope.T @ np.linalg.solve(square, miss), -MOST_TURN, MOST_TURN)
+        return np.asarray(np.clip(slope.T @ np.linalg.solve(square, miss), -MOST_TURN, MOST_TURN))
 
     def landing_joints(
         self, q: FloatArray, v: FloatArray, now: Kinematics, goal: Touchdown, left: float
