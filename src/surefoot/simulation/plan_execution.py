@@ -34,7 +34,7 @@ STEP = 5e-4
 """Of the world [s]."""
 STIFF = (4.0, 1.0)
 """Time constant of MuJoCo's contact over the step, and its damping ratio: fast joints lift feet from softer
-ground, since MuJoCo's contact leaves out the acceleration that their speed means."""
+ground. Our explanation, not proven: MuJoCo's contact leaves out the acceleration that their speed means."""
 SETTLE, AGAIN = 1.2, 4.0
 """Time after the end of the plan in which the robot must come to rest [s], also where it gets up at last."""
 AT_REST, UPRIGHT, RISEN = 0.1, math.radians(15.0), 0.6

@@ -10,6 +10,7 @@ import pinocchio as pin
 import pytest
 
 from surefoot.contact import Status
+from surefoot.control.motor_limits import motor_limits
 from surefoot.errors import ModelError, ProblemError
 from surefoot.planning.planner import plan
 from surefoot.planning.schedule import ScheduledMotion, ScheduleProblem, optimise
@@ -169,6 +170,32 @@ def test_swing_heights_rise_and_fall(go2) -> None:
     assert flight.max() == pytest.approx(problem.clearance, rel=0.01)
 
 
+def test_motors_soft_landings_and_reach_are_kept_to(go2) -> None:
+    curve = motor_limits(go2, "curve")
+    problem = replace(
+        jump(go2, 0.2, 0.0, 0.6, 0.02), motors=curve, motor_share=0.9, touchdown_speed=0.3, stance_reach=0.2,
+        torque_share=curve.driving,
+    )  # fmt: skip
+    motion = optimise(problem)
+    assert motion.found, motion.said
+    # the motor gives each torque at both ends of its knot
+    for speeds in (motion.v[:-1, 6:], motion.v[1:, 6:]):
+        for torques, speed in zip(motion.torques, speeds, strict=True):
+            np.testing.assert_allclose(curve.clip(torques, speed), torques, atol=1e-4)
+    stance, points = problem.stance, go2.contact_points
+    landing = np.flatnonzero(stance[1:].all(axis=1) & ~stance[:-1].any(axis=1)) + 1
+    assert len(landing) == 1
+    k = int(landing[0])
+    before, after = (go2.foot_positions(pin.integrate(go2.model, motion.q[k], s * 1e-6 * motion.v[k]))
+                     for s in (-1.0, 1.0))  # fmt: skip
+    assert np.abs((after - before) / 2e-6).max() <= 0.3 + 1e-2  # spheres roll a little about their middles
+    for q in motion.q[1:][stance.all(axis=1)]:
+        up = pin.Quaternion(q[3:7]).toRotationMatrix()[:, 2]
+        reach = (q[:3] - go2.foot_positions(q)) @ up
+        assert len(points) == 4
+        assert reach.min() >= 0.2 - 1e-5
+
+
 def test_a_backflip_turns_its_reference_once(go2) -> None:
     problem = backflip(go2, 0.6, 0.02)
     assert turned(problem.reference) == pytest.approx(-2.0 * math.pi, abs=1e-6)
@@ -183,6 +210,9 @@ def test_a_backflip_turns_its_reference_once(go2) -> None:
         ({"knots": 1}, "knots"),
         ({"mu": -1.0}, "mu"),
         ({"torque_share": 0.0}, "torque_share"),
+        ({"motor_share": 0.0}, "motor_share"),
+        ({"touchdown_speed": -1.0}, "touchdown_speed"),
+        ({"stance_reach": -1.0}, "stance_reach"),
         ({"force_min": 1e4}, "force_min"),
         ({"clearance": -0.1}, "clearance"),
         ({"reference": np.zeros((3, 19))}, "reference"),

@@ -78,3 +78,17 @@ def test_what_is_no_reference(jump: Reference) -> None:
     with pytest.raises(ProblemError, match="forces"):
         Reference.of(sf.Log({"time": np.zeros(2), "q": np.zeros((2, 19)), "v": np.zeros((2, 18)),
                              "torques": np.zeros((2, 12))}), ROBOT)  # fmt: skip
+
+
+def test_attitudes_alone_are_those_of_the_samples(jump: Reference) -> None:
+    for t in np.linspace(0.0, jump.duration, 23):
+        np.testing.assert_allclose(jump.attitude_at(float(t)), jump.at(float(t)).rotation, atol=1e-9)
+
+
+def test_a_motion_is_laid_on_some_feet_at_some_time(jump: Reference) -> None:
+    time, which = 0.9 * jump.duration, np.array([True, True, False, False])
+    turn = rotation_about([0.0, 0.0, 1.0], 0.3)
+    there = jump.feet_at(time)[0] @ turn.T + [0.2, -0.1, 0.0]
+    there[2:] += 5.0  # of those that do not count
+    laid = jump.laid(there, time, which)
+    np.testing.assert_allclose(laid.feet_at(time)[0][:2], there[:2], atol=1e-6)

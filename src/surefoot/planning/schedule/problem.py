@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.control.gait import ContactSchedule
+from surefoot.control.motor_limits import MotorLimits
 from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import Window
 from surefoot.robot import Robot
@@ -82,6 +83,15 @@ class ScheduleProblem:
         A plane.
     torque_share, speed_share
         Of the robot's limits that may be used.
+    motors, motor_share
+        Motors whose falling torque-speed line the motion keeps below, and by which share of their no-load
+        speed; None for torque and speed limits that know nothing of each other.
+    touchdown_speed
+        Largest speed of a foot along each contact axis when it lands [m/s]; infinite for any. Legs that give
+        way before they land need not change their joints' speeds in an instant.
+    stance_reach
+        How far below the base, along its own z axis, feet stand at least [m]; 0 for any. A foot level with
+        the axis about which its leg is abducted cannot be moved or held sideways.
     clearance
         How high feet swing in the middle of their flight [m].
     force_min
@@ -111,6 +121,10 @@ class ScheduleProblem:
     terrain: Terrain = field(default_factory=FlatTerrain)
     torque_share: float = 0.9
     speed_share: float = 0.9
+    motors: MotorLimits | None = None
+    motor_share: float = 1.0
+    touchdown_speed: float = np.inf
+    stance_reach: float = 0.0
     clearance: float = 0.02
     force_min: float = 0.0
     leg_gap: float = 0.0
@@ -131,10 +145,11 @@ class ScheduleProblem:
         real_number("dt", self.dt, low=1e-4, high=0.2)
         whole_number("knots", self.knots, low=2)
         real_number("mu", self.mu, low=0.0, high=1e6)
-        for name in ("torque_share", "speed_share"):
+        for name in ("torque_share", "speed_share", "motor_share"):
             real_number(name, getattr(self, name), low=1e-3, high=1e3)
+        real_number("touchdown_speed", self.touchdown_speed, low=0.0)
         real_number("force_min", self.force_min, low=0.0, high=0.9 * self.weight)
-        for name in ("clearance", "leg_gap", "body_clearance", "knee_clearance"):
+        for name in ("clearance", "leg_gap", "stance_reach", "body_clearance", "knee_clearance"):
             real_number(name, getattr(self, name), low=0.0, high=10.0)
         given = {
             "q": robot.configuration(self.q),

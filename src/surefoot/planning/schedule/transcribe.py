@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.control.motor_limits import MotorLimits
 from surefoot.planning.direct.blocks import Block
 from surefoot.planning.direct.symbolic_body import SymbolicBody
 from surefoot.planning.schedule.problem import UNBOUNDED, ScheduleProblem
@@ -81,6 +82,15 @@ def transcribe(problem: ScheduleProblem) -> tuple[Block, Parts]:
     }
     if problem.leg_gap > 0.0:
         named["legs"] = _leg_gaps(robot, body, q_after)
+    if problem.stance_reach > 0.0:
+        named["reach"] = _reach(robot, body, q_after)
+    if np.isfinite(problem.touchdown_speed):
+        before = ca.mtimes(ca.DM(frame.T), body.point_velocities(q, v, normal))
+        named["touchdown"] = ca.reshape(before, 3 * p, 1)
+    if problem.motors is not None:
+        named["motors"] = _motor_use(
+            problem.motors, torques, (v[robot.base_dof :], v_after[robot.base_dof :])
+        )
     reference = ca.SX.sym("reference", nq)
     cost = _cost(problem, (q_after - reference, v_after, v_after - v), u)
     if problem.weights.symmetry:
@@ -146,6 +156,29 @@ def _leg_gaps(robot: Robot, body: SymbolicBody, q: Any) -> Any:
     return ca.vertcat(*(along[front] - along[rear] for front, rear in pairs))
 
 
+def _reach(robot: Robot, body: SymbolicBody, q: Any) -> Any:
+    """Return how far contact points are below the base's origin along the base's own z axis (p, 1) [m]."""
+    ca, points = import_casadi(), robot.contact_points
+    seen = body.body_points(
+        q, [*points.joints.tolist(), 1, 1], np.vstack([points.places, [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    )
+    feet, base = seen[:, : len(points)], seen[:, len(points)]
+    up = seen[:, len(points) + 1] - base
+    return ca.mtimes((ca.repmat(base, 1, len(points)) - feet).T, up)
+
+
+def _motor_use(motors: MotorLimits, torques: Any, speeds: tuple[Any, Any]) -> Any:
+    """Return what must be from -1 to 1 for motors to give torques at a knot's two speeds (2 joints, 1).
+
+    The falling part of a torque-speed curve, driving (1 - speed) / (1 - knee) along the motion as shares of
+    the limits, is a straight line that bounds nothing against the motion: two half spaces, no cases.
+    """
+    ca = import_casadi()
+    steep = (1.0 - motors.knee) / motors.driving
+    load = steep * torques / ca.DM(motors.effort)
+    return ca.vertcat(*(load + speed / ca.DM(motors.speed) for speed in speeds))
+
+
 def row_bounds(problem: ScheduleProblem, parts: Parts) -> tuple[FloatArray, FloatArray]:
     """Return the bounds (knots, m) of all rows; both infinite where a row does not matter."""
     n, stance = problem.knots, problem.stance
@@ -163,6 +196,14 @@ def row_bounds(problem: ScheduleProblem, parts: Parts) -> tuple[FloatArray, Floa
     low[:, rows["gap"]] = swing_heights(problem)
     if problem.leg_gap > 0.0:
         low[:, rows["legs"]] = problem.leg_gap
+    if problem.stance_reach > 0.0:
+        low[:, rows["reach"]] = np.where(stance, problem.stance_reach, -np.inf)
+    if np.isfinite(problem.touchdown_speed):
+        landing = stance & ~np.vstack([stance[:1], stance[:-1]])
+        most = np.where(np.repeat(landing, 3, axis=1), problem.touchdown_speed, np.inf)
+        low[:, rows["touchdown"]], high[:, rows["touchdown"]] = -most, most
+    if problem.motors is not None:
+        low[:, rows["motors"]], high[:, rows["motors"]] = -problem.motor_share, problem.motor_share
     knees = len(np.unique(problem.robot.contact_points.joints))
     least = np.full(rows["corners"].stop - rows["corners"].start, problem.body_clearance)
     least[:knees] = problem.knee_clearance

@@ -10,12 +10,13 @@ planned times sqrt(h / g), as a capture point is (Pratt et al., "Capture point",
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.swing import minimum_jerk
 from surefoot.control.whole_body import Kinematics
 from surefoot.planning.tracking.legs import Legs
@@ -33,6 +34,8 @@ that still turns would put some of them down too early."""
 SOFT, EXTRA = 0.7, 0.08
 """Speed with which feet meet the ground, while the legs give way with the rest of the body's [m/s], and how
 much further down they reach before that [m]."""
+SLACK, MOST_TURN = 0.03, 0.5
+"""Of the way that soft landings are corrected: damping [m/rad], and most of any joint [rad]."""
 SPEED_SHARE = 0.9
 """Share of a joint's speed limit that targets in the air may move with."""
 
@@ -65,6 +68,14 @@ class Touchdown:
         (3,) of the centre of mass [m/s].
     rotation
         (3, 3) of the base.
+    joints
+        (joints,) angles [rad].
+    landing
+        (n,) the feet that stand then.
+    soft
+        Whether the plan's own legs give way before they land: they are followed, not told to.
+    attitude
+        Planned attitude (3, 3) at a time of the flight.
     """
 
     start: float
@@ -73,6 +84,10 @@ class Touchdown:
     height: float
     velocity: FloatArray
     rotation: FloatArray
+    joints: FloatArray
+    landing: BoolArray
+    soft: bool
+    attitude: Callable[[float], FloatArray]
 
 
 def touchdowns(reference: Reference) -> list[Touchdown]:
@@ -81,9 +96,14 @@ def touchdowns(reference: Reference) -> list[Touchdown]:
     for start, end in reference.flights():
         sample = reference.at(end - 1e-9)
         feet = robot.foot_positions(sample.q) - sample.com
+        after = reference.at(end + 1e-9).stance
+        sinking = float(-reference.feet_at(end - 1e-9)[1][after, 2].min(initial=0.0))
         out.append(
-            Touchdown(start, end, feet, float(sample.com[2]), sample.com_velocity.copy(), sample.rotation)
-        )
+            Touchdown(
+                start, end, feet, float(sample.com[2]), sample.com_velocity.copy(), sample.rotation,
+                sample.q[7:], after, sinking < SOFT, reference.attitude_at,
+            )
+        )  # fmt: skip
     return out
 
 
@@ -106,6 +126,10 @@ class Flight:
         self.robot, self.legs = robot, Legs(robot)
         self._pin, self._model, self._data = pinocchio, robot.model, robot.model.createData()
         self._omega, self._capture = stiffness, capture
+        model = robot.model
+        self._roots = [
+            int(model.joints[k].idx_v) - 6 for k in range(2, model.njoints) if model.parents[k] == 1
+        ]
         speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
         self._fastest = SPEED_SHARE * np.where(speed > 0.0, speed, np.inf)
 
@@ -121,6 +145,14 @@ class Flight:
         inside = climb * climb + 2.0 * GRAVITY * height
         return max((climb + math.sqrt(max(inside, 0.0))) / GRAVITY, 0.0)
 
+    def moment(self, now: Kinematics, goal: Touchdown, clock: float) -> float:
+        """Return the time of the plan whose legs are wanted now [s]: its end comes when the ground does."""
+        left = self.time_left(now, goal)
+        if not goal.soft or left > PREPARE:
+            return clock
+        share = minimum_jerk(min((PREPARE - left) / (PREPARE - READY), 1.0))[0]
+        return clock + share * (goal.end - left - clock)
+
     def _average_rate(self, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the angular momentum over the robot's inertia (3,) [rad/s]: legs that move leave it alone.
 
@@ -129,6 +161,23 @@ class Flight:
         self._pin.ccrba(self._model, self._data, q, v)
         momentum = np.array(self._data.hg.angular)
         return np.asarray(np.linalg.solve(np.array(self._data.Ig.inertia), momentum))
+
+    def levelled(self, now: Kinematics, goal: Touchdown, left: float) -> FloatArray:
+        """Return by how much joints (joints,) move from the plan's for feet to land where planned.
+
+        The body will be off the plan's attitude as it is now; a foot that reaches the ground early trips it.
+        Feet that do not land, and the joints at the base that a folded leg has little use of, stay.
+        """
+        planned = goal.attitude(max(goal.end - left, goal.start))
+        off = now.rotation @ planned.T
+        ahead = np.cross(goal.rotation[:, 1], [0.0, 0.0, 1.0])
+        sides = np.array([ahead / max(float(np.linalg.norm(ahead)), 1e-9), [0.0, 0.0, 1.0]])
+        miss = (goal.feet[goal.landing] @ (np.eye(3) - off).T @ sides.T).ravel()
+        slope = np.einsum("ai,nij->naj", sides @ off @ goal.rotation, self.legs.slopes(goal.joints))
+        slope = slope[goal.landing].reshape(len(miss), -1)
+        slope[:, self._roots] = 0.0
+        square = slope @ slope.T + SLACK**2 * np.eye(len(miss))
+        return np.asarray(np.clip(slope.T @ np.linalg.solve(square, miss), -MOST_TURN, MOST_TURN))
 
     def landing_joints(
         self, q: FloatArray, v: FloatArray, now: Kinematics, goal: Touchdown, left: float
@@ -161,9 +210,12 @@ class Flight:
         left = self.time_left(now, goal)
         wanted = planned
         if left < PREPARE:
-            landing = self.landing_joints(q, v, now, goal, left)
             share = minimum_jerk(min((PREPARE - left) / (PREPARE - READY), 1.0))[0]
-            wanted = (1.0 - share) * planned + share * landing
+            if goal.soft:  # the plan's way down, moved by as much as its end
+                wanted = planned + share * self.levelled(now, goal, left)
+            else:
+                landing = self.landing_joints(q, v, now, goal, left)
+                wanted = (1.0 - share) * planned + share * landing
         return self._smooth(wanted, dt)
 
     def _smooth(self, wanted: FloatArray, dt: float) -> Targets:

@@ -16,6 +16,8 @@ DESCENT = 0.6
 """Speed with which feet that have not found the ground yet are sent down [m/s]."""
 DEPTH = 3e-4
 """How deep in the ground stance feet are wanted [m]."""
+NEAR, SLOW, BRAKE = 0.05, 0.7, 80.0
+"""Swinging feet that come so near the ground [m] slow down to this speed [m/s], at this rate [1/s]."""
 SWING = 30.0
 """Rate at which they take it [1/s]."""
 
@@ -77,6 +79,12 @@ def lowered(now: Kinematics) -> FloatArray:
     """Return the accelerations (n, 3) that send feet down to the ground, moving on with the body [m/s²]."""
     speed = now.com_velocity * np.array([1.0, 1.0, 0.0]) - [0.0, 0.0, DESCENT]
     return np.asarray(SWING * (speed - now.twists[:, :3]))
+
+
+def gently(now: Kinematics, radii: FloatArray) -> FloatArray:
+    """Return the least accelerations upwards (n,) with which feet near the ground z = 0 meet it slowly."""
+    near = now.centres[:, 2] - radii < NEAR
+    return np.where(near, BRAKE * (-SLOW - now.twists[:, 2]), -np.inf)
 
 
 def pressed(now: Kinematics, radii: FloatArray) -> FloatArray:

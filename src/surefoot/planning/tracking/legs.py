@@ -15,6 +15,8 @@ ITERATIONS, PRECISION = 30, 1e-6
 """Most iterations, and the distance that is good enough [m]."""
 LARGEST_TURN = 0.3
 """Of a joint in one iteration [rad]."""
+STEP = 1e-6
+"""Of differences [rad]."""
 INSIDE = 0.02
 """By how much solutions stay within the joints' limits [rad]."""
 
@@ -42,6 +44,13 @@ class Legs:
         with np.errstate(invalid="ignore"):
             self._inside = np.minimum(INSIDE, 0.25 * (self.high - self.low))
         self._legs = [np.flatnonzero(row[6:]) for row in self._points.foot_support]
+
+    def slopes(self, joints: FloatArray) -> FloatArray:
+        """Return how feet move with (joints,) angles (n, 3, joints), by central differences [m/rad]."""
+        step = STEP * np.eye(len(joints))
+        return np.stack(
+            [(self.feet(joints + s) - self.feet(joints - s)) / (2.0 * STEP) for s in step], axis=2
+        )
 
     def feet(self, joints: FloatArray) -> FloatArray:
         """Return the centres of the feet (n, 3) for (joints,) angles [m]."""

@@ -11,7 +11,13 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
+from surefoot.spatial import (
+    GRAVITY,
+    quaternion_from_rotation,
+    rotation_about,
+    rotation_from_quaternion,
+    rotation_log,
+)
 
 LOADED = 1e-2
 """A foot stands where the plan's normal force on it exceeds this share of m g."""
@@ -147,12 +153,22 @@ class Reference:
         step = self.feet[k + 1] - self.feet[k]
         return self.feet[k] + share * step, step / (self.time[k + 1] - self.time[k])
 
-    def laid(self, feet: FloatArray) -> Reference:
-        """Return the motion moved along the ground and turned about the vertical, to start on (n, 3) feet.
+    def laid(self, feet: FloatArray, time: float = 0.0, which: BoolArray | None = None) -> Reference:
+        """Return the motion moved along the ground and turned about the vertical, to be on feet at a time.
 
         The move is the best in the mean square (Procrustes in the plane).
+
+        Parameters
+        ----------
+        feet
+            (n, 3) where they are [m].
+        time
+            When [s].
+        which
+            (n,) the feet that count; None for all.
         """
-        own, there = self.feet[0][:, :2], feet[:, :2]
+        chosen = np.ones(len(feet), dtype=bool) if which is None else which
+        own, there = self.feet_at(time)[0][chosen, :2], feet[chosen, :2]
         a, b = own - own.mean(axis=0), there - there.mean(axis=0)
         turn = math.atan2(float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()), float((a * b).sum()))
         R = rotation_about([0.0, 0.0, 1.0], turn)
@@ -190,6 +206,14 @@ class Reference:
         k = min(max(int(np.searchsorted(self.time, time, side="right")) - 1, 0), len(self.time) - 2)
         share = (time - self.time[k]) / (self.time[k + 1] - self.time[k])
         return k, float(min(max(share, 0.0), 1.0))
+
+    def attitude_at(self, time: float) -> FloatArray:
+        """Return the base's attitude (3, 3) at a time [s]."""
+        k, share = self._place(time)
+        step = rotation_log(self.rotation[k + 1] @ self.rotation[k].T)
+        angle = float(np.linalg.norm(step))
+        turn = rotation_about(step / angle, share * angle) if angle > 0.0 else np.eye(3)
+        return np.asarray(turn @ self.rotation[k])
 
     def at(self, time: float) -> Sample:
         """Return what is planned at a time [s]; before the start and after the end the motion holds still."""

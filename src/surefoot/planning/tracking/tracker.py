@@ -18,11 +18,12 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
+from surefoot.control.motor_limits import motor_limits
 from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
 from surefoot.errors import ProblemError
 from surefoot.log.channels import Channel
 from surefoot.planning.tracking.flight import Flight, Targets, touchdowns
-from surefoot.planning.tracking.landing import Landing, lowered, pressed
+from surefoot.planning.tracking.landing import Landing, gently, lowered, pressed
 from surefoot.planning.tracking.reference import Reference
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_log
@@ -42,6 +43,8 @@ BAUMGARTE = (2500.0, 100.0)
 """Stiffness [1/s²] and damping [1/s] with which feet are held on the ground."""
 LEAST = 0.03
 """Least normal force of a stance foot, over m g: one without leaves the ground as soon as the body turns."""
+AROUND = (0.03, 0.05)
+"""How much earlier and later than the plan's end of a flight its next stance may begin [s]."""
 LEAST_FLIGHT = 0.3
 """Share of the planned flight in which touch is not yet a landing: feet scrape as they leave."""
 
@@ -127,6 +130,7 @@ class TrackingController(Controller):
         self.whole_body = WholeBodyController(
             robot, s.mu, least, weights=Weights(force=s.force_share), baumgarte=BAUMGARTE
         )
+        self.motors = motor_limits(robot, "curve")
         self.flight = Flight(robot, s.joints, s.capture)
         self.landing = Landing(robot, reference, s.landing, s.landing_turn, s.sway)
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
@@ -168,7 +172,8 @@ class TrackingController(Controller):
         body = self.whole_body.solve(tasks)
         loose = ~self._support[stance & felt].any(axis=0)
         slow = self._not_too_fast(body.torques, state.v[6:])
-        return self._told(replace(body, torques=np.where(loose, slow, body.torques)), stance)
+        torques = self.motors.clip(np.where(loose, slow, body.torques), state.v[6:])
+        return self._told(replace(body, torques=torques), stance)
 
     @property
     def _off(self) -> BoolArray:
@@ -184,7 +189,8 @@ class TrackingController(Controller):
 
     def _planned_stance(self) -> BoolArray:
         assert self._reference is not None
-        return self._reference.at(self._clock).stance
+        landed = self._flights[self._next - 1].end + 1e-9 if self._next else 0.0
+        return self._reference.at(max(self._clock, landed)).stance
 
     def _advance(self, now: Kinematics, state: RobotState, felt: BoolArray) -> None:
         """Go from one phase to the next: by the plan into flight, by touch out of it."""
@@ -194,16 +200,17 @@ class TrackingController(Controller):
             if self._next < len(flights) and self._leaves(state, flights[self._next].start):
                 self.phase = FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
-            elif clock >= self._reference.duration:
+            elif clock >= self._reference.duration or (0 < self._next == len(flights) and felt.all()):
                 self._land(now)
         elif self.phase == FLYING:
             goal = flights[self._next]
             if felt.any() and clock - goal.start > LEAST_FLIGHT * (goal.end - goal.start):
                 self._next += 1
-                if self._next == len(flights):
+                if self._next == len(flights) and goal.landing.all():
                     self._land(now)
                 else:
-                    self.phase, self._clock = GROUND, goal.end
+                    self.phase, self._clock = GROUND, self._as_turned(now, goal.end)
+                    self._reference = self._reference.laid(now.centres, goal.end, goal.landing)
                 self._unfelt[:] = np.where(felt, 0.0, math.inf)
 
     def _leaves(self, state: RobotState, start: float) -> bool:
@@ -214,6 +221,13 @@ class TrackingController(Controller):
         planned = self._planned_stance()
         lost = 2 * int((planned & (self._unfelt > GONE)).sum()) >= int(planned.sum())
         return self._clock >= start - EARLY and (fast or lost)
+
+    def _as_turned(self, now: Kinematics, end: float) -> float:
+        """Return the time of the plan about a flight's end at which the body is turned most as it is now."""
+        assert self._reference is not None
+        times = end + self.dt * np.arange(-round(AROUND[0] / self.dt), round(AROUND[1] / self.dt) + 1)
+        off = [np.trace(self._reference.attitude_at(float(t)).T @ now.rotation) for t in times[::4]]
+        return float(times[::4][int(np.argmax(off))])
 
     def _land(self, now: Kinematics) -> None:
         self.phase = LANDED
@@ -240,7 +254,9 @@ class TrackingController(Controller):
             miss = places - want.com - (now.centres - now.com)
             slow = speeds - want.com_velocity - (now.twists[:, :3] - now.com_velocity)
             feet[:, :3] = want.com_acceleration + s.swing**2 * miss + 2.0 * s.swing * slow
-            lost = want.stance & ~stance
+            if self._next > 0:
+                feet[:, 2] = np.maximum(feet[:, 2], gently(now, self._radii))
+            lost = self._planned_stance() & ~stance
             feet[lost, :3] = lowered(now)[lost]
         gaps = pressed(now, self._radii)
         return Tasks(stance, com, turn, feet, self._still, want.forces, self._frames, gaps)
@@ -250,7 +266,10 @@ class TrackingController(Controller):
         assert self._reference is not None
         goal = self._flights[min(self._next, len(self._flights) - 1)] if self._flights else None
         q, v = state.q, state.v
-        planned = self._reference.at(min(self._clock, goal.end - 1e-9) if goal else self._clock).q[7:]
+        moment = (
+            self._clock if goal is None else min(self.flight.moment(now, goal, self._clock), goal.end - 1e-9)
+        )
+        planned = self._reference.at(moment).q[7:]
         if goal is None:
             targets = Targets(planned, np.zeros_like(planned), np.zeros_like(planned))
         else:
@@ -258,7 +277,7 @@ class TrackingController(Controller):
         M, bias = self.whole_body.dynamics()
         torques = self.flight.torques(M, bias, q[7:], v[6:], targets)
         limits = self.whole_body.limits
-        torques = self._not_too_fast(np.clip(torques, -limits, limits), v[6:])
+        torques = self.motors.clip(self._not_too_fast(np.clip(torques, -limits, limits), v[6:]), v[6:])
         return TrackCommand(
             torques, np.zeros((len(self.whole_body.point_foot), 3)),
             self._off[self.whole_body.point_foot], True, Status.SOLVED, self.phase,
