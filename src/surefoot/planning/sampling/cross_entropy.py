@@ -81,7 +81,8 @@ def cross_entropy(
 
     Examples
     --------
-    >>> found = cross_entropy(lambda x: float(((x - 3.0) ** 2).sum()), np.zeros(2), np.full(2, 4.0), rounds=40)
+    >>> wide = np.full(2, 4.0)
+    >>> found = cross_entropy(lambda x: float(((x - 3.0) ** 2).sum()), np.zeros(2), wide, rounds=40)
     >>> found.point.round(2)
     array([3., 3.])
     """
