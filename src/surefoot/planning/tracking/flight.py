@@ -206,7 +206,7 @@ class Flight:
     def targets(
         self, q: FloatArray, v: FloatArray, now: Kinematics, planned: FloatArray, goal: Touchdown, dt: float
     ) -> Targets:
-        """Return what is wanted of the joints at (nq,) q, (nv,) v: from (joints,) planned to the landing's."""
+        """Return the joints' targets at (nq,) q, (nv,) v: from (joints,) planned to the landing's."""
         left = self.time_left(now, goal)
         wanted = planned
         if left < PREPARE:

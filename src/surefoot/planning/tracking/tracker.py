@@ -37,6 +37,8 @@ EARLY, FAST = 0.03, 0.92
 joint moves with this share of its speed limit: there is nothing left to push with."""
 GONE = 4e-3
 """A foot that pushes off and feels nothing for so long is gone [s]; soft ground lets go for less."""
+BRAKE = 0.9
+"""Share of a joint's speed limit from which a leg on the ground brakes it."""
 SPEED_MARGIN = 0.97
 """Share of a joint's speed limit that torques may take it to."""
 BAUMGARTE = (2500.0, 100.0)
@@ -172,7 +174,9 @@ class TrackingController(Controller):
         body = self.whole_body.solve(tasks)
         loose = ~self._support[stance & felt].any(axis=0)
         slow = self._not_too_fast(body.torques, state.v[6:])
-        torques = self.motors.clip(np.where(loose, slow, body.torques), state.v[6:])
+        torques = self.motors.clip(
+            self._braked(np.where(loose, slow, body.torques), state.v[6:]), state.v[6:]
+        )
         return self._told(replace(body, torques=torques), stance)
 
     @property
@@ -290,6 +294,12 @@ class TrackingController(Controller):
         most = SPEED_MARGIN * self._speed_limits
         high, low = inertia * (most - speeds), inertia * (-most - speeds)
         return np.asarray(np.clip(torques, np.minimum(low, 0.0), np.maximum(high, 0.0)))
+
+    def _braked(self, torques: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return (joints,) torques that brake joints near their speed limits: a leg that yields is caught."""
+        use = np.abs(speeds) / self._speed_limits
+        share = np.clip((use - BRAKE) / (1.0 - BRAKE), 0.0, 1.0)
+        return np.asarray((1.0 - share) * torques - share * np.sign(speeds) * self.whole_body.limits)
 
     def _told(self, body: Any, stance: BoolArray) -> TrackCommand:
         active = stance[self.whole_body.point_foot]
