@@ -16,12 +16,12 @@ TURN = np.array([[COS, -SIN, 0.0], [SIN, COS, 0.0], [0.0, 0.0, 1.0]])
 """Crocoddyl's first facet faces along x; the sequence's is turned from there about the normal."""
 
 
-def cone(contact):
-    """Return the FrictionCone of a point or the WrenchCone of a patch; both take forces in contact axes."""
+def cone(contact, axes=np.eye(3)):
+    """Return the FrictionCone of a point or the WrenchCone of a patch; `axes` turns it from contact axes."""
     low, high = contact["normal_min"], min(contact["normal_max"], HUGE)
     if contact["patch"] is None:
-        return crocoddyl.FrictionCone(TURN, contact["mu"], FACETS, INNER, low, high)
-    return crocoddyl.WrenchCone(np.eye(3), contact["mu"], np.array(contact["patch"]), 4, INNER, low, high)
+        return crocoddyl.FrictionCone(axes @ TURN, contact["mu"], FACETS, INNER, low, high)
+    return crocoddyl.WrenchCone(axes, contact["mu"], np.array(contact["patch"]), 4, INNER, low, high)
 
 
 def cones(phase):
@@ -51,19 +51,11 @@ def cone_costs(state, actuation, phase, weight=1e1):
     """Return a CostModelSum that keeps the forces of a phase inside their cones by a quadratic barrier."""
     costs = crocoddyl.CostModelSum(state, actuation.nu)
     for contact in PHASES[phase]["contacts"]:
-        frame, own = state.pinocchio.getFrameId(contact["frame"]), cone(contact)
-        turned = crocoddyl.FrictionCone if contact["patch"] is None else crocoddyl.WrenchCone
-        turn = np.array(contact["rotation"])
-        if contact["patch"] is None:
-            high = min(contact["normal_max"], HUGE)
-            bounds = turned(turn @ TURN, contact["mu"], FACETS, INNER, contact["normal_min"], high)
-            residual = crocoddyl.ResidualModelContactFrictionCone(state, frame, bounds, actuation.nu)
-        else:
-            bounds = turned(
-                turn, contact["mu"], np.array(contact["patch"]), 4, INNER,
-                contact["normal_min"], min(contact["normal_max"], HUGE),
-            )
-            residual = crocoddyl.ResidualModelContactWrenchCone(state, frame, bounds, actuation.nu)
+        frame = state.pinocchio.getFrameId(contact["frame"])
+        own = cone(contact, np.array(contact["rotation"]))
+        point = contact["patch"] is None
+        kinds = crocoddyl.ResidualModelContactFrictionCone, crocoddyl.ResidualModelContactWrenchCone
+        residual = kinds[0 if point else 1](state, frame, own, actuation.nu)
         barrier = crocoddyl.ActivationModelQuadraticBarrier(crocoddyl.ActivationBounds(own.lb, own.ub))
         costs.addCost(contact["frame"], crocoddyl.CostModelResidual(state, barrier, residual), weight)
     return costs

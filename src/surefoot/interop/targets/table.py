@@ -10,16 +10,8 @@ from surefoot.interop.sequence import ContactSequence
 from surefoot.interop.targets.target import Target
 
 TARGETS: dict[str, str] = {
-    name: f"surefoot.interop.targets.{module}:TARGET"
-    for name, module in (
-        ("ocs2", "ocs2"),
-        ("crocoddyl", "crocoddyl"),
-        ("tsid", "tsid"),
-        ("casadi", "casadi"),
-        ("acados", "acados"),
-        ("drake", "drake"),
-        ("isaaclab", "isaaclab"),
-    )
+    name: f"surefoot.interop.targets.{name}:TARGET"
+    for name in ("ocs2", "crocoddyl", "tsid", "casadi", "acados", "drake", "isaaclab")
 }
 """Name to "module:object"."""
 

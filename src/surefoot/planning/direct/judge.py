@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.planning.direct.guess import Guess
+from surefoot.planning.direct.follow import Followed, Motion
 from surefoot.planning.direct.problem import DirectProblem
 from surefoot.planning.trajectory import Trajectory
 
@@ -32,7 +32,7 @@ def window_miss(problem: DirectProblem, trajectory: Trajectory) -> float:
     return worst
 
 
-def departure(problem: DirectProblem, motion: Guess, trajectory: Trajectory) -> float:
+def departure(problem: Followed, motion: Motion, trajectory: Trajectory) -> float:
     """Return the largest entry of q ⊖ q between a motion and a trajectory [m, rad], infinite if lost."""
     import pinocchio
 

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, ModelError
+from surefoot.errors import ModelError
+from surefoot.planning.transcription.forms import import_casadi
 from surefoot.robot import ContactPoints
 
 Expression = Any
@@ -90,11 +91,7 @@ class SymbolicBody:
     """
 
     def __init__(self, model: Any, points: ContactPoints) -> None:
-        try:
-            import casadi
-        except ImportError as error:
-            raise MissingExtra("casadi", "plan") from error
-        self._ca = casadi
+        self._ca = import_casadi()
         self.nq, self.nv, self.points = int(model.nq), int(model.nv), len(points)
         self._gravity = np.array(model.gravity.linear)
         data = model.createData()

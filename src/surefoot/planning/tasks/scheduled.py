@@ -51,22 +51,16 @@ class Attempt:
 
 def carry_out(problem: ScheduleProblem, request: Request, tell: Tell) -> Attempt:
     """Return the motion of a problem, and its torques through the exact step."""
-    import pinocchio
-
     from surefoot.planning.direct.follow import follow
+    from surefoot.planning.direct.judge import departure
     from surefoot.planning.schedule import optimise
 
     def heard(number: int, cost: float, violation: float) -> None:
         tell(Iteration(number, cost, violation, "whole body over the schedule"))
 
     motion = optimise(problem, max_iterations=request.max_iterations or 600, tell=heard)
-    robot = problem.robot
     trajectory = follow(replace(problem, mu=request.mu, torque_share=FEEDBACK), motion)
-    drift = np.inf
-    if np.isfinite(trajectory.q).all():
-        pairs = zip(motion.q, trajectory.q, strict=True)
-        drift = max(float(np.abs(pinocchio.difference(robot.model, a, b)).max()) for a, b in pairs)
-    return Attempt(motion, trajectory, drift)
+    return Attempt(motion, trajectory, departure(problem, motion, trajectory))
 
 
 def beyond_limits(robot: Robot, motion: Trajectory) -> str:

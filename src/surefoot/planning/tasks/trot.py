@@ -50,17 +50,18 @@ class Trot:
         settings = MpcSettings(mu=request.mu, seed=request.seed)
         mpc = ContactImplicitMpc(robot, VelocityCommand.constant(speed, 0.0, 0.0), None, settings, dt)
         start, every = clock.perf_counter(), max(1, round(settings.interval / dt))
-        begun: list[FloatArray] = []
+        interrupted = False
 
         def policy(k: int, q: FloatArray, v: FloatArray) -> FloatArray:
-            if begun and begun[-1] is _ENOUGH:
+            nonlocal interrupted
+            if interrupted:
                 return np.zeros(robot.joints)
             try:
                 torques = mpc.step(RobotState(q, v, k * dt)).torques
                 if k % every == 0:
                     tell(Iteration(k // every + 1, float(mpc.engine.now.cost), 0.0, f"{k * dt:.2f} s"))
             except KeyboardInterrupt:
-                begun.append(_ENOUGH)
+                interrupted = True
                 return np.zeros(robot.joints)
             return torques
 
@@ -70,13 +71,9 @@ class Trot:
         spent, cost = clock.perf_counter() - start, float(mpc.engine.now.cost)
         search = Search(self.name, METHOD, cost, done, steps // every, spent, said, Status.STALLED)
         made = plan_from(motion, robot, search)
-        if begun:
+        if interrupted:
             made.facts["interrupted"] = True
         return made
-
-
-_ENOUGH = np.zeros(0)
-"""Marks that someone stopped the search."""
 
 
 def judge(robot: Robot, motion: Trajectory, speed: float) -> tuple[bool, str]:
