@@ -98,10 +98,8 @@ def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:
     """
     if model not in MOTOR_MODELS:
         raise ProblemError(unknown_name("motor model", model, MOTOR_MODELS))
-    speed = np.array(robot.model.velocityLimit, dtype=np.float64)[robot.base_dof :]
-    speed = np.where((speed <= 0.0) | (speed > 1e100), np.inf, speed)
     shares = (1.0, 1.0) if model == "box" else (KNEE_SHARE, DRIVING_SHARE)
-    return MotorLimits(robot.effort_limits, speed, *shares)
+    return MotorLimits(robot.effort_limits, robot.speed_limits, *shares)
 
 
 class MotorLimited(Controller):

@@ -122,7 +122,16 @@ class Robot:
     @cached_property
     def effort_limits(self) -> FloatArray:
         """(joints,) torque limits of the URDF [N m]; infinite where it gives none."""
-        limits = np.array(self.model.upperEffortLimit, dtype=np.float64)[self.base_dof :]
+        return self._limits(self.model.upperEffortLimit)
+
+    @cached_property
+    def speed_limits(self) -> FloatArray:
+        """(joints,) speed limits of the URDF [rad/s, m/s]; infinite where it gives none."""
+        return self._limits(self.model.upperVelocityLimit)
+
+    def _limits(self, values: Any) -> FloatArray:
+        """Return the joints' part of the model's (nv,) limits, infinite where it gives none."""
+        limits = np.array(values, dtype=np.float64)[self.base_dof :]
         return np.where((limits <= 0.0) | (limits > 1e100), np.inf, limits)
 
     def foot(self, name: str) -> Foot:

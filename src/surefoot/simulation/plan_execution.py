@@ -261,10 +261,8 @@ def judged(
     log = run(world, controller, scenario, [watch])
     report = audit_log(log, robot)
     why = _shortfall(robot, log, reference, tuple(sorted(watch.names)))
-    speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
-    with np.errstate(divide="ignore"):
-        fastest = float(np.abs(v[:, 6:] / np.where(speed > 0.0, speed, np.inf)).max())
+    fastest = float(np.abs(v[:, 6:] / robot.speed_limits).max())
     return Execution(
         not why, sorted({v.law for v in report.violations}),
         float(np.abs(np.asarray(log["torques"]) / robot.effort_limits).max()), fastest, log, report.verdict,

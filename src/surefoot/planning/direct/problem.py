@@ -172,7 +172,7 @@ class DirectProblem:
         low = np.full((self.knots + 1, nq + nv), -np.inf)
         high = -low
         if self.joint_limits:
-            _limit(self.robot, low, high)
+            limit_joints(self.robot, low, high)
         for k, window in [*self.windows.items(), (self.knots, self.end)]:
             _narrow(f"q of the window at knot {k}", window.q_low, window.q_high, low[k, :nq], high[k, :nq])
             _narrow(f"v of the window at knot {k}", window.v_low, window.v_high, low[k, nq:], high[k, nq:])
@@ -200,16 +200,15 @@ def _moves_in_plane(robot: Robot) -> bool:
     return True
 
 
-def _limit(robot: Robot, low: FloatArray, high: FloatArray) -> None:
-    """Write the model's joint limits into bounds on states."""
+def limit_joints(robot: Robot, low: FloatArray, high: FloatArray, speed_share: float = 1.0) -> None:
+    """Write the model's joint limits into bounds (knots + 1, nq + nv) on states, but for the first."""
     model, base = robot.model, (7 if robot.floating else 0)
     nq = int(model.nq)
     below, above = np.array(model.lowerPositionLimit)[base:], np.array(model.upperPositionLimit)[base:]
     ordered = (below < above) & (below > -UNBOUNDED) & (above < UNBOUNDED)
     low[1:, base:nq] = np.where(ordered, below, -np.inf)
     high[1:, base:nq] = np.where(ordered, above, np.inf)
-    speed = np.array(model.upperVelocityLimit)[robot.base_dof :]
-    speed = np.where((speed > 0.0) & (speed < UNBOUNDED), speed, np.inf)
+    speed = speed_share * robot.speed_limits
     low[1:, nq + robot.base_dof :], high[1:, nq + robot.base_dof :] = -speed, speed
 
 

@@ -97,9 +97,7 @@ def postures(
     times, targets, stiffness, damping
         See `Postures`.
     """
-    base = robot.base_dof
-    speed = np.array(robot.model.velocityLimit, dtype=np.float64)[base:]
-    speed = np.where((speed <= 0.0) | (speed > 1e100), np.inf, SLOW * speed)
+    speed = SLOW * robot.speed_limits
     first = int(robot.model.nq) - robot.joints
     low, high = robot.model.lowerPositionLimit[first:], robot.model.upperPositionLimit[first:]
     return Postures(

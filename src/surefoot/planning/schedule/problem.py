@@ -17,9 +17,6 @@ from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
 
-UNBOUNDED = 1e15
-"""Limits of a model beyond this are none."""
-
 
 @dataclass(frozen=True)
 class ScheduleWeights:
@@ -181,8 +178,7 @@ class ScheduleProblem:
     @property
     def speed_limits(self) -> FloatArray:
         """(joints,) that may be used [rad/s], infinite where the model has none."""
-        speed = np.array(self.robot.model.upperVelocityLimit)[self.robot.base_dof :]
-        return np.where((speed > 0.0) & (speed < UNBOUNDED), self.speed_share * speed, np.inf)
+        return np.asarray(self.speed_share * self.robot.speed_limits)
 
 
 def window_about(

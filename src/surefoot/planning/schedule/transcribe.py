@@ -19,8 +19,9 @@ import numpy as np
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.control.motor_limits import MotorLimits
 from surefoot.planning.direct.blocks import Block
+from surefoot.planning.direct.problem import limit_joints
 from surefoot.planning.direct.symbolic_body import SymbolicBody
-from surefoot.planning.schedule.problem import UNBOUNDED, ScheduleProblem
+from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.symmetry import mirrored_joints, quadruped_order
 from surefoot.planning.transcription.forms import import_casadi
 from surefoot.robot import Robot
@@ -230,11 +231,7 @@ def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
     nq, nx = int(model.nq), int(model.nq + model.nv)
     low = np.full((n + 1, nx), -np.inf)
     high = -low
-    below, above = np.array(model.lowerPositionLimit)[7:], np.array(model.upperPositionLimit)[7:]
-    known = (below < above) & (below > -UNBOUNDED) & (above < UNBOUNDED)
-    low[1:, 7:nq], high[1:, 7:nq] = np.where(known, below, -np.inf), np.where(known, above, np.inf)
-    speed = problem.speed_limits
-    low[1:, nq + robot.base_dof :], high[1:, nq + robot.base_dof :] = -speed, speed
+    limit_joints(robot, low, high, problem.speed_share)
     for k, window in problem.windows.items():
         for part, least, most in (
             (slice(0, nq), window.q_low, window.q_high),

@@ -65,15 +65,14 @@ def carry_out(problem: ScheduleProblem, request: Request, tell: Tell) -> Attempt
 
 def beyond_limits(robot: Robot, motion: Trajectory) -> str:
     """Return which limits of a robot's joints a motion exceeds, in words; empty for none."""
-    model, base = robot.model, robot.base_dof
+    model = robot.model
     first = int(model.nq) - robot.joints
     below, above = np.array(model.lowerPositionLimit)[first:], np.array(model.upperPositionLimit)[first:]
-    speed = np.array(model.upperVelocityLimit)[base:]
     known = below < above
     angles = motion.q[:, first:][:, known]
     use = {
         "torque": float((np.abs(motion.torques) - robot.effort_limits).max()),
-        "speed": float((np.abs(motion.v[:, base:]) - np.where(speed > 0.0, speed, np.inf)).max()),
+        "speed": float((np.abs(motion.v[:, robot.base_dof :]) - robot.speed_limits).max()),
         "position": float(np.maximum(below[known] - angles, angles - above[known]).max(initial=-np.inf)),
     }
     over = [f"{name} by {value:.2g}" for name, value in use.items() if value > OVER]

@@ -130,8 +130,7 @@ class Flight:
         self._roots = [
             int(model.joints[k].idx_v) - 6 for k in range(2, model.njoints) if model.parents[k] == 1
         ]
-        speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
-        self._fastest = SPEED_SHARE * np.where(speed > 0.0, speed, np.inf)
+        self._fastest = SPEED_SHARE * robot.speed_limits
 
     def begin(self, joints: FloatArray, speeds: FloatArray) -> None:
         """Start from joint angles and speeds (joints,): targets move on from there."""

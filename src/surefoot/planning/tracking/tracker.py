@@ -138,8 +138,7 @@ class TrackingController(Controller):
         self.facts = {"kind": "track", "normal_min": least, "normal_max": math.inf, "mu_controller": s.mu}
         self._radii = robot.contact_points.foot_radii
         self._support = robot.contact_points.foot_support[:, 6:]
-        speed = np.array(robot.model.velocityLimit, dtype=np.float64)[6:]
-        self._speed_limits = np.where(speed > 0.0, speed, np.inf)
+        self._speed_limits = robot.speed_limits
         self._frames, self._still = np.tile(np.eye(3), (len(robot.feet), 1, 1)), np.zeros(robot.joints)
         self.reset()
 
