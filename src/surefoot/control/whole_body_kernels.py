@@ -7,9 +7,11 @@ least ½ aᵀ H a - cᵀ a. Eliminating a leaves a quadratic in w alone, see `el
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import cholesky, product, solve_columns, solve_lower
 from surefoot.numerics.points import point_jacobian
@@ -304,3 +306,98 @@ def eliminate(
         for i in range(6):
             gain[j, i] = X[j, i]
     return _reduce_cost(H, c, offset, gain, root, target)
+
+
+@kernel
+def place_points(
+    frames: FloatArray, foot: IntArray, rotations: FloatArray, places: FloatArray, offsets: FloatArray,
+    radii: FloatArray, normals: FloatArray, arms: FloatArray, point_frames: FloatArray, points: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the feet's normals and arms (n, 3), and frames (p, 3, 3) and places (p, 3) of the contact points.
+
+    Parameters
+    ----------
+    frames
+        (n, 3, 3) rotation_world_contact of each foot's ground.
+    foot
+        (p,) which foot carries each point.
+    rotations, places
+        (n, 3, 3), (n, 3) frames of the feet, world axes [m].
+    offsets, radii
+        (p, 3) of the points' centres in their foot's frame; (n,) of the feet's spheres [m].
+    """
+    for k in range(len(radii)):
+        for i in range(3):
+            normals[k, i] = frames[k, i, 2]
+            arms[k, i] = -radii[k] * frames[k, i, 2]
+    for j in range(len(foot)):
+        k = foot[j]
+        for i in range(3):
+            total = places[k, i] + arms[k, i]
+            for a in range(3):
+                total += rotations[k, i, a] * offsets[j, a]
+                point_frames[j, i, a] = frames[k, i, a]
+            points[j, i] = total
+
+
+@kernel
+def recover(
+    rows: FloatArray, forces: FloatArray, offset: FloatArray, gain: FloatArray, M: FloatArray, nle: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the joint torques (joints,) and accelerations (nv,) that go with contact forces.
+
+    Parameters
+    ----------
+    rows
+        (3p, nv) Jacobian of the contact points, rows in contact axes.
+    forces
+        (p, 3) contact frames [N].
+    offset, gain
+        Accelerations are offset + gain w for the ground's force w (6,) on the base; see `eliminate`.
+    M, nle
+        (nv, nv), (nv,) mass matrix and bias forces.
+    """
+    nv = len(offset)
+    ground, a = np.zeros(nv), np.empty(nv)
+    for k in range(len(forces)):
+        for i in range(3):
+            f = forces[k, i]
+            if f != 0.0:
+                for j in range(nv):
+                    ground[j] += rows[3 * k + i, j] * f
+    for j in range(nv):
+        total = offset[j]
+        for i in range(6):
+            total += gain[j, i] * ground[i]
+        a[j] = total
+    torques = np.empty(nv - 6)
+    for j in range(6, nv):
+        total = nle[j] - ground[j]
+        for i in range(nv):
+            total += M[j, i] * a[i]
+        torques[j - 6] = total
+    return torques, a
+
+
+@kernel
+def exceeded(torques: FloatArray, limits: FloatArray, loose: BoolArray) -> tuple[float, float, float, bool]:
+    """Return by how much (joints,) torques pass their limits, and whether all of them are finite.
+
+    The first two are the largest torques over their limits [-] among the joints that no contact loads
+    (`loose`) and among the others, at least zero; the third is the largest excess [N m], of either sign.
+    """
+    light = heavy = 0.0
+    most, finite = -math.inf, True
+    for j in range(len(torques)):
+        size = abs(torques[j])
+        if not math.isfinite(size):
+            finite = False
+            continue
+        if size > 0.0:
+            share = size / limits[j]
+            if loose[j]:
+                light = max(light, share)
+            else:
+                heavy = max(heavy, share)
+        most = max(most, size - limits[j])
+    return light, heavy, most, finite
