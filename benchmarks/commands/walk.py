@@ -36,7 +36,7 @@ def walk(
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Time the MPC step (ours, four QP solvers with pyramids, Clarabel) and a walking controller's whole step."""
+    """Time the MPC step (ours, QP solvers with pyramids, Clarabel) and a walking controller's whole step."""
     from benchmarks.walk.race import measure
     from surefoot.robot import load_robot
 

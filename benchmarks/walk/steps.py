@@ -34,7 +34,7 @@ class StepRow:
 
 @dataclass
 class _Tape:
-    """Inputs of a walk: states; (q, v, tasks) of whole-body control; elapsed time and arguments of the MPC."""
+    """Inputs of a walk: states; (q, v, tasks) of whole-body control; time since and arguments of plans."""
 
     states: list[RobotState]
     whole_body: list[tuple[Any, ...]]

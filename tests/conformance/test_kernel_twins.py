@@ -79,6 +79,8 @@ control.standing_kernels pd_wrench            control/test_standing.py::test_pd_
 control.standing_kernels within_limits        control/test_standing.py::test_within_limits_kernel
 control.swing            minimum_jerk         control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
+control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
+control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
 control.walking_kernels  plane_through        control/test_walking_kernels.py::test_the_plane_is_that_of_least_squares
@@ -91,9 +93,7 @@ control.whole_body_kernels base_tasks         control/test_whole_body_kernels.py
 control.whole_body_kernels contact_rows       control/test_whole_body_kernels.py::test_contact_rows
 control.whole_body_kernels eliminate          control/test_whole_body.py::test_elimination_matches_a_plain_kkt_solve
 control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
-control.whole_body_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
 control.whole_body_kernels place_points       control/test_whole_body_kernels.py::test_contact_points_are_on_their_feet
-control.whole_body_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
 control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
 equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many

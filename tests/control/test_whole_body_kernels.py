@@ -7,6 +7,7 @@ import pytest
 
 from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.damping import LARGEST, computable
+from surefoot.control.torque_kernels import exceeded, recover
 
 NV, FEET = 12, 3
 
@@ -152,7 +153,7 @@ def test_torques_are_those_of_the_dynamics() -> None:
     rng = np.random.default_rng(0)
     rows, forces, offset = rng.normal(size=(6, NV)), rng.normal(size=(2, 3)), rng.normal(size=NV)
     gain, M, nle = rng.normal(size=(NV, 6)), rng.normal(size=(NV, NV)), rng.normal(size=NV)
-    torques, a = kernels.recover(rows, forces, offset, gain, M, nle)
+    torques, a = recover(rows, forces, offset, gain, M, nle)
     ground = rows.T @ forces.ravel()
     np.testing.assert_allclose(a, offset + gain @ ground[:6], atol=1e-12)
     np.testing.assert_allclose(torques, (M @ a + nle - ground)[6:], atol=1e-12)
@@ -160,6 +161,6 @@ def test_torques_are_those_of_the_dynamics() -> None:
 
 def test_excess_is_told_apart() -> None:
     limits, loose = np.array([1.0, 2.0, np.inf]), np.array([True, False, False])
-    light, heavy, most, finite = kernels.exceeded(np.array([-1.5, 1.0, 7.0]), limits, loose)
+    light, heavy, most, finite = exceeded(np.array([-1.5, 1.0, 7.0]), limits, loose)
     assert (light, heavy, most, finite) == (1.5, 0.5, 0.5, True)
-    assert not kernels.exceeded(np.array([0.0, np.nan, 0.0]), limits, loose)[3]
+    assert not exceeded(np.array([0.0, np.nan, 0.0]), limits, loose)[3]

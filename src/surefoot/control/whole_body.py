@@ -29,6 +29,7 @@ from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.force_distribution import ForceDistributor
+from surefoot.control.torque_kernels import exceeded, recover
 from surefoot.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
@@ -187,7 +188,7 @@ class WholeBodyController:
             if not self._eliminate(rows):
                 return self.damping(self._v)
             forces, torques, accelerations = self._share(tasks)
-            unloaded, loaded, excess, finite = kernels.exceeded(torques, self.limits, self._loose)
+            unloaded, loaded, excess, finite = exceeded(torques, self.limits, self._loose)
             if not unloaded > 1.0 + PINNED_SLACK:
                 break
             over = self._loose & (np.abs(torques) > (1.0 + PINNED_SLACK) * self.limits)
@@ -245,7 +246,7 @@ class WholeBodyController:
         forces = self._distributor.solve(A, self._target, tasks.forces)
         self._status = self._distributor.status
         torques, accelerations = self._recover(forces)
-        if kernels.exceeded(torques, self.limits, self._loose)[1] > 1.0:
+        if exceeded(torques, self.limits, self._loose)[1] > 1.0:
             forces = self._within_limits(A, tasks)
             self._status = self._limited.status
             torques, accelerations = self._recover(forces)
@@ -263,7 +264,7 @@ class WholeBodyController:
 
     def _recover(self, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the torques and accelerations that go with contact forces."""
-        return kernels.recover(self._rows, forces, self._offset, self._gain, self._mass_matrix, self._nle)
+        return recover(self._rows, forces, self._offset, self._gain, self._mass_matrix, self._nle)
 
     def _set_stance(self, stance: BoolArray) -> None:
         """Tell the force distribution which points carry."""
