@@ -160,7 +160,8 @@ def test_torques_are_those_of_the_dynamics() -> None:
 
 
 def test_excess_is_told_apart() -> None:
-    limits, loose = np.array([1.0, 2.0, np.inf]), np.array([True, False, False])
-    light, heavy, most, finite = exceeded(np.array([-1.5, 1.0, 7.0]), limits, loose)
+    middle, half = np.array([0.5, 0.0, 0.0]), np.array([1.0, 2.0, np.inf])
+    loose = np.array([True, False, False])
+    light, heavy, most, finite = exceeded(np.array([-1.0, 1.0, 7.0]), middle, half, loose)
     assert (light, heavy, most, finite) == (1.5, 0.5, 0.5, True)
-    assert not exceeded(np.array([0.0, np.nan, 0.0]), limits, loose)[3]
+    assert not exceeded(np.array([0.0, np.nan, 0.0]), middle, half, loose)[3]

@@ -50,24 +50,27 @@ def recover(
 
 
 @kernel
-def exceeded(torques: FloatArray, limits: FloatArray, loose: BoolArray) -> tuple[float, float, float, bool]:
-    """Return by how much (joints,) torques pass their limits, and whether all of them are finite.
+def exceeded(
+    torques: FloatArray, middle: FloatArray, half: FloatArray, loose: BoolArray
+) -> tuple[float, float, float, bool]:
+    """Return by how much (joints,) torques leave the range middle ± half [N m], and whether all are finite.
 
-    The first two are the largest torques over their limits [-] among the joints that no contact loads
-    (`loose`) and among the others, at least zero; the third is the largest excess [N m], of either sign.
+    The first two are the largest distances from the middle over the half [-] among the joints that no
+    contact loads (`loose`) and among the others, at least zero; the third is the largest excess [N m], of
+    either sign.
     """
     light = heavy = 0.0
     most, finite = -math.inf, True
     for j in range(len(torques)):
-        size = abs(torques[j])
+        size = abs(torques[j] - middle[j])
         if not math.isfinite(size):
             finite = False
             continue
         if size > 0.0:
-            share = size / limits[j]
+            share = size / half[j]
             if loose[j]:
                 light = max(light, share)
             else:
                 heavy = max(heavy, share)
-        most = max(most, size - limits[j])
+        most = max(most, size - half[j])
     return light, heavy, most, finite

@@ -16,6 +16,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
+from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
@@ -57,6 +58,8 @@ class WalkSettings:
         Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
     normal_min, normal_max
         Bounds on a carrying foot's normal force, as shares of m g.
+    actuators
+        The motors that it believes to command; None for ideal ones.
     """
 
     mu: float = 0.6
@@ -72,6 +75,7 @@ class WalkSettings:
     normal_max: float = 1.5
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
+    actuators: Actuators | None = None
 
 
 @dataclass(frozen=True)
@@ -203,7 +207,7 @@ class WalkingController(Controller):
             self._mass, self._inertia, len(self.robot.feet), s.horizon, self._mpc_dt, mu, low, high, s.mpc
         )
         self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, baumgarte=(0.0, 2.0 * self._pendulum)
+            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._pendulum), None, s.actuators
         )
         self._body_gain = (s.body_stiffness * self._pendulum) ** 2, 2.0 * s.body_stiffness * self._pendulum
         self._swing_gain = (s.swing_stiffness * self._pendulum) ** 2, 2.0 * s.swing_stiffness * self._pendulum

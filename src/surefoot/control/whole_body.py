@@ -8,6 +8,8 @@ contact forces near the wanted ones (those of a model-predictive controller, say
     minimise   Σ w_i ||A_i a - b_i||² + w_force ||(f - f_wanted) / m||²
     subject to M a + h = Sᵀ τ + Jᵀ f,   J_c a = -drift + Baumgarte,   f in K,   |τ| <= limit
 
+With actuators the limits are what motors give at the joints' speeds, less their friction, see `TorqueRange`.
+
 Torques follow from the joints' rows and accelerations from the ground's generalised force on the base, so
 that six numbers are left: the problem becomes force distribution in the metric of the tasks, which
 `ForceDistributor` solves exactly. Where a joint that carries would exceed its limit, it solves again with
@@ -27,9 +29,11 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
+from surefoot.control.actuators import Actuators
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.force_distribution import ForceDistributor
 from surefoot.control.torque_kernels import exceeded, recover
+from surefoot.control.torque_range import TorqueRange
 from surefoot.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
@@ -37,6 +41,7 @@ from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyComma
 from surefoot.errors import ModelError
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
+from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
@@ -62,6 +67,8 @@ class WholeBodyController:
         (stiffness [1/s²], damping [1/s]) of the contact constraint.
     effort_limits
         (joints,) [N m]; None for the robot's own.
+    actuators
+        Motors whose torques it commands: rotors, limits at the joints' speeds, friction that it makes up for.
 
     Raises
     ------
@@ -78,14 +85,17 @@ class WholeBodyController:
         weights: Weights | None = None,
         baumgarte: tuple[float, float] = (0.0, 20.0),
         effort_limits: FloatArray | None = None,
+        actuators: Actuators | None = None,
     ) -> None:
         import pinocchio
 
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
+        robot = robot if actuators is None else with_rotors(robot, actuators.armature)
         self.robot, self._pin = robot, pinocchio
         self._model, self._data = robot.model, robot.model.createData()
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
+        self._range = TorqueRange(self.limits, actuators)
         self.weights = weights or Weights()
         self.baumgarte = baumgarte
         self._set_points()
@@ -182,21 +192,23 @@ class WholeBodyController:
         """
         if not self._known:
             return self.damping(self._v)
+        span = self._range
+        span.update(self._v[6:])
         rows = self._assemble(tasks)
         self._set_stance(tasks.stance)
         for _ in range(PINNING_ROUNDS):
             if not self._eliminate(rows):
                 return self.damping(self._v)
             forces, torques, accelerations = self._share(tasks)
-            unloaded, loaded, excess, finite = exceeded(torques, self.limits, self._loose)
+            unloaded, loaded, excess, finite = exceeded(torques, span.middle, span.half, self._loose)
             if not unloaded > 1.0 + PINNED_SLACK:
                 break
-            over = self._loose & (np.abs(torques) > (1.0 + PINNED_SLACK) * self.limits)
+            over = self._loose & (np.abs(torques - span.middle) > (1.0 + PINNED_SLACK) * span.half)
             rows = self._pin_torques(rows, over, torques)
         if self._status is Status.INVALID or not finite:
             return self.damping(self._v)
         feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
-        clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
+        clipped = span.command(torques)
         return WholeBodyCommand(clipped, accelerations, forces, feasible, max(excess, 0.0), self._status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
@@ -246,7 +258,7 @@ class WholeBodyController:
         forces = self._distributor.solve(A, self._target, tasks.forces)
         self._status = self._distributor.status
         torques, accelerations = self._recover(forces)
-        if exceeded(torques, self.limits, self._loose)[1] > 1.0:
+        if exceeded(torques, self._range.middle, self._range.half, self._loose)[1] > 1.0:
             forces = self._within_limits(A, tasks)
             self._status = self._limited.status
             torques, accelerations = self._recover(forces)
@@ -254,11 +266,12 @@ class WholeBodyController:
 
     def _pin_torques(self, rows: int, over: BoolArray, torques: FloatArray) -> int:
         """Add constraints that hold torques at the limits that they exceed; return the number of rows."""
+        pinned = self._range.nearest(torques)
         for joint in np.flatnonzero(over):
             if rows == len(self._e):
                 break
             self._E[rows] = self._mass_matrix[6 + joint]
-            self._e[rows] = math.copysign(self.limits[joint], torques[joint]) - self._nle[6 + joint]
+            self._e[rows] = pinned[joint] - self._nle[6 + joint]
             rows += 1
         return rows
 
@@ -279,6 +292,9 @@ class WholeBodyController:
         slope = self._mass_matrix[6:] @ (self._gain @ self._map[:6]) - self._map[6:]
         offset = self._mass_matrix[6:] @ self._offset + self._nle[6:]
         slope[self._loose], offset[self._loose] = 0.0, 0.0
+        loaded = ~self._loose
+        offset[loaded] -= self._range.middle[loaded]
+        slope, offset = self._range.scale[:, None] * slope, self._range.scale * offset
         return self._limited.solve(
             A,
             self._target,
