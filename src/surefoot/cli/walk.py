@@ -74,7 +74,7 @@ def walk(
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
-    Exit code 0 if it walked to the end and no law was broken, 1 if not, 2 for wrong input.
+    Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
