@@ -15,6 +15,7 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.scenario import Ice as Ice
@@ -117,13 +118,13 @@ def _recorder(
         **controller.facts,
         "robot": robot.name,
         "world": type(world).__name__,
+        "effort_limits": robot.effort_limits,
         **told_by(world),
         "dt": world.dt,
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
-        "effort_limits": robot.effort_limits,
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
@@ -198,8 +199,9 @@ class _Run:
             spent = clock.perf_counter() - start
             # the step
             torques = faults.act(command.torques)
-            sensing.acted(command, torques)
             world.step(torques, push)
+            torques = given_by(world, torques)
+            sensing.acted(command, torques)
             reading = world.contacts()
             # its row
             self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
