@@ -135,11 +135,11 @@ def _print(found: list[Row], absent: dict[str, str], seeds: int) -> None:
     missed = [row for row in found if row.must and not row.holds]
     console.print(
         "survived: upright, on course, lawful. held: within the task's bounds as well (* where that has to "
-        "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: longest "
-        "sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, speed: "
-        "highest use of a joint's limit. cones: share of steps with a commanded force outside the true cone. "
-        "CPU: of a controller's step, mean and 99th percentile. x real: simulated over CPU time of the whole "
-        f"loop. Not held of what has to be: {len(missed)} of {sum(row.must for row in found)}.",
+        "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
+        "longest sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, "
+        "speed: highest use of a joint's limit. cones: share of steps with a commanded force outside the "
+        "true cone. CPU: of a controller's step, mean and 99th percentile. x real: simulated over CPU "
+        f"time of the whole loop. Not held of what has to be: {len(missed)} of {sum(row.must for row in found)}.",
         soft_wrap=True,
     )
 

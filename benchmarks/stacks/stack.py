@@ -74,16 +74,15 @@ class TimedController(Controller, Protocol):
 
 
 class Stack(Protocol):
-    """A walking stack.
+    """A walking stack."""
 
-    Attributes
-    ----------
-    name, title
-        On the command line, and in tables.
-    """
+    @property
+    def name(self) -> str:
+        """What it is called on the command line."""
 
-    name: str
-    title: str
+    @property
+    def title(self) -> str:
+        """What it is called in tables."""
 
     def missing(self) -> str:
         """Return why it cannot run here, in one line; empty where it can."""

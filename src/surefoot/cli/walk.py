@@ -29,8 +29,12 @@ def walk(
     urdf: shared.Urdf = None,
     feet: shared.FootFrames = None,
     gait: Annotated[
-        str, typer.Option(help="stand, trot, walk, pace, bound, flying_trot, or a name in --gait-file.")
-    ] = "trot",
+        str | None,
+        typer.Option(
+            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), or a name in "
+            "--gait-file; None for trot, on two feet walk."
+        ),
+    ] = None,
     gait_file: Annotated[Path | None, typer.Option(help="Gaits in OCS2's format.")] = None,
     period: Annotated[float | None, typer.Option(help="Length of a cycle of the gait [s].")] = None,
     planner: Annotated[
@@ -145,20 +149,19 @@ def _command(velocity: str, file: Path | None) -> Any:
     )
 
 
-Gaited = tuple[str, Path | None, float | None]
-"""What is said of the gait: its name, a file and a period."""
+Gaited = tuple[str | None, Path | None, float | None]
+"""What is said of the gait: its name, a file and a period; None where nothing is."""
 
 
 def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
-    from surefoot.control.walking import WalkingController, WalkSettings
+    from surefoot.control.walkers import default_gait, walking_controller
 
-    schedule = _schedule(robot, *gait)
+    name, file, period = gait
+    schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
     _check_steps(robot, schedule, command)
-    return WalkingController(
-        robot, command, schedule, ground, WalkSettings(mu=mu, actuators=actuators_of(robot, actuators))
-    )
+    return walking_controller(robot, command, schedule, ground, mu, actuators_of(robot, actuators))
 
 
 def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
@@ -166,7 +169,7 @@ def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: f
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
-    if gait != ("trot", None, None):
+    if gait not in ((None, None, None), ("trot", None, None)):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
     return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=mu))
 
