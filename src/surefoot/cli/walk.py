@@ -30,8 +30,12 @@ def walk(
     urdf: shared.Urdf = None,
     feet: shared.FootFrames = None,
     gait: Annotated[
-        str, typer.Option(help="stand, trot, walk, pace, bound, flying_trot, or a name in --gait-file.")
-    ] = "trot",
+        str | None,
+        typer.Option(
+            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), or a name in "
+            "--gait-file; None for trot, on two feet walk."
+        ),
+    ] = None,
     gait_file: Annotated[Path | None, typer.Option(help="Gaits in OCS2's format.")] = None,
     period: Annotated[float | None, typer.Option(help="Length of a cycle of the gait [s].")] = None,
     planner: Annotated[
@@ -152,8 +156,8 @@ def _command(velocity: str, file: Path | None) -> Any:
     )
 
 
-Gaited = tuple[str, Path | None, float | None]
-"""What is said of the gait: its name, a file and a period."""
+Gaited = tuple[str | None, Path | None, float | None]
+"""What is said of the gait: its name, a file and a period; None where nothing is."""
 
 
 def _convex(
@@ -161,12 +165,13 @@ def _convex(
 ) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
-    from surefoot.control.walking import WalkingController, WalkSettings
+    from surefoot.control.walkers import default_gait, walking_controller
 
-    schedule = _schedule(robot, *gait)
+    name, file, period = gait
+    schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
     _check_steps(robot, schedule, command)
-    settings = WalkSettings(mu=mu, actuators=actuators_of(robot, actuators))
-    controller = WalkingController(robot, command, schedule, ground, settings, wired.dt)
+    motors = actuators_of(robot, actuators)
+    controller = walking_controller(robot, command, schedule, ground, mu, motors, wired.dt)
     return wired.around(controller, robot)
 
 
@@ -177,7 +182,7 @@ def _contact_implicit(
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
-    if gait != ("trot", None, None):
+    if gait not in ((None, None, None), ("trot", None, None)):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
     if not wired.plain:
         told = "--commands, --control-rate, --latency or --dropout"
