@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
+from surefoot.cli import command_options as wires
 from surefoot.cli import estimators
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
@@ -61,7 +62,11 @@ def walk(
     payload: options.Payload = 0.0,
     estimator: estimators.EstimatorName = "truth",
     noise: estimators.Noise = None,
-    delay: Annotated[float, typer.Option(help="Delay of the torques [s].")] = 0.0,
+    delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
+    latency: wires.Latency = "auto",
+    commands: wires.Commands = "torques",
+    control_rate: wires.ControlRate = 1000.0,
+    dropout: wires.Dropouts = None,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
     world: worlds.WorldName = "mujoco",
@@ -93,16 +98,18 @@ def walk(
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
-    faults = Faults(noise=level, delay=delay)
+    wired = wires.wiring(commands, control_rate, latency, dropout)
+    parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)
+    faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, sensors=sensors)
     options.require(robot, urdf, WORLDS[world][1], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
     believed = mu if believed_mu is None else believed_mu
     given = gait, gait_file, period
-    controller = _planner(planner)(model, ground, given, command, believed, actuators)
+    controller = _planner(planner)(model, ground, given, command, believed, actuators, wired)
     q = _start(model, ground, mu)
     physics = worlds.build_world(world, model, ground, mu, payload, told, console)
-    say(console, *controller.notes)
+    say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
     return run.carry_out(physics, controller, replace(scenario, start=q), _account())
@@ -153,7 +160,9 @@ Gaited = tuple[str | None, Path | None, float | None]
 """What is said of the gait: its name, a file and a period; None where nothing is."""
 
 
-def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
+def _convex(
+    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str, wired: wires.Wiring
+) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
     from surefoot.control.walkers import default_gait, walking_controller
@@ -161,16 +170,23 @@ def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actu
     name, file, period = gait
     schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
     _check_steps(robot, schedule, command)
-    return walking_controller(robot, command, schedule, ground, mu, actuators_of(robot, actuators))
+    motors = actuators_of(robot, actuators)
+    controller = walking_controller(robot, command, schedule, ground, mu, motors, wired.dt)
+    return wired.around(controller, robot)
 
 
-def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
+def _contact_implicit(
+    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str, wired: wires.Wiring
+) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
     if gait not in ((None, None, None), ("trot", None, None)):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
+    if not wired.plain:
+        told = "--commands, --control-rate, --latency or --dropout"
+        raise ProblemError(f"--planner contact-implicit takes no {told}")
     return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=mu))
 
 

@@ -74,6 +74,7 @@ def figure_lines(summary: WalkSummary) -> list[str]:
         f"whole-body step possible within all limits in {100 * summary.feasible_share:.2f} % of the steps",
         *motor_lines(summary),
         *estimate_lines(summary),
+        *([f"no fresh state came for {summary.stale:.3f} s: joints were damped"] if summary.stale else []),
         cost_line(summary),
     ]
 

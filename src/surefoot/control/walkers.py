@@ -23,6 +23,7 @@ def walking_controller(
     terrain: Terrain | None = None,
     mu: float = 0.6,
     actuators: Actuators | None = None,
+    dt: float = 1e-3,
 ) -> Controller:
     """Return the controller that walks a robot with its default settings.
 
@@ -42,6 +43,8 @@ def walking_controller(
         Friction that it believes in [-].
     actuators
         What it knows of the motors; None for ideal ones.
+    dt
+        Time between its steps [s].
 
     Raises
     ------
@@ -57,7 +60,9 @@ def walking_controller(
 
         if not isinstance(chosen, (str, Gait)):
             raise ProblemError("two flat feet walk with a gait that repeats, not with a list of modes")
-        return BipedController(robot, command, chosen, terrain, BipedSettings(mu=mu, actuators=actuators))
+        biped = BipedSettings(mu=mu, actuators=actuators)
+        return BipedController(robot, command, chosen, terrain, biped, dt)
     from surefoot.control.walking import WalkingController, WalkSettings
 
-    return WalkingController(robot, command, chosen, terrain, WalkSettings(mu=mu, actuators=actuators))
+    settings = WalkSettings(mu=mu, actuators=actuators)
+    return WalkingController(robot, command, chosen, terrain, settings, dt)

@@ -127,6 +127,7 @@ _TABLE = (
     Channel("v_estimated", ("nv",), "m/s, rad/s", "base", meaning="velocity as estimated, like v"),
     Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is told"),
     Channel("estimator_time", (), "s", meaning="wall time of the estimator's step"),
+    Channel("stale", (), flag=True, meaning="whether joints were damped because no fresh state came"),
     Channel("controller_time", (), "s", meaning="wall time of the controller's step"),
 )
 CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _TABLE}

@@ -202,12 +202,12 @@ class _Run:
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
             start = clock.perf_counter()
-            command = self._decide(state, command)
+            command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
             spent = clock.perf_counter() - start
             # the step
-            torques = faults.act(command.torques)
-            world.step(torques, push)
-            torques = given_by(world, torques)
+            self._asked = faults.act(command, q, v)
+            world.step(self._asked, push)
+            torques = given_by(world, self._asked)
             sensing.acted(command, torques)
             reading = world.contacts()
             self.touches.look(now, reading)
@@ -243,7 +243,7 @@ class _Run:
         if reading.others is not None:
             rows["other_forces"][i] = reading.others
         if "torques_commanded" in rows:
-            rows["torques_commanded"][i] = command.torques
+            rows["torques_commanded"][i] = self._asked
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
         rows["attained"][i], rows["saturated"][i] = (
             command.attained,

@@ -189,6 +189,7 @@ class BipedController(Controller):
             body.torques, body.forces, feet.carrying[self._point_foot], body.feasible, body.status,
             feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
             self._plan.status,
+            accelerations=body.accelerations,
         )  # fmt: skip
         return self._last
 
@@ -200,8 +201,9 @@ class BipedController(Controller):
             np.tile(np.eye(3), (2, 1, 1)), np.zeros(3), np.zeros((2, 3)), Status.INVALID,
         )  # fmt: skip
         return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
-        )
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
 
     def _begin(self, now: Kinematics, turned: FloatArray) -> None:
         """Start from where the robot stands."""
