@@ -14,6 +14,24 @@ from surefoot.contact import Status
 from surefoot.log.channels import Channel
 
 
+class HeightScan(NamedTuple):
+    """What a range sensor saw of the ground.
+
+    Attributes
+    ----------
+    time
+        When it looked [s].
+    points
+        (k, 3) in base axes at that time, from the base's origin [m].
+    variances
+        (k,) of their heights [m²].
+    """
+
+    time: float
+    points: FloatArray
+    variances: FloatArray
+
+
 class RobotState(NamedTuple):
     """What a controller is told at one step.
 
@@ -25,12 +43,18 @@ class RobotState(NamedTuple):
         Since the run began [s].
     contact
         (n,) which feet feel the ground; None where nothing measures that.
+    forces
+        (n, 3) on the feet, world axes [N], as measured or estimated; None where nothing tells them.
+    scan
+        What a range sensor has seen, at the steps at which it tells; else None.
     """
 
     q: FloatArray
     v: FloatArray
     time: float = 0.0
     contact: BoolArray | None = None
+    forces: FloatArray | None = None
+    scan: HeightScan | None = None
 
 
 @dataclass(frozen=True)

@@ -98,14 +98,18 @@ class FootholdSearch:
         around = terrain.height(candidates[:, None, :] + ring)
         rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
         lean = np.abs(around - middle[:, None]).max(axis=1)
+        if terrain.noise > 0.0:  # what may be noise is no edge
+            rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
         cost = np.linalg.norm(grid, axis=1) + self.edge_weight * rise + self.tilt_weight * lean / self.margin
         return np.asarray(candidates[int(np.argmin(cost))])
 
 
-def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> tuple[float, float, float]:
+def fit_plane(
+    places: FloatArray, about: FloatArray, damping: float = 1e-4, weights: FloatArray | None = None
+) -> tuple[float, float, float]:
     """Return (height at `about`, slope along x, slope along y) of the plane nearest to (n, 3) places.
 
-    `damping` [m²] pulls the slopes to zero where the places do not tell them.
+    `damping` [m²] pulls the slopes to zero where the places do not tell them; (n,) `weights` are 1 for None.
 
     Examples
     --------
@@ -115,9 +119,10 @@ def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> t
     """
     xy = places[:, :2] - about
     rows = np.column_stack([np.ones(len(xy)), xy])
-    normal = rows.T @ rows
+    left = rows.T if weights is None else rows.T * weights
+    normal = left @ rows
     normal[1:, 1:] += damping * np.eye(2)
-    height, slope_x, slope_y = np.linalg.solve(normal, rows.T @ places[:, 2])
+    height, slope_x, slope_y = np.linalg.solve(normal, left @ places[:, 2])
     return float(height), float(slope_x), float(slope_y)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift, swing_motion
+from surefoot.control.swing import LIFT_FIRST, LIFT_LATER, apex_height, clear_lift, swing_motion
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -23,6 +23,10 @@ DESCENT = 0.06
 """Speed towards the ground at touchdown, as a share of sqrt(g h)."""
 SEARCH = 0.3
 """Acceleration with which a late foot goes down from there, as a share of g."""
+SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
+"""The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
+RETRY = 0.7
+"""Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
 PATH_SAMPLES = 7
 
 
@@ -46,6 +50,12 @@ class Feet:
         (n, 3, 3) rotation_world_contact of each foot's ground.
     share
         (n,) time since lift-off over the swing's duration.
+    again
+        (n,) which feet have begun their swing anew, once each.
+    wait
+        Time by which the schedule has been held up so far [s].
+    fastest
+        Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
     """
 
     schedule: ContactSchedule
@@ -54,6 +64,8 @@ class Feet:
     clearance: float
     descent: float
     centres: FloatArray
+    wait: float = 0.0
+    fastest: float | None = None
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -68,6 +80,9 @@ class Feet:
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
         self._felt = np.zeros(n)
+        self._retry = np.full((n, 2), -np.inf)  # when swings that were interrupted begin anew and end
+        self.again: BoolArray = np.zeros(n, dtype=bool)
+        self._late_from = np.zeros(n)
         self._lift_first = np.full(n, LIFT_FIRST)
         self._plane = self.terrain.planar
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
@@ -89,6 +104,9 @@ class Feet:
         for k in range(len(felt)):
             planned, begin, end = self.schedule.phase(k, time)
             self.planned[k] = planned
+            if self._again(k, time, bool(felt[k]), centres[k]):
+                changed |= bool(self.carrying[k])
+                continue
             if planned:
                 changed |= self._on_ground(k, time, bool(felt[k]), centres[k])
                 continue
@@ -103,6 +121,30 @@ class Feet:
                 changed = True
         return changed
 
+    def interrupt(self, k: int, time: float, centre: FloatArray) -> None:
+        """Begin a swing anew from where the foot is: it has struck something at a time of the schedule [s]."""
+        planned, begin, end = self.schedule.phase(k, time)
+        now = time + self.wait
+        rest = float(self.duration[k]) if planned else max(end - time, RETRY * (end - begin))
+        self._retry[k] = now, now + rest
+        self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
+        self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
+
+    def _again(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
+        """Go on with a swing that has begun anew; return whether there is one."""
+        begin, end = self._retry[k]
+        now = time + self.wait
+        if self.carrying[k] or now >= end:
+            return False
+        self.late[k], self.share[k] = False, (now - begin) / (end - begin)
+        if felt and self.share[k] > EARLY:
+            self._land(k, centre)
+        return True
+
+    def overdue(self) -> BoolArray:
+        """Return which feet should stand by now and do not: (n,)."""
+        return self.planned & ~self.carrying
+
     def _on_ground(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
         """Handle a foot that the gait wants on the ground."""
         if self.carrying[k]:
@@ -112,15 +154,20 @@ class Feet:
             self.start[k], self.target[k] = centre, centre
             self.apex[k], self.share[k], self.duration[k] = centre[2], 1.0, LOST_TIME
             self._felt[k] = time
+            self._late_from[k] = time + self.wait
             return True
         if felt:
             self._land(k, centre)
             return True
+        if not self.late[k]:
+            _, begin, _ = self.schedule.phase(k, time)
+            begun = max(begin, float(self._felt[k])) + self.wait
+            self._late_from[k] = max(begun, float(self._retry[k, 1]))
         self.late[k] = True
         return False
 
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
-        self.carrying[k] = False
+        self.carrying[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
         self.start[k] = centre
 
@@ -159,14 +206,22 @@ class Feet:
         """Return wanted place [m], velocity and acceleration of a foot in the air at a time [s]: (3, 3)."""
         share, overdue = float(self.share[k]), 0.0
         if self.late[k]:
-            _, begin, _ = self.schedule.phase(k, time)
-            overdue = max(time - max(begin, float(self._felt[k])), 0.0)
+            overdue = max(time + self.wait - float(self._late_from[k]), 0.0)
             share = 1.0 + overdue / float(self.duration[k])
         motion = swing_motion(
             self.start[k], self.target[k], float(self.apex[k]), share, float(self.duration[k]),
             self.descent, float(self._lift_first[k]),
         )  # fmt: skip
         if self.late[k]:
-            down = SEARCH * GRAVITY
-            motion[:, 2] -= [0.5 * down * overdue * overdue, down * overdue, down]
+            motion[:, 2] -= self._search_down(overdue)
         return motion
+
+    def _search_down(self, overdue: float) -> FloatArray:
+        """Return how far, how fast and with which acceleration a foot that is so late is sent down: (3,)."""
+        if self.fastest is None:
+            down = SEARCH * GRAVITY
+            return np.array([0.5 * down * overdue * overdue, down * overdue, down])
+        down, ramp = SEARCH_FAST * GRAVITY, self.fastest / (SEARCH_FAST * GRAVITY)
+        if overdue < ramp:
+            return np.array([0.5 * down * overdue * overdue, down * overdue, down])
+        return np.array([self.fastest * (overdue - 0.5 * ramp), self.fastest, 0.0])

@@ -126,6 +126,12 @@ class WholeBodyController:
         self._map = np.zeros((3 * count, nv)).T
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
 
+    def set_friction(self, mu: float) -> None:
+        """Change the friction [-] that the controller believes in."""
+        self.mu[:] = mu
+        for distributor in (self._distributor, self._limited):
+            distributor.set_friction(self.mu)
+
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""
         self._set_stance(np.ones(len(self._stance), dtype=bool))

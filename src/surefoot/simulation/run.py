@@ -21,6 +21,7 @@ from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
+from surefoot.simulation.outward import Outward
 from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, Stop, TrueState
 from surefoot.simulation.world import ContactReading, World
 from surefoot.simulation.world_facts import softness_of, told_by
@@ -152,6 +153,7 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.stop = Stop(self.world)
+        self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -193,6 +195,7 @@ class _Run:
             push = push_at(scenario.pushes, now)
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
+            state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
             command = self._decide(state, command)
             spent = clock.perf_counter() - start

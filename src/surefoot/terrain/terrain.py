@@ -27,9 +27,12 @@ class Terrain(ABC):
     ----------
     planar
         Whether the ground is one plane, so that normal and frame are the same everywhere.
+    noise
+        Height differences between neighbouring places that mean nothing [m]; zero for ground that is known.
     """
 
     planar: ClassVar[bool] = False
+    noise: float = 0.0
 
     @property
     def text(self) -> str:
