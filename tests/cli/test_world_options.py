@@ -77,7 +77,9 @@ def test_walks_in_the_rigid_world_and_on_soft_mujoco_ground(capsys, tmp_path):
         (["--solref", "0.02,-1"], "solref"),
         (["--solref", "a,b"], "not a finite number"),
         (["--world", "moon"], "unknown world 'moon'"),
-        (["--collision", "full"], "--collision full is of --world rigid"),
+        (["--world", "drake", "--collision", "full"], "--collision full is of --world mujoco or rigid"),
+        (["--world", "drake", "--actuators", "real"], "--actuators real is of --world mujoco or rigid"),
+        (["--actuators", "magic"], "valid names: ideal, real"),
         (["--world", "rigid", "--collision", "legs"], "valid names: feet, full"),
     ],
 )

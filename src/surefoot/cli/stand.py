@@ -41,6 +41,7 @@ def stand(
     law: worlds.ContactLaw = None,
     explicit: worlds.Explicit = False,
     collision: worlds.Collision = "feet",
+    actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
@@ -59,7 +60,7 @@ def stand(
 
     console = plain_console(quiet=as_json)
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)

@@ -64,6 +64,7 @@ def walk(
     law: worlds.ContactLaw = None,
     explicit: worlds.Explicit = False,
     collision: worlds.Collision = "feet",
+    actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
     out: options.Out = Path("runs"),
@@ -85,7 +86,7 @@ def walk(
         parsing.friction("--believed-mu", believed_mu)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     faults = Faults(noise=level, delay=delay)
@@ -94,7 +95,7 @@ def walk(
     model = load(robot, urdf, feet, feet_needed=True)
     believed = mu if believed_mu is None else believed_mu
     given = gait, gait_file, period
-    controller = _planner(planner)(model, ground, given, command, believed)
+    controller = _planner(planner)(model, ground, given, command, believed, actuators)
     q = _start(model, ground, mu)
     physics = worlds.build_world(world, model, ground, mu, payload, told, console)
     say(console, *controller.notes)
@@ -148,22 +149,26 @@ Gaited = tuple[str, Path | None, float | None]
 """What is said of the gait: its name, a file and a period."""
 
 
-def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float) -> Any:
+def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
     """Return the controller that follows a gait."""
+    from surefoot.control.actuators import actuators_of
     from surefoot.control.walking import WalkingController, WalkSettings
 
     schedule = _schedule(robot, *gait)
     _check_steps(robot, schedule, command)
-    return WalkingController(robot, command, schedule, ground, WalkSettings(mu=mu))
+    return WalkingController(
+        robot, command, schedule, ground, WalkSettings(mu=mu, actuators=actuators_of(robot, actuators))
+    )
 
 
-def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float) -> Any:
+def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+    from surefoot.simulation.actuated import equipped
 
     if gait != ("trot", None, None):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
-    return ContactImplicitMpc(robot, command, ground, MpcSettings(mu=mu))
+    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=mu))
 
 
 def _start(robot: Any, ground: Any, mu: float) -> Any:

@@ -20,7 +20,7 @@ from surefoot.spatial import GRAVITY
 LOADED = 0.08
 """Normal force from which a foot tells of friction, as a share of m g."""
 SLIDING = 0.07
-"""Speed from which it slides, as a share of sqrt(g h): well above what noise in encoders makes of a foot at rest."""
+"""Speed from which it slides, as a share of sqrt(g h): above what encoders' noise makes of a foot at rest."""
 FILTER = 0.004
 """Time constant with which the feet's speeds are smoothed [s]."""
 MEMORY = 5.0
@@ -113,7 +113,7 @@ class Grip:
         return self.mu
 
     def _at_once(self, forces: FloatArray) -> float:
-        """Return what feet use that have begun to slide, (n, 3) contact frames [N]: the tracker is surer, but later."""
+        """Return what feet use that begin to slide, forces (n, 3) [N]: the tracker is surer, but later."""
         self._slid = np.where(self.sliding, self._slid + self.dt, 0.0)
         begun = self._slid >= SOON
         if begun.any():
@@ -123,7 +123,7 @@ class Grip:
         return self._quick if self._quick_age < HOLD else math.inf
 
     def limit(self, command: FloatArray) -> FloatArray:
-        """Return a (3,) wanted velocity slowed to what the friction gives: forward, left [m/s], turn [rad/s]."""
+        """Return a (3,) wanted velocity, slowed to what the friction gives [m/s, rad/s]."""
         most = SPEED * self.mu * self._froude
         speed = math.hypot(float(command[0]), float(command[1]))
         if self.mu >= self.assumed or speed <= most:

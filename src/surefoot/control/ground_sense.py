@@ -1,13 +1,13 @@
 """How a walk on ground that is only believed differs from one on known ground: it feels its way.
 
-Feet that strike an edge are lifted over it, late ones are sent down faster, and the gait waits for a foot that
-has not found the ground while all others stand: with two feet of a trot in the air, one late foot would be
-two too many.
+Feet that strike an edge are lifted over it, late ones are sent down faster, and the gait waits for a foot
+that has not found the ground while all others stand: a trot that lifted two more would have one foot left.
 """
 
 from __future__ import annotations
 
 import math
+from typing import cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
 
 LONGEST_WAIT = 1.5
 """Longest time that the gait waits for a foot, over sqrt(h / g)."""
@@ -70,9 +71,7 @@ class GroundSense:
         feet.fastest = self._fastest
         if state.forces is None or feet.carrying.all():
             return felt
-        speeds = np.zeros_like(centres)
-        for k in np.flatnonzero(~feet.carrying).tolist():
-            speeds[k] = feet.motion(k, clock)[1]
+        speeds = feet.motions(clock)[:, 1]
         ground, struck = sort_touches(feet, felt, state.forces, speeds, self._weight)
         for k in np.flatnonzero(struck).tolist():
             self.belief.stumbled(state.time)
@@ -93,3 +92,12 @@ class GroundSense:
         elif self._waited < self._longest and (feet.carrying | overdue).all():
             self._waited += self.dt
             feet.wait += self.dt
+
+
+def ground_sense(
+    terrain: Terrain, weight: float, height: float, clearance: float, dt: float
+) -> GroundSense | None:
+    """Return what feeds a terrain that learns, None for one that is known; parameters of `GroundSense`."""
+    if not terrain.learns:
+        return None
+    return GroundSense(cast(GroundBelief, terrain), weight, height, clearance, dt)

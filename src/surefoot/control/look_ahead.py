@@ -1,4 +1,4 @@
-"""The ground that a walking body follows: a smoothed plane over the terrain ahead instead of its last footholds.
+"""The ground that a walking body follows: a smoothed plane over the terrain ahead, not its last footholds.
 
 The plane through the last footholds jumps with every step onto a stair, and a body that follows it nods. Here
 the plane is the weighted least-squares fit of the terrain over a window about the body, longer than a tread
@@ -68,7 +68,7 @@ class LookAhead:
         return float(level), np.array([slope_x, slope_y])
 
     def _window(self) -> tuple[FloatArray, FloatArray]:
-        """Return the samples' offsets (k, 2) in the heading frame [m] and their weights (k,), summing to 1."""
+        """Return the samples' offsets (k, 2) in the heading frame [m] and weights (k,) that sum to 1."""
         share = np.linspace(-1.0, 1.0, self.points + 2)[1:-1]
         along = HALF_LENGTH * self.height * share
         across = SIDE * self.height * np.linspace(-1.0, 1.0, self.rows)

@@ -1,7 +1,7 @@
 """Feet that strike an edge in the air: told from feet that land by the direction of the force on them.
 
-Ground pushes up, within its friction; an edge pushes back. A foot in the air that is pushed sideways more than
-upwards has struck something: it is not on the ground, and it is lifted over what it struck [1]_.
+Ground pushes up, within its friction; an edge pushes back. A foot in the air that is pushed sideways more
+than upwards has struck something: it is not on the ground, and it is lifted over what it struck [1]_.
 
 References
 ----------
@@ -21,8 +21,8 @@ STRUCK = 0.1
 STEEP = 1.0
 """Ground gives no more force sideways than this times that along its normal."""
 FELT = 0.06
-"""Force along the normal below which a foot in the air has not found the ground, likewise: what is estimated of
-the force on a leg that is braked in the air is not zero."""
+"""Force along the normal below which a foot in the air has not found the ground, likewise: what is estimated
+of the force on a leg that is braked in the air is not zero."""
 SOONEST, LATEST = 0.15, 1.0
 """Shares of its swing between which a foot can strike something: lift-off drags."""
 

@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
-from surefoot.control.foothold import fit_plane
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
 from surefoot.spatial import rotation_from_quaternion
@@ -35,12 +34,14 @@ LANDINGS = 3
 """How many landings of each foot the plane under the feet goes through."""
 FORGETTING = 0.7
 """Weight of a foot's landing against its next one."""
+DAMPING = 1e-4
+"""Pull of the plane's slopes to zero where footholds do not tell them [m²]."""
 SMOOTH = 0.004
 """Distances of footholds from their plane that count as flat ground [m]."""
 ROUGH_LIFT = 1.5
-"""Height by which a blind foot is lifted more, over the footholds' standard deviation from their plane."""
+"""Height by which a blind foot is lifted more, over the footholds' deviation from their plane."""
 BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
-"""Share of the error of an expected height by which the next ones are corrected, and the most, in body heights."""
+"""Share of the error of an expected height by which the next are corrected, and the most, in body heights."""
 STUMBLE_TIME = 4.0
 """How long a stumble is remembered [s]."""
 HIGHEST_LIFT = 0.25
@@ -58,6 +59,7 @@ class GroundBelief(Terrain):
         Height by which feet should be lifted more than over known ground [m].
     """
 
+    learns = True
     lift: float = 0.0
 
     def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
@@ -125,10 +127,13 @@ class GroundBelief(Terrain):
                 weights.append(FORGETTING**age)
         points, shares = np.array(places), np.array(weights)
         about = points[:, :2].mean(axis=0)
-        level, slope_x, slope_y = fit_plane(points, about, weights=shares)
-        off = points[:, 2] - level - (points[:, :2] - about) @ np.array([slope_x, slope_y])
+        rows = np.column_stack([np.ones(len(points)), points[:, :2] - about])
+        normal = (rows * shares[:, None]).T @ rows
+        normal[1:, 1:] += DAMPING * np.eye(2)
+        plane = np.linalg.solve(normal, rows.T @ (shares * points[:, 2]))
+        off = points[:, 2] - rows @ plane
         self._spread = math.sqrt(float(shares @ off**2) / max(float(shares.sum()) - 3.0, 1.0))
-        self._about, self._level, self._slope = about, level, np.array([slope_x, slope_y])
+        self._about, self._level, self._slope = about, float(plane[0]), plane[1:]
         self._fitted()
 
     def _touched(self, point: FloatArray) -> None:

@@ -33,8 +33,8 @@ def fuse_points(
     for k in range(points.shape[0]):
         if not (math.isfinite(points[k, 0]) and math.isfinite(points[k, 1]) and math.isfinite(points[k, 2])):
             continue
-        i = int(math.floor((points[k, 0] - corner[0]) / spacing + 0.5))
-        j = int(math.floor((points[k, 1] - corner[1]) / spacing + 0.5))
+        i = math.floor((points[k, 0] - corner[0]) / spacing + 0.5)
+        j = math.floor((points[k, 1] - corner[1]) / spacing + 0.5)
         if i < 0 or j < 0 or i >= count or j >= count:
             continue
         z, r, p = points[k, 2], spread[k], variances[i, j]
@@ -100,7 +100,7 @@ def fill_unknown(
 
 @kernel
 def bilinear(filled: FloatArray, corner: FloatArray, spacing: float, xy: FloatArray) -> FloatArray:
-    """Return the heights (k,) at (k, 2) places between the cells of (m, m) heights; level beyond the border."""
+    """Return heights (k,) at (k, 2) places between the cells of (m, m) heights; level beyond the border."""
     count = filled.shape[0]
     out = np.empty(xy.shape[0])
     for k in range(xy.shape[0]):

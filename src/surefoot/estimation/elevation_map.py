@@ -113,7 +113,7 @@ class ElevationMap(Terrain):
         return f"ElevationMap({len(self._heights)} x {len(self._heights)}, spacing={self.settings.spacing:g})"
 
     def begin(self, place: ArrayLike, level: float, slope: ArrayLike) -> None:
-        """Forget all; what is not seen yet is a plane of height `level` [m] at a (2,) place, with (2,) slopes."""
+        """Forget all; what is not seen yet is a plane of height `level` [m] at a (2,) place, (2,) slopes."""
         centre = finite_array("place", place, (2,))
         self._variances[:] = np.inf
         self._heights[:] = 0.0

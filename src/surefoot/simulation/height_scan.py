@@ -50,7 +50,7 @@ class RangeSensor:
     tilt, shift
         Standard deviations of its mounting's errors about and along each axis [rad], [m]; fixed in a run.
     position
-        (forward, up) from the base's origin, in lengths from there to the front hips and in heights of the base.
+        (forward, up) from the base's origin, in lengths from there to the front feet and in heights of it.
     """
 
     rate: float = 15.0

@@ -1,8 +1,8 @@
 """A MuJoCo world made from the Pinocchio model itself, so that both engines hold the same robot.
 
 MuJoCo's own conventions stop in this file: quaternions (w, x, y, z), base velocity [linear in world
-axes; angular in base axes], contact frames with the normal first. Joints are ideal torque sources
-without friction or rotor inertia; only the feet's spheres touch the ground.
+axes; angular in base axes], contact frames with the normal first. By default joints are ideal torque sources
+without friction or rotor inertia, and only the feet's spheres touch the ground.
 """
 
 from __future__ import annotations
@@ -18,9 +18,12 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry
 from surefoot.contact.laws.soft import MujocoLaw
+from surefoot.control.actuators import Actuators
 from surefoot.errors import MissingExtra, ModelError, SimulationError
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.simulation.actuated import equipped
+from surefoot.simulation.mujoco_actuators import fit_actuators
 from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
 from surefoot.simulation.mujoco_links import LinkContacts, add_links
@@ -97,6 +100,8 @@ class MujocoWorld:
         Point mass fixed to the base's origin [kg], unknown to any controller.
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
+    actuators
+        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
     solref, solimp
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
@@ -106,6 +111,8 @@ class MujocoWorld:
     ----------
     model, data
         MuJoCo's own.
+    applied
+        (joints,) torques that the motors gave in the last step [N m].
     ground_geoms, base_body
         Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
 
@@ -124,14 +131,17 @@ class MujocoWorld:
         payload: float = 0.0,
         *,
         collision: str | Geometry = "feet",
+        actuators: str | Actuators = "ideal",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
     ) -> None:
         mujoco = import_mujoco()
+        robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         spec = robot_spec(robot, self.payload)
+        fit_actuators(spec, robot, self.actuators)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         geometry = chosen_geometry(robot, collision)
         if geometry is not None:
@@ -147,6 +157,7 @@ class MujocoWorld:
             raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
         self.data = mujoco.MjData(self.model)
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
+        self.applied = np.zeros(robot.joints)
         points = robot.contact_points
         self.contact_foot, self._radii = points.foot, points.radii
         geoms = [int(self.model.geom(f"foot:{n}").id) for n in points.names]  # numbered along the tree
@@ -205,8 +216,11 @@ class MujocoWorld:
             Where the state stops being finite, or exceeds MuJoCo's own largest number, 1e10. The world stays
             in the state before the step.
         """
-        data = self.data
-        data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
+        data, first = self.data, self.robot.base_dof
+        self.applied = finite_vector("torques", torques, self.robot.joints)
+        if self.actuators is not None:
+            self.applied = self.actuators.given(self.applied, data.qvel[first:])
+        data.qfrc_applied[first:] = self.applied
         if self.base_body:
             data.xfrc_applied[self.base_body, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel

@@ -1,4 +1,4 @@
-"""What a robot senses of the world around it, beside its own state: the ground ahead, and forces on its feet."""
+"""What a robot senses of the world around it, beside its own state: the ground, and forces on its feet."""
 
 from __future__ import annotations
 

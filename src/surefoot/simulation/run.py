@@ -15,13 +15,14 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
 from surefoot.simulation.observers import Moment, Observer
+from surefoot.simulation.outward import Outward
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
-from surefoot.simulation.outward import Outward
 from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, Stop, TrueState
 from surefoot.simulation.world import ContactReading, World
 from surefoot.simulation.world_facts import softness_of, told_by
@@ -118,13 +119,13 @@ def _recorder(
         **controller.facts,
         "robot": robot.name,
         "world": type(world).__name__,
+        "effort_limits": robot.effort_limits,
         **told_by(world),
         "dt": world.dt,
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
-        "effort_limits": robot.effort_limits,
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
@@ -201,8 +202,9 @@ class _Run:
             spent = clock.perf_counter() - start
             # the step
             torques = faults.act(command.torques)
-            sensing.acted(command, torques)
             world.step(torques, push)
+            torques = given_by(world, torques)
+            sensing.acted(command, torques)
             reading = world.contacts()
             # its row
             self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
 from surefoot.control.standstill import Standstill
 from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
@@ -91,6 +92,7 @@ class EstimatedState(Sensing):
         ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
         self.estimator = StateEstimator(ekf)
         foot = np.asarray(world.contact_foot)
+        self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
         self._standing: BoolArray | None = None
         self._warm_up(robot.nominal)
@@ -128,7 +130,10 @@ class EstimatedState(Sensing):
         """See `Sensing.acted`."""
         start = clock.perf_counter()
         self._standing = np.array([bool(command.active[points].any()) for points in self._points])
-        self.estimator.applied(self.sensors.torques(torques))
+        heard = self.sensors.torques(torques)
+        if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
+            heard = heard - self._actuators.losses(self._told.v[6:])
+        self.estimator.applied(heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:
