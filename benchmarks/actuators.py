@@ -64,8 +64,8 @@ class Walk:
 
 
 COLUMNS = (
-    "walked", "laws and limits kept", "velocity [m/s]", "slip [mm]", "fastest joint [%]", "beyond its speed [%]",
-    "torque cut off [%]", "links touched",
+    "walked", "laws and limits kept", "velocity [m/s]", "slip [mm]", "fastest joint [%]",
+    "beyond its speed [%]", "torque cut off [%]", "links touched",
 )  # fmt: skip
 
 
