@@ -13,8 +13,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.contact import Status
 from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, Controller, RobotState
@@ -169,10 +170,30 @@ class WalkingController(Controller):
                 f"the gait is for {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
             )
         self._set_timing()
-        self.command, self.notes = limit_command(
-            command, 0.55 * self._height, self._stance_time, self._height, self._radius
-        )
+        self.command, self.notes = self._limited(command)
         self._set_controllers()
+
+    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
+        reach = 0.55 * self._height
+        return limit_command(command, reach, self._stance_time, self._height, self._radius)
+
+    def steer(self, velocity: ArrayLike) -> FloatArray:
+        """Take another velocity (3,) from now on, limited and ramped as any: return what is left of it.
+
+        Parameters
+        ----------
+        velocity
+            Forward, left [m/s], yaw rate [rad/s].
+
+        Raises
+        ------
+        ProblemError
+            For what is no three finite numbers.
+        """
+        wanted = finite_array("velocity", velocity, (3,))
+        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
+        return self.command.at(0.0)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
