@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli import estimators
+from surefoot.cli import estimators, knowledge
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
@@ -49,9 +49,8 @@ def walk(
         ),
     ] = "flat",
     mu: options.Friction = 0.6,
-    believed_mu: Annotated[
-        float | None, typer.Option(help="Friction that the controller believes in; None for --mu.")
-    ] = None,
+    believed_mu: knowledge.BelievedMu = None,
+    terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     push: options.Pushes = None,
     ice: options.IcePatches = None,
     payload: options.Payload = 0.0,
@@ -82,20 +81,18 @@ def walk(
 
     console = plain_console(quiet=as_json)
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
-    if believed_mu is not None:
-        parsing.friction("--believed-mu", believed_mu)
+    belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     faults = Faults(noise=level, delay=delay)
-    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, sensors=sensors)
+    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
     options.require(robot, urdf, WORLDS[world][1], video, report)
     model = load(robot, urdf, feet, feet_needed=True)
-    believed = mu if believed_mu is None else believed_mu
     given = gait, gait_file, period
-    controller = _planner(planner)(model, ground, given, command, believed, actuators)
+    controller = _planner(planner)(model, belief.ground(ground), given, command, belief, actuators)
     q = _start(model, ground, mu)
     physics = worlds.build_world(world, model, ground, mu, payload, told, console)
     say(console, *controller.notes)
@@ -149,26 +146,31 @@ Gaited = tuple[str, Path | None, float | None]
 """What is said of the gait: its name, a file and a period."""
 
 
-def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
+def _convex(
+    robot: Any, ground: Any, gait: Gaited, command: Any, belief: knowledge.Beliefs, actuators: str
+) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
     from surefoot.control.walking import WalkingController, WalkSettings
 
     schedule = _schedule(robot, *gait)
     _check_steps(robot, schedule, command)
-    return WalkingController(
-        robot, command, schedule, ground, WalkSettings(mu=mu, actuators=actuators_of(robot, actuators))
+    settings = WalkSettings(
+        mu=belief.mu, watch_friction=belief.watch, actuators=actuators_of(robot, actuators)
     )
+    return WalkingController(robot, command, schedule, ground, settings)
 
 
-def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str) -> Any:
+def _contact_implicit(
+    robot: Any, ground: Any, gait: Gaited, command: Any, belief: knowledge.Beliefs, actuators: str
+) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
     if gait != ("trot", None, None):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
-    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=mu))
+    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=belief.mu))
 
 
 def _start(robot: Any, ground: Any, mu: float) -> Any:

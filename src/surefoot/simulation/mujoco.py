@@ -25,7 +25,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.actuated import equipped
 from surefoot.simulation.mujoco_actuators import fit_actuators
 from surefoot.simulation.mujoco_contacts import read_contacts
-from surefoot.simulation.mujoco_ground import add_shapes
+from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
 from surefoot.simulation.mujoco_links import LinkContacts, add_links
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.rigid import chosen_geometry
@@ -160,17 +160,16 @@ class MujocoWorld:
         self.applied = np.zeros(robot.joints)
         points = robot.contact_points
         self.contact_foot, self._radii = points.foot, points.radii
-        geoms = [int(self.model.geom(f"foot:{n}").id) for n in points.names]  # numbered along the tree
-        self._geoms = np.array(geoms, dtype=np.int64)
+        geoms = (self.model.geom(f"foot:{n}").id for n in points.names)  # numbered along the tree
+        self._geoms = np.array([int(k) for k in geoms], dtype=np.int64)
         self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
         self._roots = np.array(self.model.body_rootid)[self._bodies]
-        names = [self.model.geom(i).name for i in range(self.model.ngeom)]
-        self.ground_geoms = [i for i, name in enumerate(names) if name.startswith("ground")]
+        names = enumerate(self.model.geom(i).name for i in range(self.model.ngeom))
+        self.ground_geoms = [i for i, name in names if name.startswith("ground")]
         self.base_body = int(self.model.body("base:0").id) if robot.floating else 0
-        self._links = None
-        if geometry is not None:
-            self._links = LinkContacts(mujoco, self.model, self._geoms, self.ground_geoms)
-        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(geoms)).reshape(-1, 3, 3)
+        links = (mujoco, self.model, self._geoms, self.ground_geoms)
+        self._links = None if geometry is None else LinkContacts(*links)
+        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(self._geoms)).reshape(-1, 3, 3)
         self.reset(robot.nominal)
 
     @property
@@ -242,6 +241,8 @@ class MujocoWorld:
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""
         self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+
+    set_point_friction = set_point_friction
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
