@@ -22,7 +22,10 @@ Pushes: TypeAlias = Annotated[
     list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")
 ]
 IcePatches: TypeAlias = Annotated[
-    list[str] | None, typer.Option(help="T:MU, friction from time T on; repeatable.")
+    list[str] | None,
+    typer.Option(
+        help="T:MU, friction from time T [s] on, or X0,Y0,X1,Y1:MU, friction in a rectangle [m]; repeatable."
+    ),
 ]
 Seed: TypeAlias = Annotated[
     int | None, typer.Option(help="Seed of a small random velocity at the start and of all noise.")
@@ -53,12 +56,15 @@ def scenario_of(
 ) -> Scenario:
     """Return what happens to the robot, or raise for what lies past the end."""
     from surefoot.cli import parsing
-    from surefoot.simulation.scenario import Scenario
+    from surefoot.simulation.scenario import Ice, IcePatch, Scenario
 
-    pushes, patches = parsing.each(parsing.push, push), parsing.each(parsing.ice, ice)
+    pushes, given = parsing.each(parsing.push, push), parsing.each(parsing.ice, ice)
+    changes = [one for one in given if isinstance(one, Ice)]
+    patches = [one for one in given if isinstance(one, IcePatch)]
     parsing.within_run("--push", push, [event.start for event in pushes], duration)
-    parsing.within_run("--ice", ice, [event.start for event in patches], duration)
-    return Scenario(duration, mu, pushes, patches, seed, **more)
+    timed = [text for text, one in zip(ice or [], given, strict=True) if isinstance(one, Ice)]
+    parsing.within_run("--ice", timed, [event.start for event in changes], duration)
+    return Scenario(duration, mu, pushes, changes, seed, patches=patches, **more)
 
 
 def require(robot: str | None, urdf: Path | None, packages: Sequence[str], video: bool, report: bool) -> None:

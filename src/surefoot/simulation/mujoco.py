@@ -22,7 +22,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.actuated import equipped
 from surefoot.simulation.mujoco_actuators import fit_actuators
 from surefoot.simulation.mujoco_contacts import read_contacts
-from surefoot.simulation.mujoco_ground import add_shapes
+from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
 from surefoot.simulation.mujoco_links import LinkContacts, add_links
 from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
 from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
@@ -222,6 +222,8 @@ class MujocoWorld:
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""
         self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+
+    set_point_friction = set_point_friction
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
