@@ -26,9 +26,9 @@ MEANINGS = (
     "survived: upright, on course, lawful. held: within the task's bounds as well (* where that has to "
     "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
     "longest sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, "
-    "speed: highest use of a joint's limit. cones: share of steps with a commanded force outside the true "
-    "cone. CPU: of a controller's step, mean and 99th percentile. x real: simulated over CPU time of the "
-    "whole loop."
+    "speed: highest use of a joint's limit. hits: share of steps with other links touching. cones: share "
+    "of steps with a commanded force outside the true cone. CPU: of a controller's step, mean and 99th "
+    "percentile. x real: simulated over CPU time of the whole loop."
 )
 Checkout = Annotated[
     Path | None, typer.Option(help="Checkout of it; else the environment variable, see docs/stacks.md.")
@@ -131,7 +131,7 @@ def _print(found: list[Row], absent: dict[str, str], seeds: int, fastest: dict[s
     table = Table(title=f"up to {seeds} seeds each; intervals of 95 %")
     columns = (
         "task", "stack", "survived", "interval", "held", "m/s", "error", "slip [mm]", "CoT", "torque",
-        "speed", "cones", "CPU [us]", "p99", "x real", "what was wrong",
+        "speed", "hits", "cones", "CPU [us]", "p99", "x real", "what was wrong",
     )  # fmt: skip
     for name in columns:
         table.add_column(name, justify="left" if name in ("task", "stack", "what was wrong") else "right")
@@ -159,7 +159,8 @@ def _cells(row: Row) -> list[str]:
         f"{row.task}{'*' if row.must else ''}", row.stack, f"{row.survived}/{row.trials}",
         f"{100 * low:.0f} to {100 * high:.0f} %", f"{row.held}/{row.trials}", number(row.forward, ".3f"),
         number(row.velocity_error, ".3f"), number(row.slip, ".1f", 1e3), number(row.cost_of_transport, ".2f"),
-        number(row.torque_use, ".2f"), number(row.speed_use, ".2f"), number(row.cone_violations, ".0%"),
+        number(row.torque_use, ".2f"), number(row.speed_use, ".2f"), number(row.hits, ".1%"),
+        number(row.cone_violations, ".0%"),
         number(row.step_us, ".0f"), number(row.step_p99_us, ".0f"), number(row.real_time, ".1f"),
         wrong or "nothing",
     ]  # fmt: skip

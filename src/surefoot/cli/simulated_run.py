@@ -97,8 +97,8 @@ class SimulatedRun:
     ) -> int:
         """Simulate, write everything that the run leaves and return the exit code.
 
-        The `observers` watch beside the progress bar. The code is 0 if the robot did it, no law was broken
-        and every file was written.
+        The `observers` watch beside the progress bar. The code is 0 if the robot did it, no law or limit was
+        broken and every file was written.
         """
         with ends_softly() as stop:
             shown = not self.as_json

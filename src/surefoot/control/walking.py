@@ -277,6 +277,7 @@ class WalkingController(Controller):
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
+            accelerations=body.accelerations,
         )  # fmt: skip
         return self._last
 
@@ -289,8 +290,9 @@ class WalkingController(Controller):
             np.zeros((n, 3)), Status.INVALID,
         )  # fmt: skip
         return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
-        )
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
 
     def _begin(self, now: Kinematics) -> None:
         """Start from where the robot stands."""

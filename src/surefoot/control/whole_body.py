@@ -181,6 +181,11 @@ class WholeBodyController:
         )
         return self._now
 
+    @property
+    def foot_rotations(self) -> FloatArray:
+        """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
+        return self._rotations
+
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""
         return self._mass_matrix, self._nle

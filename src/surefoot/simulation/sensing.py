@@ -34,18 +34,21 @@ class Sensing(Protocol):
         What it adds to the log; `rows` gives the values.
     lost
         Why it cannot tell the state any longer; empty while it can.
+    heard
+        (joints,) torques that the motors say they gave last [N m]; None before the first.
     """
 
     channels: tuple[Channel, ...] = ()
     lost: str = ""
+    heard: FloatArray | None = None
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """Return what the controller is told at a true state, with (n,) the feet that truly touch."""
         ...
 
     def acted(self, command: Command, torques: FloatArray) -> None:
-        """Learn what followed: the command, and the (joints,) torques that the motors give [N m]."""
-        return
+        """Learn what followed: the command, and the (joints,) torques that the motors gave [N m]."""
+        self.heard = torques
 
     def rows(self) -> Mapping[str, Any]:
         """Return the values of its channels at this step."""
@@ -130,7 +133,7 @@ class EstimatedState(Sensing):
         """See `Sensing.acted`."""
         start = clock.perf_counter()
         self._standing = np.array([bool(command.active[points].any()) for points in self._points])
-        heard = self.sensors.torques(torques)
+        self.heard = heard = self.sensors.torques(torques)
         if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
             heard = heard - self._actuators.losses(self._told.v[6:])
         self.estimator.applied(heard)
