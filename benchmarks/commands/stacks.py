@@ -70,10 +70,11 @@ def stacks(
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     base = IDEAL if ideal else HARD
     setting = Setting(estimator or base.estimator, actuators or base.actuators, collision or base.collision)
+    tasks = choose_tasks(task)
     if quick:
-        task, seeds = task or list(QUICK), 1
+        tasks, seeds = choose_tasks(task or QUICK)[:2], 1
     chosen = choose_stacks(stack, {"go2-convex-mpc": go2_convex_mpc, "quadruped-pympc": quadruped_pympc})
-    bench = Bench(chosen.stacks, choose_tasks(task), seeds, setting)
+    bench = Bench(chosen.stacks, tasks, seeds, setting)
     folder = _folder(out, resume)
     quiet = not sys.stderr.isatty()
     with ends_softly() as stop, progress_bar(not as_json, "bench stacks", 1.0) as show:
