@@ -32,7 +32,7 @@ from surefoot.spatial import GRAVITY
 from surefoot.terrain import SlopeTerrain
 
 GOOD = Measures(
-    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
+    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
 )  # fmt: skip
 
 
