@@ -22,6 +22,14 @@ if TYPE_CHECKING:
 
 PAGE_WIDTH = 190
 """Width of tables that do not go to a terminal."""
+MEANINGS = (
+    "survived: upright, on course, lawful. held: within the task's bounds as well (* where that has to "
+    "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
+    "longest sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, "
+    "speed: highest use of a joint's limit. cones: share of steps with a commanded force outside the true "
+    "cone. CPU: of a controller's step, mean and 99th percentile. x real: simulated over CPU time of the "
+    "whole loop."
+)
 Checkout = Annotated[
     Path | None, typer.Option(help="Checkout of it; else the environment variable, see docs/stacks.md.")
 ]
@@ -132,15 +140,9 @@ def _print(found: list[Row], absent: dict[str, str], seeds: int) -> None:
     console.print(table)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}", soft_wrap=True)
-    must = [row for row in found if row.must]
-    missed = len([row for row in must if not row.holds])
+    missed = [row for row in found if row.must and not row.holds]
     console.print(
-        "survived: upright, on course, lawful. held: within the task's bounds as well (* where that has to "
-        "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
-        "longest sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, "
-        "speed: highest use of a joint's limit. cones: share of steps with a commanded force outside the "
-        "true cone. CPU: of a controller's step, mean and 99th percentile. x real: simulated over CPU "
-        f"time of the whole loop. Not held of what has to be: {missed} of {len(must)}.",
+        f"{MEANINGS} Not held of what has to be: {len(missed)} of {sum(row.must for row in found)}.",
         soft_wrap=True,
     )
 

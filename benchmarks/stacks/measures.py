@@ -76,7 +76,7 @@ class Measures:
     estimate_drift: float = math.nan
 
 
-def measured(log: Log, asked: FloatArray, settled: float, speed_limits: FloatArray) -> Measures:
+def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
     """Return what a log says.
 
     Parameters
@@ -87,14 +87,12 @@ def measured(log: Log, asked: FloatArray, settled: float, speed_limits: FloatArr
         (T, 3) velocity that was asked for at each of its rows: forward, left [m/s], yaw rate [rad/s].
     settled
         From when on the velocity should be the asked one [s].
-    speed_limits
-        (joints,) of the robot's joints [rad/s].
     """
     weight, dt = log.fact("mass") * GRAVITY, float(log.fact("dt"))
     velocity, late = heading_velocity(log), log["time"] >= settled
     mean, wanted = (x[late].mean(axis=0) if late.any() else np.full(3, np.nan) for x in (velocity, asked))
     up = rotation_from_quaternion(log["q"][:, 3:7])[:, 2, 2]
-    speeds = np.abs(log["v"][:, 6:]) / speed_limits
+    speeds = np.abs(log["v"][:, 6:]) / log.fact("speed_limits")
     errors = estimate_errors(log) if "q_estimated" in log else None
     drift = math.nan if errors is None or errors.drift_share is None else errors.drift_share
     return Measures(

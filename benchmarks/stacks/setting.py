@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import copy
-import inspect
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 
+from surefoot.control.actuators import Actuators, actuators_of
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.sensors import SensorModel
 from surefoot.terrain import Terrain
 
+Motors: TypeAlias = Actuators | None
 ESTIMATORS, ACTUATORS, COLLISIONS = ("inekf", "truth"), ("real", "ideal"), ("full", "feet")
 
 
@@ -49,14 +50,13 @@ class Setting:
         """Return sensors with a multiple of ordinary noise, None for the truth."""
         return SensorModel().scaled(noise) if self.estimator == "inekf" else None
 
-    def world(self, robot: Robot, terrain: Terrain, mu: float, dt: float) -> MujocoWorld:
-        """Return the world of a true robot on a true ground."""
-        return MujocoWorld(robot, terrain, mu, dt, collision=self.collision, **self._motors())
+    def world(self, robot: Robot, terrain: Terrain, mu: float, dt: float, motors: Motors) -> MujocoWorld:
+        """Return the world of a true robot on a true ground, with the motors of `motors`."""
+        return MujocoWorld(robot, terrain, mu, dt, collision=self.collision, actuators=motors or "ideal")
 
-    def _motors(self) -> dict[str, Any]:
-        if "actuators" not in inspect.signature(MujocoWorld.__init__).parameters:
-            return {}
-        return {"actuators": self.actuators}
+    def motors(self, robot: Robot) -> Motors:
+        """Return the motors of a robot as its documents have it, None for ideal ones."""
+        return actuators_of(robot, self.actuators)
 
 
 IDEAL = Setting("truth", "ideal", "feet")

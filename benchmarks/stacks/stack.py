@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from benchmarks.stacks.setting import Motors
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.gait import Gait
@@ -37,6 +38,8 @@ class Job:
         The ground as a map shows it.
     mu
         Friction that it may count on.
+    motors
+        The robot's motors, None for ideal ones.
     dt
         Time between steps [s].
     """
@@ -45,6 +48,7 @@ class Job:
     asked: tuple[float, float, float]
     terrain: Terrain
     mu: float
+    motors: Motors = None
     dt: float = 1e-3
 
 
@@ -78,11 +82,11 @@ class Stack(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called on the command line."""
+        """On the command line."""
 
     @property
     def title(self) -> str:
-        """What it is called in tables."""
+        """In tables."""
 
     def missing(self) -> str:
         """Return why it cannot run here, in one line; empty where it can."""
@@ -145,7 +149,7 @@ class Surefoot:
     def controller(self, job: Job) -> TimedController:
         """See `Stack.controller`."""
         command = VelocityCommand.constant(*job.asked)
-        settings = WalkSettings(mu=job.mu, start=START)
+        settings = WalkSettings(mu=job.mu, start=START, actuators=job.motors)
         return Timed(WalkingController(job.robot, command, "trot", job.terrain, settings, job.dt), START)
 
 

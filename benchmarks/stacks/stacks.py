@@ -58,4 +58,6 @@ def choose_stacks(names: Sequence[str] | None, checkouts: Mapping[str, Path | No
 
 
 def _made(name: str, checkout: Path | None) -> Stack:
-    return Surefoot() if name == "surefoot" else PEERS[name].at(checkout)
+    if name == "surefoot":
+        return Surefoot()
+    return PEERS[name].at(checkout)

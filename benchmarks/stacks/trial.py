@@ -133,14 +133,15 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     robot, vary = documented(task.robot), Variation.drawn(seed)
     asked, ground = asked_velocity(task), read_terrain(task.terrain, "terrain")
     try:
-        controller = stack.controller(Job(robot, asked, ground, task.believed_mu))
+        motors = setting.motors(robot)
+        controller = stack.controller(Job(robot, asked, ground, task.believed_mu, motors))
     except MissingExtra:
         raise
     except SurefootError as error:
         return Trial(stack.name, task.name, seed, "refused", _line(error))
     try:
         mu, true = task.mu * vary.friction, true_robot(robot, vary.mass, task.payload, task.payload_at)
-        world = setting.world(true, ground, mu, 1e-3)
+        world = setting.world(true, ground, mu, 1e-3, motors)
         scenario = _scenario(task, vary, setting, controller, world.robot, seed)
         cpu = _Cpu()
         log = run(world, controller, scenario, [cpu])
@@ -220,7 +221,7 @@ def _told(stack: Stack, task: Task, seed: int, log: Log, cpu: list[float], spent
         settled = max(settled, float(log["time"][pushed[-1]]) + RECOVERED)
     ending, duration = str(log.fact("outcome")), len(log) * float(log.fact("dt"))
     facts: Mapping[str, Any] = log.facts
-    measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled, robot.speed_limits)
+    measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled)
     times = 1e6 * np.array(cpu)
     busy = times[times > 0.0]
     return Trial(

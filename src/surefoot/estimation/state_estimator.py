@@ -97,6 +97,8 @@ class StateEstimator:
     ----------
     health
         `Health`; what is lost stays lost until `reset`.
+    forces
+        (n, 3) estimated forces on the feet, world axes [N].
     """
 
     def __init__(
@@ -116,6 +118,7 @@ class StateEstimator:
         self.ekf.reset(q, v)
         self.detector.reset()
         self.health = Health.GOOD
+        self.forces = np.zeros((len(self.ekf.robot.feet), 3))
         self._alone = self._unheard = 0.0
         self._first = True
 
@@ -130,7 +133,9 @@ class StateEstimator:
         if not (np.isfinite(q).all() and np.isfinite(v).all()):
             self.health = Health.DIVERGED
             return np.zeros(len(ekf.robot.feet), dtype=bool)
-        return self.detector.advance(q, v, ekf.normals).contact
+        found = self.detector.advance(q, v, ekf.normals)
+        self.forces = found.forces
+        return found.contact
 
     def update(self, contact: BoolArray, standing: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Correct and return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s], Pinocchio's order.
