@@ -54,7 +54,7 @@ def walk(
     ] = None,
     push: options.Pushes = None,
     ice: options.IcePatches = None,
-    payload: options.Payload = 0.0,
+    payload: options.Payload = "0",
     estimator: estimators.EstimatorName = "truth",
     noise: estimators.Noise = None,
     delay: Annotated[float, typer.Option(help="Delay of the torques [s].")] = 0.0,
@@ -80,7 +80,8 @@ def walk(
     from surefoot.simulation.faults import Faults
 
     console = plain_console(quiet=as_json)
-    options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    options.check_numbers(mu, duration, SHORTEST, seed)
+    carried = parsing.payload(payload)
     if believed_mu is not None:
         parsing.friction("--believed-mu", believed_mu)
     sensors, level = estimators.sensors_of(estimator, noise)
@@ -96,7 +97,7 @@ def walk(
     given = gait, gait_file, period
     controller = _planner(planner)(model, ground, given, command, believed)
     q = _start(model, ground, mu)
-    physics = worlds.build_world(world, model, ground, mu, payload, told, console)
+    physics = worlds.build_world(world, model, ground, mu, carried, told, console)
     say(console, *controller.notes)
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)

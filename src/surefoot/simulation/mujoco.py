@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry
@@ -93,8 +94,8 @@ class MujocoWorld:
         Friction of the ground [-].
     dt
         Length of a step [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     solref, solimp
@@ -126,12 +127,14 @@ class MujocoWorld:
         collision: str | Geometry = "feet",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         mujoco = import_mujoco()
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
-        spec = robot_spec(robot, self.payload)
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
+        spec = robot_spec(robot, self.payload, self.payload_position)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         geometry = chosen_geometry(robot, collision)
         if geometry is not None:
@@ -256,10 +259,11 @@ class MujocoWorld:
         return [] if self._links is None else self._links.names(self.data, self.model)
 
 
-def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
+def robot_spec(robot: Robot, payload: float = 0.0, payload_position: ArrayLike = (0.0, 0.0, 0.0)) -> Any:
     """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
 
-    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``.
+    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``. A payload
+    [kg] is on the base at (3,) base axes [m].
 
     Raises
     ------
@@ -289,8 +293,8 @@ def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
         _set_inertia(body, model.inertias[index])
         _add_joint(mujoco, body, model, index, name)
     if payload > 0.0:
-        load = bodies[1].add_body(name="payload")
-        load.explicitinertial, load.mass = True, payload
+        load = bodies[1].add_body(name="payload", pos=np.asarray(payload_position, dtype=np.float64))
+        load.explicitinertial, load.mass, load.ipos = True, payload, np.zeros(3)
         load.inertia = np.full(3, 1e-3 * payload)
     points = robot.contact_points
     for name, joint, place, radius in zip(

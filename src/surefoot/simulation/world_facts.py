@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+
 from surefoot.log import Log
 from surefoot.simulation.world import World
 
@@ -16,6 +18,8 @@ def told_by(world: World) -> dict[str, Any]:
     """Return the facts of a world that are known before the run: terrain, mass and payload."""
     payload = float(getattr(world, "payload", 0.0))
     out: dict[str, Any] = {"mass": world.robot.mass + payload, "payload": payload}
+    if payload > 0.0:
+        out["payload_position"] = np.array(getattr(world, "payload_position", np.zeros(3)))
     if world.terrain.text:
         out["terrain"] = world.terrain.text
     return out
