@@ -9,6 +9,7 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -21,6 +22,7 @@ from surefoot.control.damping import computable
 from surefoot.control.foothold import raibert
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
+from surefoot.control.load_adaptation import LoadAdaptation, LoadSettings
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT, Feet
@@ -56,6 +58,8 @@ class WalkSettings:
         Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
     normal_min, normal_max
         Bounds on a carrying foot's normal force, as shares of m g.
+    load
+        What is made of an unknown payload and external wrench; None to observe none.
     """
 
     mu: float = 0.6
@@ -69,6 +73,7 @@ class WalkSettings:
     swing_stiffness: float = 8.0
     normal_min: float = 0.02
     normal_max: float = 1.5
+    load: LoadSettings | None = field(default_factory=LoadSettings)
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
 
@@ -89,6 +94,8 @@ class WalkCommand(Command):
         (n, 3) where feet in the air will touch, or last did.
     plan_status
         How the last MPC ended.
+    load
+        Values of the channels of `LoadAdaptation`.
     """
 
     planned: BoolArray
@@ -96,10 +103,11 @@ class WalkCommand(Command):
     wanted: FloatArray
     targets: FloatArray
     plan_status: Status
+    load: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, and the wanted velocity."""
-        return {"planned": self.planned, "command": self.wanted}
+        """Return which feet are planned on the ground, the wanted velocity, what is observed of a load."""
+        return {"planned": self.planned, "command": self.wanted, **self.load}
 
 
 class WalkingController(Controller):
@@ -210,6 +218,8 @@ class WalkingController(Controller):
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
             "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
         }  # fmt: skip
+        self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
+        self.channels = (*type(self).channels, *self._load.channels)
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self.reset()
@@ -218,6 +228,7 @@ class WalkingController(Controller):
         """Forget the past: the next step begins a walk from where the robot stands."""
         self.mpc.reset()
         self.whole_body.reset()
+        self._load.reset()
         self.feet: Feet | None = None
         self._planned_at = -math.inf
         self._plan: MpcPlan | None = None
@@ -232,6 +243,10 @@ class WalkingController(Controller):
         time = state.time
         if not computable(state.q, state.v):
             return self._blind(state.v)
+        due = time - self._planned_at >= self._interval - 0.5 * self.dt
+        self._load.observe(state)
+        if due:
+            self._load.tell(None if self.feet is None else self.body)
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
             self._begin(now)
@@ -240,17 +255,19 @@ class WalkingController(Controller):
         felt = feet.planned.copy() if state.contact is None else state.contact
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
         self.body.advance(self._wish(clock), now.com, self.dt)
-        due = time - self._planned_at >= self._interval - 0.5 * self.dt
+        self._load.pull(now, state.q[:3])
         if due:
             self.body.fit_ground(feet.ground, min(time - self._planned_at, 1.0))
             self._aim(now, clock)
         if due or changed:
             self._replan(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
+        self._load.acted(time, state.v, body.torques, feet.carrying)
         assert self._plan is not None
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
+            self._load.rows(),
         )  # fmt: skip
         return self._last
 
@@ -260,7 +277,7 @@ class WalkingController(Controller):
         on = np.ones(n, dtype=bool)
         last = self._last or WalkCommand(
             body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID,
+            np.zeros((n, 3)), Status.INVALID, self._load.rows(),
         )  # fmt: skip
         return replace(
             last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status

@@ -34,6 +34,7 @@ from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
+from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -62,6 +63,11 @@ class WholeBodyController:
     effort_limits
         (joints,) [N m]; None for the robot's own.
 
+    Attributes
+    ----------
+    outside
+        (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
+
     Raises
     ------
     ModelError
@@ -83,7 +89,9 @@ class WholeBodyController:
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
         self.robot, self._pin = robot, pinocchio
-        self._model, self._data = robot.model, robot.model.createData()
+        self._model, self._data = robot.model.copy(), robot.model.createData()
+        self._base, self._mass = robot.model.inertias[1].copy(), robot.mass
+        self.outside = np.zeros(6)
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self.weights = weights or Weights()
         self.baumgarte = baumgarte
@@ -166,6 +174,32 @@ class WholeBodyController:
         )
         return self._now
 
+    def carry(self, load: Load | None) -> None:
+        """Take a load on the base into the model from the next `update` on, in place of the one before.
+
+        A first moment without a mass moves the centre of mass and leaves the inertia about it as it was, so
+        that it stays one that a body can have.
+        """
+        import pinocchio
+
+        base, self._mass = self._base, self.robot.mass
+        self._model.inertias[1] = base
+        if load is None:
+            return
+        mass, arm = base.mass + load.mass, load.place - base.lever
+        reduced = max(load.mass, 0.0) * base.mass / mass
+        inertia = base.inertia + reduced * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+        centre = (base.mass * base.lever + load.moment) / mass
+        self._model.inertias[1] = pinocchio.Inertia(mass, centre, inertia)
+        self._mass += load.mass
+
+    def instant(self, v: FloatArray) -> Instant:
+        """Return the model at the state of the last `solve`, whose velocity is (nv,) v [m/s, rad/s]."""
+        now = self._now
+        pose = np.empty((3, 4))
+        pose[:, :3], pose[:, 3] = now.rotation, self._data.oMi[1].translation
+        return Instant(self._mass_matrix, self._nle, v, self._jacobian, self._touching, pose)
+
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""
         return self._mass_matrix, self._nle
@@ -205,7 +239,7 @@ class WholeBodyController:
         """Fill tasks and constraints; return the number of constraint rows."""
         now = self._now
         kernels.base_tasks(
-            self._mass_matrix, self._nle, now.rotation, self.robot.mass, GRAVITY,
+            self._mass_matrix, self._nle, now.rotation, self._mass, GRAVITY,
             tasks.com_acceleration, tasks.turn_acceleration, self._base_weights,
             tasks.joints, self._joint_weights, self._H, self._c,
         )  # fmt: skip
@@ -221,8 +255,9 @@ class WholeBodyController:
             self._E[6:], self._e[6:],
         )  # fmt: skip
         self._E[:6] = self._mass_matrix[:6]
-        self._e[:6] = -self._nle[:6]
+        self._e[:6] = self.outside - self._nle[:6]
         self._points = self._place_points(normals)
+        self._touching = now.centres - self._radii[:, None] * normals
         contact_jacobian(
             self._jacobian, self._support, self.point_foot, self._points, tasks.frames[self.point_foot],
             self._map.T,
