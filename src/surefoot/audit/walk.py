@@ -79,6 +79,8 @@ class WalkSummary(RunSummary):
         Errors of the state that the controller was told; None if that was the true one.
     load
         What the controller found that it carries; None if it did not look.
+    stale
+        Time in which joints were damped because no fresh state came [s]; None for a run without a watchdog.
     """
 
     success_key: ClassVar[str] = "walked"
@@ -93,6 +95,7 @@ class WalkSummary(RunSummary):
     notes: list[str]
     estimate: EstimateErrors | None = None
     load: LoadEstimate | None = None
+    stale: float | None = None
 
 
 def summarise_walk(log: Log) -> WalkSummary:
@@ -124,6 +127,7 @@ def summarise_walk(log: Log) -> WalkSummary:
         notes=log.fact("notes") if log.facts.get("notes") else [],
         estimate=estimate_errors(log) if "q_estimated" in log else None,
         load=load_estimate(log) if "load_estimated" in log else None,
+        stale=float(log.fact("dt") * np.sum(log["stale"])) if "stale" in log else None,
     )
 
 

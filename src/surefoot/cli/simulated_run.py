@@ -92,7 +92,7 @@ class SimulatedRun:
     ) -> int:
         """Simulate, write everything that the run leaves and return the exit code.
 
-        The code is 0 if the robot did it, no law was broken and every file was written.
+        The code is 0 if the robot did it, no law or limit was broken and every file was written.
         """
         with ends_softly() as stop:
             shown = not self.as_json

@@ -135,7 +135,8 @@ class LoadAdaptation:
         """
         if self.observer is None:
             return
-        self._time, self._torques, self._pushing = time, torques, pushing.copy()
+        self._torques = torques - self._whole_body.friction
+        self._time, self._pushing = time, pushing.copy()
         self._before = self._whole_body.instant(v)
 
     def tell(self, body: BodyPlan | None) -> None:

@@ -17,20 +17,22 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
+from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.foothold import raibert
+from surefoot.control.foothold import step_place
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
 from surefoot.control.load_adaptation import LoadAdaptation, LoadSettings
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT, Feet
+from surefoot.control.walking_kernels import follow, stance_places, turned_arms
 from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, rotation_log
+from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
 
 
@@ -60,6 +62,8 @@ class WalkSettings:
         Bounds on a carrying foot's normal force, as shares of m g.
     load
         What is made of an unknown payload and external wrench; None to observe none.
+    actuators
+        The motors that it believes to command; None for ideal ones.
     """
 
     mu: float = 0.6
@@ -76,6 +80,7 @@ class WalkSettings:
     load: LoadSettings | None = field(default_factory=LoadSettings)
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
+    actuators: Actuators | None = None
 
 
 @dataclass(frozen=True)
@@ -210,7 +215,7 @@ class WalkingController(Controller):
             self._mass, self._inertia, len(self.robot.feet), s.horizon, self._mpc_dt, mu, low, high, s.mpc
         )
         self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, baumgarte=(0.0, 2.0 * self._pendulum)
+            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._pendulum), None, s.actuators
         )
         self._body_gain = (s.body_stiffness * self._pendulum) ** 2, 2.0 * s.body_stiffness * self._pendulum
         self._swing_gain = (s.swing_stiffness * self._pendulum) ** 2, 2.0 * s.swing_stiffness * self._pendulum
@@ -222,6 +227,7 @@ class WalkingController(Controller):
         self.channels = (*type(self).channels, *self._load.channels)
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
+        self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
         self.reset()
 
     def reset(self) -> None:
@@ -230,7 +236,7 @@ class WalkingController(Controller):
         self.whole_body.reset()
         self._load.reset()
         self.feet: Feet | None = None
-        self._planned_at = -math.inf
+        self._planned_at = self._aimed_at = -math.inf
         self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
 
@@ -243,7 +249,8 @@ class WalkingController(Controller):
         time = state.time
         if not computable(state.q, state.v):
             return self._blind(state.v)
-        due = time - self._planned_at >= self._interval - 0.5 * self.dt
+        late = self._interval - 0.5 * self.dt
+        due = time - self._planned_at >= late
         self._load.observe(state)
         if due:
             self._load.tell(None if self.feet is None else self.body)
@@ -256,18 +263,17 @@ class WalkingController(Controller):
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
         self.body.advance(self._wish(clock), now.com, self.dt)
         self._load.pull(now, state.q[:3])
-        if due:
-            self.body.fit_ground(feet.ground, min(time - self._planned_at, 1.0))
-            self._aim(now, clock)
-        if due or changed:
+        if changed or due:
             self._replan(now, clock, time)
+        elif time - self._aimed_at >= late:  # never in the step of a plan: no step should take long
+            self._aim(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
         self._load.acted(time, state.v, body.torques, feet.carrying)
         assert self._plan is not None
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
-            self._load.rows(),
+            accelerations=body.accelerations, load=self._load.rows(),
         )  # fmt: skip
         return self._last
 
@@ -277,11 +283,12 @@ class WalkingController(Controller):
         on = np.ones(n, dtype=bool)
         last = self._last or WalkCommand(
             body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID, self._load.rows(),
+            np.zeros((n, 3)), Status.INVALID, load=self._load.rows(),
         )  # fmt: skip
         return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
-        )
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
 
     def _begin(self, now: Kinematics) -> None:
         """Start from where the robot stands."""
@@ -296,31 +303,19 @@ class WalkingController(Controller):
         """Return the wanted velocity: none before the gait begins."""
         return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
 
-    def _aim(self, now: Kinematics, clock: float) -> None:
-        """Choose the footholds of feet in the air."""
+    def _aim(self, now: Kinematics, clock: float, time: float) -> None:
+        """Follow the ground, and choose the footholds of feet in the air."""
         feet = self.feet
         assert feet is not None
-        turn = float(self.body.velocity[2])
-        for k in np.flatnonzero(~feet.carrying & ~feet.planned):
-            _, _, end = self.schedule.phase(int(k), clock)
-            left = max(end - clock, 0.0)
-            yaw, _, flow = self.body.places(np.array([left]))
-            hip = now.com[:2] + left * flow[0, :2] + self._hip(int(k), float(yaw[0]))
-            place = raibert(
-                hip, now.com_velocity[:2], flow[0, :2], turn, self._height, self._stance_time
-            ) + self._turn_lead(int(k), float(yaw[0]), turn)
-            feet.aim(int(k), place)
-
-    def _hip(self, k: int, yaw: float) -> FloatArray:
-        """Return where a foot belongs around the centre of mass at a heading: (2,)."""
-        c, s = math.cos(yaw), math.sin(yaw)
-        x, y = self._offsets[k, :2]
-        return np.array([c * x - s * y, s * x + c * y])
-
-    def _turn_lead(self, k: int, yaw: float, turn: float) -> FloatArray:
-        """Return how far ahead a foot goes because the body turns over it while it carries: (2,)."""
-        x, y = self._hip(k, yaw)
-        return 0.5 * self._stance_time * turn * np.array([-y, x])
+        self.body.fit_ground(feet.ground, min(time - self._aimed_at, 1.0))
+        self._aimed_at = time
+        for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
+            _, _, end = self.schedule.phase(k, clock)
+            place = step_place(
+                now.com, now.com_velocity, self._offsets[k], self.body.yaw, self.body.velocity,
+                max(end - clock, 0.0), self._height, self._stance_time,
+            )  # fmt: skip
+            feet.aim(k, place)
 
     def _replan(self, now: Kinematics, clock: float, time: float) -> None:
         """Run the MPC for the feet's schedule from now on."""
@@ -338,53 +333,35 @@ class WalkingController(Controller):
         places = self._foot_places(contacts, reference.position)
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan = self.mpc.solve(state, reference, places, contacts, feet.frames)
+        self._plan = plan = self.mpc.solve(state, reference, places, contacts, feet.frames)
         self._planned_at = time
-        self._from = now
+        motion = self._motion
+        motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
+        motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
+        motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
+        self._from = now.rotation
 
     def _foot_places(self, contacts: BoolArray, com: FloatArray) -> FloatArray:
         """Return where each foot stands in each step of the horizon: (N, n, 3)."""
-        feet, dt = self.feet, self._mpc_dt
+        feet, body, dt = self.feet, self.body, self._mpc_dt
         assert feet is not None
-        N, n = contacts.shape
-        places = np.empty((N, n, 3))
-        for k in range(n):
-            carrying = bool(feet.carrying[k])
-            place = feet.ground[k] if carrying else feet.target[k] - self._radii[k] * feet.frames[k, :, 2]
-            flown = False
-            for i in range(N):
-                if contacts[i, k] and i and not contacts[i - 1, k]:
-                    if carrying or flown:  # a stance after the coming swing
-                        middle = min(i + round(0.5 * self._stance_time / dt), N)
-                        yaw = self.body.yaw + self.body.velocity[2] * middle * dt
-                        xy = com[middle, :2] + self._hip(k, yaw)
-                        place = np.array(
-                            [*xy, self.body.ground + (xy - self.body.position[:2]) @ self.body.slope]
-                        )
-                    flown = True
-                places[i, k] = place
-        return places
+        arms = turned_arms(self._offsets, body.yaw + body.velocity[2] * dt * np.arange(len(com)))
+        half = round(0.5 * self._stance_time / dt)
+        return stance_places(
+            contacts, feet.carrying, feet.ground, feet.target, feet.frames, self._radii, com, arms, half,
+            body.ground, body.position, body.slope,
+        )  # fmt: skip
 
     def _tasks(self, now: Kinematics, clock: float, time: float) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
-        feet, plan, begin = self.feet, self._plan, self._from
+        feet, plan = self.feet, self._plan
         assert feet is not None
         assert plan is not None
-        t, dt = time - self._planned_at, self._mpc_dt
-        acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
-        turning = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        kp, kd = self._body_gain
-        miss = begin.com + t * begin.com_velocity + 0.5 * t * t * acceleration - now.com
-        com = acceleration + kp * miss + kd * (begin.com_velocity + t * acceleration - now.com_velocity)
-        turned = rotation_log(now.rotation @ begin.rotation.T) if t > 0.0 else np.zeros(3)
-        spin = begin.angular_velocity
-        turn = turning + kp * (t * spin + 0.5 * t * t * turning - turned)
-        turn += kd * (spin + t * turning - now.angular_velocity)
-        wanted = np.zeros((len(feet.radii), 6))
-        ks, ds = self._swing_gain
-        for k in np.flatnonzero(~feet.carrying):
-            place, speed, rate = feet.motion(int(k), clock)
-            wanted[k, :3] = rate + ks * (place - now.centres[k]) + ds * (speed - now.twists[k, :3])
+        self._now[0], self._now[1], self._now[2] = now.com, now.com_velocity, now.angular_velocity
+        com, turn = follow(
+            self._motion, self._from, time - self._planned_at, self._now, now.rotation, *self._body_gain
+        )
+        wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         return Tasks(
             feet.carrying, com, turn, wanted, self._still, plan.first, feet.frames, self._level
         )  # fmt: skip

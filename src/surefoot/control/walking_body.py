@@ -10,7 +10,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
-from surefoot.control.foothold import fit_plane, slope_rotation
+from surefoot.control.foothold import fit_plane
+from surefoot.control.walking_kernels import cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -160,23 +161,14 @@ class BodyPlan:
 
     def places(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return yaw (k,), centre of mass (k, 3) and its velocity (k, 3) at times from now [s]."""
-        turn = self.velocity[2]
-        yaw = self.yaw + turn * times
-        c, s = np.cos(yaw), np.sin(yaw)
-        vx, vy = self.velocity[:2]
-        flow = np.column_stack([c * vx - s * vy, s * vx + c * vy])
-        middle = self.yaw + 0.5 * turn * times
-        cm, sm = np.cos(middle), np.sin(middle)
-        move = np.column_stack([cm * vx - sm * vy, sm * vx + cm * vy]) * times[:, None]
-        climb, rise = move @ self.slope, flow @ self.slope
-        return yaw, self.position + np.column_stack([move, climb]), np.column_stack([flow, rise])
+        return cruise(self.position, self.yaw, self.velocity, self.slope, times)
 
     def reference(self, steps: int, dt: float) -> BodyReference:
         """Return the reference of the next `steps` steps of `dt` [s]."""
         yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
-        return BodyReference(slope_rotation(yaw, self.slope), places, flow, spin)
+        return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)
 
 
 def limit_command(

@@ -9,7 +9,8 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift, swing_motion
+from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift
+from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -70,6 +71,7 @@ class Feet:
         self._felt = np.zeros(n)
         self._lift_first = np.full(n, LIFT_FIRST)
         self._plane = self.terrain.planar
+        self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
     def update(self, time: float, felt: BoolArray, centres: FloatArray) -> bool:
@@ -146,8 +148,10 @@ class Feet:
         self.target[k, 2] = float(self.terrain.height(xy)) + self.radii[k] / normal[2]
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)
-        path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
-        ground = self.terrain.height(path) + self.radii[k]
+        ground = np.zeros(0)  # on a plane, no place of the path is higher than both its ends
+        if not self._plane:
+            path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
+            ground = self.terrain.height(path) + self.radii[k]
         self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
         if not self._plane:
             self._lift_first[k] = clear_lift(
@@ -155,18 +159,36 @@ class Feet:
                 0.5 * float(self.radii[k]),
             )  # fmt: skip
 
-    def motion(self, k: int, time: float) -> FloatArray:
-        """Return wanted place [m], velocity and acceleration of a foot in the air at a time [s]: (3, 3)."""
-        share, overdue = float(self.share[k]), 0.0
-        if self.late[k]:
+    def accelerations(
+        self, time: float, centres: FloatArray, twists: FloatArray, gain: tuple[float, float]
+    ) -> FloatArray:
+        """Return the wanted accelerations of the feet in the air, zero for the others: (n, 6) [m/s², rad/s²].
+
+        Parameters
+        ----------
+        time
+            On the schedule's clock [s].
+        centres, twists
+            (n, 3), (n, 6) where the feet are and how they move, world axes [m], [m/s, rad/s].
+        gain
+            Stiffness [1/s²] and damping [1/s] of the feedback.
+        """
+        return swing_accelerations(
+            ~self.carrying, *self._paths(time), centres, twists, self.descent, SEARCH * GRAVITY, *gain
+        )
+
+    def motions(self, time: float) -> FloatArray:
+        """Return wanted place [m], velocity and acceleration of feet in the air, else zero: (n, 3, 3)."""
+        return swing_paths(~self.carrying, *self._paths(time), self.descent, SEARCH * GRAVITY)
+
+    def _paths(self, time: float) -> tuple[FloatArray, FloatArray]:
+        """Return ends and timing of the swings at a time, see `swing_paths`."""
+        ends, timing = self._ends, self._timing
+        ends[0], ends[1] = self.start, self.target
+        timing[:, 0], timing[:, 1], timing[:, 2] = self.apex, self.share, self.duration
+        timing[:, 3], timing[:, 4] = self._lift_first, -1.0
+        for k in np.flatnonzero(self.late).tolist():
             _, begin, _ = self.schedule.phase(k, time)
             overdue = max(time - max(begin, float(self._felt[k])), 0.0)
-            share = 1.0 + overdue / float(self.duration[k])
-        motion = swing_motion(
-            self.start[k], self.target[k], float(self.apex[k]), share, float(self.duration[k]),
-            self.descent, float(self._lift_first[k]),
-        )  # fmt: skip
-        if self.late[k]:
-            down = SEARCH * GRAVITY
-            motion[:, 2] -= [0.5 * down * overdue * overdue, down * overdue, down]
-        return motion
+            timing[k, 1], timing[k, 4] = 1.0 + overdue / float(self.duration[k]), overdue
+        return ends, timing

@@ -1,8 +1,8 @@
 """A MuJoCo world made from the Pinocchio model itself, so that both engines hold the same robot.
 
 MuJoCo's own conventions stop in this file: quaternions (w, x, y, z), base velocity [linear in world
-axes; angular in base axes], contact frames with the normal first. Joints are ideal torque sources
-without friction or rotor inertia; only the feet's spheres touch the ground.
+axes; angular in base axes], contact frames with the normal first. By default joints are ideal torque sources
+without friction or rotor inertia, and only the feet's spheres touch the ground.
 """
 
 from __future__ import annotations
@@ -19,9 +19,13 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry
 from surefoot.contact.laws.soft import MujocoLaw
+from surefoot.control.actuators import Actuators
 from surefoot.errors import MissingExtra, ModelError, SimulationError
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.simulation.actuated import equipped
+from surefoot.simulation.mujoco_actuators import fit_actuators
+from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
 from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes
 from surefoot.simulation.mujoco_links import LinkContacts, add_links
@@ -31,7 +35,6 @@ from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.spatial import (
     quaternion_from_rotation,
     quaternion_wxyz,
-    quaternion_xyzw,
     rotation_from_quaternion,
 )
 from surefoot.stepping.bodies import finite_vector
@@ -46,7 +49,6 @@ FRICTION_RATIO = 100.0
 """MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
-
 HEAVIEST = 1e9
 """Largest payload [kg]: MuJoCo's numbers end at 1e10."""
 
@@ -98,6 +100,8 @@ class MujocoWorld:
         Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
+    actuators
+        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
     solref, solimp
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
@@ -107,6 +111,8 @@ class MujocoWorld:
     ----------
     model, data
         MuJoCo's own.
+    applied
+        (joints,) torques that the motors gave in the last step [N m].
     ground_geoms, base_body
         Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
 
@@ -125,16 +131,19 @@ class MujocoWorld:
         payload: float = 0.0,
         *,
         collision: str | Geometry = "feet",
+        actuators: str | Actuators = "ideal",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
         payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         mujoco = import_mujoco()
+        robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         self.payload_position = finite_array("payload_position", payload_position, (3,))
         spec = robot_spec(robot, self.payload, self.payload_position)
+        fit_actuators(spec, robot, self.actuators)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         geometry = chosen_geometry(robot, collision)
         if geometry is not None:
@@ -150,6 +159,7 @@ class MujocoWorld:
             raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
         self.data = mujoco.MjData(self.model)
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
+        self.applied = np.zeros(robot.joints)
         points = robot.contact_points
         self.contact_foot, self._radii = points.foot, points.radii
         geoms = [int(self.model.geom(f"foot:{n}").id) for n in points.names]  # numbered along the tree
@@ -208,8 +218,11 @@ class MujocoWorld:
             Where the state stops being finite, or exceeds MuJoCo's own largest number, 1e10. The world stays
             in the state before the step.
         """
-        data = self.data
-        data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
+        data, first = self.data, self.robot.base_dof
+        self.applied = finite_vector("torques", torques, self.robot.joints)
+        if self.actuators is not None:
+            self.applied = self.actuators.given(self.applied, data.qvel[first:])
+        data.qfrc_applied[first:] = self.applied
         if self.base_body:
             data.xfrc_applied[self.base_body, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
@@ -259,11 +272,10 @@ class MujocoWorld:
         return [] if self._links is None else self._links.names(self.data, self.model)
 
 
-def robot_spec(robot: Robot, payload: float = 0.0, payload_position: ArrayLike = (0.0, 0.0, 0.0)) -> Any:
+def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray | None = None) -> Any:
     """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
 
-    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``. A payload
-    [kg] is on the base at (3,) base axes [m].
+    Bodies: ``base:0`` (floating base), ``joint:NAME``; geoms: ``foot:NAME:k``; payload at (3,) base axes [m].
 
     Raises
     ------
@@ -293,7 +305,9 @@ def robot_spec(robot: Robot, payload: float = 0.0, payload_position: ArrayLike =
         _set_inertia(body, model.inertias[index])
         _add_joint(mujoco, body, model, index, name)
     if payload > 0.0:
-        load = bodies[1].add_body(name="payload", pos=np.asarray(payload_position, dtype=np.float64))
+        load = bodies[1].add_body(
+            name="payload", pos=[0.0] * 3 if payload_position is None else payload_position
+        )
         load.explicitinertial, load.mass, load.ipos = True, payload, np.zeros(3)
         load.inertia = np.full(3, 1e-3 * payload)
     points = robot.contact_points
@@ -379,11 +393,3 @@ def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> Non
         limited=mujoco.mjtLimited.mjLIMITED_TRUE if limited else mujoco.mjtLimited.mjLIMITED_FALSE,
         range=[low, high] if limited else [0.0, 0.0],
     )
-
-
-def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a MuJoCo state in Pinocchio's order: q (nq,) [m, -, rad], v (nv,) [m/s, rad/s]."""
-    q, v = qpos.copy(), qvel.copy()
-    q[3:7] = quaternion_xyzw(qpos[3:7])
-    v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]
-    return q, v

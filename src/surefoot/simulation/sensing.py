@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
 from surefoot.control.standstill import Standstill
 from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
@@ -33,18 +34,21 @@ class Sensing(Protocol):
         What it adds to the log; `rows` gives the values.
     lost
         Why it cannot tell the state any longer; empty while it can.
+    heard
+        (joints,) torques that the motors say they gave last [N m]; None before the first.
     """
 
     channels: tuple[Channel, ...] = ()
     lost: str = ""
+    heard: FloatArray | None = None
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """Return what the controller is told at a true state, with (n,) the feet that truly touch."""
         ...
 
     def acted(self, command: Command, torques: FloatArray) -> None:
-        """Learn what followed: the command, and the (joints,) torques that the motors give [N m]."""
-        return
+        """Learn what followed: the command, and the (joints,) torques that the motors gave [N m]."""
+        self.heard = torques
 
     def rows(self) -> Mapping[str, Any]:
         """Return the values of its channels at this step."""
@@ -91,6 +95,7 @@ class EstimatedState(Sensing):
         ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
         self.estimator = StateEstimator(ekf)
         foot = np.asarray(world.contact_foot)
+        self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
         self._standing: BoolArray | None = None
         self._warm_up(robot.nominal)
@@ -128,7 +133,10 @@ class EstimatedState(Sensing):
         """See `Sensing.acted`."""
         start = clock.perf_counter()
         self._standing = np.array([bool(command.active[points].any()) for points in self._points])
-        self.estimator.applied(self.sensors.torques(torques))
+        self.heard = heard = self.sensors.torques(torques)
+        if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
+            heard = heard - self._actuators.losses(self._told.v[6:])
+        self.estimator.applied(heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:
