@@ -59,7 +59,7 @@ def walk(
     terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     push: options.Pushes = None,
     ice: options.IcePatches = None,
-    payload: options.Payload = 0.0,
+    payload: options.Payload = "0",
     estimator: estimators.EstimatorName = "truth",
     noise: estimators.Noise = None,
     delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
@@ -93,7 +93,8 @@ def walk(
     console = plain_console(quiet=as_json)
     if view:
         live.check(planner)
-    options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    options.check_numbers(mu, duration, SHORTEST, seed)
+    carried = parsing.payload(payload)
     belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
@@ -111,9 +112,9 @@ def walk(
     controller = _planner(planner)(model, belief.ground(ground), given, command, belief, motors, wired)
     q = _start(model, ground, mu)
     physics = (
-        worlds.build_world(world, model, ground, mu, payload, told, console)
+        worlds.build_world(world, model, ground, mu, carried, told, console)
         if mjcf is None
-        else files.file_world(mjcf, model, ground, mu, payload, told)
+        else files.file_world(mjcf, model, ground, mu, carried, told)
     )
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
