@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Controller
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.walking_body import VelocityCommand
@@ -21,6 +22,8 @@ def walking_controller(
     gait: str | ContactSchedule | None = None,
     terrain: Terrain | None = None,
     mu: float = 0.6,
+    actuators: Actuators | None = None,
+    dt: float = 1e-3,
 ) -> Controller:
     """Return the controller that walks a robot with its default settings.
 
@@ -38,6 +41,10 @@ def walking_controller(
         The ground that the controller believes in; None for flat.
     mu
         Friction that it believes in [-].
+    actuators
+        What it knows of the motors; None for ideal ones.
+    dt
+        Time between its steps [s].
 
     Raises
     ------
@@ -53,7 +60,9 @@ def walking_controller(
 
         if not isinstance(chosen, (str, Gait)):
             raise ProblemError("two flat feet walk with a gait that repeats, not with a list of modes")
-        return BipedController(robot, command, chosen, terrain, BipedSettings(mu=mu))
+        biped = BipedSettings(mu=mu, actuators=actuators)
+        return BipedController(robot, command, chosen, terrain, biped, dt)
     from surefoot.control.walking import WalkingController, WalkSettings
 
-    return WalkingController(robot, command, chosen, terrain, WalkSettings(mu=mu))
+    settings = WalkSettings(mu=mu, actuators=actuators)
+    return WalkingController(robot, command, chosen, terrain, settings, dt)

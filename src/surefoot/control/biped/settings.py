@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from surefoot.control.actuators import Actuators
 from surefoot.control.mpc import MpcWeights
 from surefoot.control.whole_body import Weights
 
@@ -42,6 +43,8 @@ class BipedSettings:
         Bounds on the normal force of a corner, as shares of m g.
     mpc, whole_body
         Weights.
+    actuators
+        What is known of the motors; None for ideal ones.
     """
 
     mu: float = 0.6
@@ -69,3 +72,4 @@ class BipedSettings:
         )
     )
     whole_body: Weights = field(default_factory=Weights)
+    actuators: Actuators | None = None

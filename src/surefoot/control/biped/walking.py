@@ -24,13 +24,13 @@ from surefoot.control.biped.soles import Soles
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.foothold import slope_rotation
 from surefoot.control.gait import Gait
 from surefoot.control.gait_library import named_gait
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcPlan
 from surefoot.control.walking import WalkCommand
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT
+from surefoot.control.walking_kernels import slope_frames
 from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
@@ -133,7 +133,7 @@ class BipedController(Controller):
             self.robot.mass, self._inertia, len(points), s.horizon, self._mpc_dt, mu, low, high, s.mpc
         )
         self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, baumgarte=(0.0, 2.0 * self._omega)
+            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._omega), None, s.actuators
         )
         fine = self._mpc_dt / 2
         self._preview = PendulumPreview(
@@ -196,6 +196,7 @@ class BipedController(Controller):
             body.torques, body.forces, feet.carrying[self._point_foot], body.feasible, body.status,
             feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
             self._plan.status,
+            accelerations=body.accelerations,
         )  # fmt: skip
         return self._last
 
@@ -207,8 +208,9 @@ class BipedController(Controller):
             np.tile(np.eye(3), (2, 1, 1)), np.zeros(3), np.zeros((2, 3)), Status.INVALID,
         )  # fmt: skip
         return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
-        )
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
 
     def _begin(self, now: Kinematics, turned: FloatArray) -> None:
         """Start from where the robot stands."""
@@ -286,7 +288,7 @@ class BipedController(Controller):
         place[:, :2], speed[:, :2] = xy[: 2 * N + 1 : 2], flow[: 2 * N + 1 : 2]
         place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
         speed[:, 2] = speed[:, :2] @ body.slope
-        rotation = slope_rotation(yaw[: N + 1], np.zeros(2))
+        rotation = slope_frames(yaw[: N + 1], np.zeros(2))
         inverse = rotation @ self._unit_spin @ rotation.transpose(0, 2, 1)
         self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
         turned = np.zeros((N + 1, 3))
@@ -321,11 +323,9 @@ class BipedController(Controller):
         spin = begin.angular_velocity
         turn = turning + kp * (t * spin + 0.5 * t * t * turning - turned)
         turn += kd * (spin + t * turning - now.angular_velocity)
-        wanted = np.zeros((2, 6))
+        wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         ks, ds = self._swing_gain
         for k in np.flatnonzero(~feet.carrying):
-            place, speed, rate = feet.motion(int(k), clock)
-            wanted[k, :3] = rate + ks * (place - now.centres[k]) + ds * (speed - now.twists[k, :3])
             goal, spin, change = soles.turning(int(k))
             off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
             wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
