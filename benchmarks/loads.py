@@ -1,8 +1,9 @@
 """Loads and pulls that a walking robot was not told of: with the wrench observer, and without.
 
-Run: python -m benchmarks.loads [--quick] [--seeds N] [--part payloads|robots|disturbances|cost]
-[--only TEXT]. Trots in MuJoCo at 0.5 m/s. In the ideal world the state is the true one, motors are ideal and feet alone touch; in the
-hard one the state is estimated from ordinary sensors, motors are real and every link may touch.
+Run: python -m benchmarks.loads [--quick] [--seeds N] [--only TEXT]
+[--part payloads|robots|disturbances|cost]. Trots in MuJoCo at 0.5 m/s. In the ideal world the state is the
+true one, motors are ideal and feet alone touch; in the hard one the state is estimated from ordinary sensors,
+motors are real and every link may touch.
 """
 
 from __future__ import annotations
