@@ -124,6 +124,7 @@ estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::
 estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
 estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
 estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
+estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
 estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
 estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices

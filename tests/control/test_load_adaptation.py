@@ -132,6 +132,22 @@ def test_the_body_keeps_its_place_when_its_centre_of_mass_moves() -> None:
     assert now.com[2] - body.height == pytest.approx(before[1], abs=1e-9)
 
 
+def test_of_a_wrench_no_more_is_told_than_the_bound() -> None:
+    robot = robot_of("go2")
+    out = adaptation(robot, LoadSettings(most=0.05))
+    assert out.observer is not None
+    now = out._whole_body.update(robot.nominal, np.zeros(18))
+    out.observer.state[4:] = [0.2, -0.2, 0.03, 0.0, 0.0, -0.2]
+    out._look()
+    out.pull(now, robot.nominal[:3])
+    weight, height = robot.mass * 9.81, out.observer.height
+    wanted = np.array([0.05, -0.05, 0.03, 0.0, 0.0, -0.05 * height]) * weight
+    base = pinocchio.Quaternion(robot.nominal[3:7]).matrix()
+    assert np.allclose(out._whole_body.outside, np.r_[base.T @ wanted[:3], base.T @ wanted[3:]])
+    arm = robot.nominal[:3] - now.com
+    assert np.allclose(out._mpc.outside, np.r_[wanted[:3], wanted[3:] + np.cross(arm, wanted[:3])])
+
+
 def steps_seen(lean: float, gap: float = DT, settings: LoadSettings | None = None) -> bool:
     """Return whether an observer learns from steps at a lean [rad], `gap` [s] apart."""
     robot = robot_of("go2")
@@ -170,7 +186,7 @@ def test_without_settings_nothing_is_observed() -> None:
         assert rows == {channel.name for channel in controller.channels} == {"planned", "command"} | names
 
 
-@pytest.mark.parametrize("name", ["load", "wrench", "lean"])
+@pytest.mark.parametrize("name", ["load", "wrench", "most", "lean"])
 def test_settings_are_checked(name: str) -> None:
     with pytest.raises(ProblemError, match=name):
         LoadSettings(**{name: -0.1})

@@ -150,7 +150,8 @@ def build_world(
 
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", StiffContactWarning)
-        load = {"payload": payload[0], "payload_position": payload[1]} if payload[0] else {}
-        world = make_world(name, robot, terrain, mu, **load, **told)
+        mass, place = payload
+        at = {"payload_position": place} if any(place) else {}
+        world = make_world(name, robot, terrain, mu, payload=mass, **at, **told)
     say(console, *(str(warning.message) for warning in said))
     return world

@@ -17,6 +17,7 @@ from surefoot.control.controller import RobotState
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.whole_body import Kinematics, WholeBodyController
+from surefoot.estimation.wrench_kernels import tell_wrench
 from surefoot.estimation.wrench_observer import Instant, Load, ObserverSettings, WrenchObserver
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
@@ -33,6 +34,9 @@ class LoadSettings:
     load, wrench
         Share of the payload, and of the rest of the wrench, that the controllers are told; zero to observe
         and do nothing.
+    most
+        Bound on the rest that they are told, along each axis: force over m g, moment over m g h. More of it
+        would make feet slip where the ground gives less than is believed.
     lean
         The observer stands still while the base leans further than this: the robot falls [rad].
     """
@@ -40,11 +44,13 @@ class LoadSettings:
     observer: ObserverSettings = field(default_factory=ObserverSettings)
     load: float = 1.0
     wrench: float = 1.0
+    most: float = 0.1
     lean: float = 0.8
 
     def __post_init__(self) -> None:
         for name in ("load", "wrench"):
             real_number(name, getattr(self, name), low=0.0, high=1.0)
+        real_number("most", self.most, low=0.0)
         real_number("lean", self.lean, low=0.0, high=math.pi)
 
 
@@ -66,8 +72,8 @@ class LoadAdaptation:
     ----------
     observer
         What it knows; None if it observes nothing.
-    channels
-        What it adds to a log; `rows` gives the values.
+    channels, rows
+        What it adds to a log, and the values: (4,) [kg, kg m], (6,) [N, N m].
     """
 
     def __init__(
@@ -84,6 +90,7 @@ class LoadAdaptation:
         self.observer: WrenchObserver | None = None
         if settings is not None and not any(foot.flat for foot in robot.feet):
             self.observer = WrenchObserver(robot, dt, settings.observer)
+            self._most = settings.most * self.observer.wrench_unit
         names = () if self.observer is None else ("load_estimated", "wrench_estimated")
         self.channels = tuple(CHANNELS[name] for name in names)
         self._mpc, self._whole_body = mpc, whole_body
@@ -102,9 +109,11 @@ class LoadAdaptation:
         self._before: Instant | None = None
         self._time, self._shift = 0.0, np.zeros(3)
         self._carried: Load | None = None
+        self.rows: dict[str, FloatArray] = {}
         if self.observer is None:
             return
         self.observer.reset()
+        self._look()
         self._whole_body.carry(None)
         self._mpc.carry(self.robot.mass, self._inertia)
         self._whole_body.outside[:] = self._mpc.outside[:] = 0.0
@@ -117,7 +126,15 @@ class LoadAdaptation:
         if not 0.5 * self.dt < state.time - self._time < 1.5 * self.dt:
             return  # a step is missing in between
         touching = self._pushing if state.contact is None else self._pushing | state.contact
-        self.observer.observe(before, state.v, self._torques, touching, self._carried)
+        if self.observer.observe(before, state.v, self._torques, touching, self._carried):
+            self._look()
+
+    def _look(self) -> None:
+        """Take what the observer knows now."""
+        assert self.observer is not None
+        load, self._wrench = self.observer.load, self.observer.wrench
+        moments = np.array([load.mass, *load.moment])
+        self.rows = {"load_estimated": moments, "wrench_estimated": self._wrench}
 
     def acted(self, time: float, v: FloatArray, torques: FloatArray, pushing: BoolArray) -> None:
         """Remember what the next `observe` needs of the step that begins.
@@ -167,16 +184,8 @@ class LoadAdaptation:
         """Tell the rest of the wrench at a state, with (3,) the place of the base [m]."""
         if self.observer is None:
             return
-        self._rotation, wrench = now.rotation, self.settings.wrench * self.observer.wrench
-        self._whole_body.outside[:] = (wrench.reshape(2, 3) @ now.rotation).ravel()
-        self._mpc.outside[:] = wrench
-        self._mpc.outside[3:] += np.cross(base - now.com, wrench[:3])
-
-    def rows(self) -> dict[str, FloatArray]:
-        """Return the values of the channels: (4,) [kg, kg m] and (6,) [N, N m]."""
-        if self.observer is None:
-            return {}
-        load = self.observer.load
-        return {
-            "load_estimated": np.array([load.mass, *load.moment]), "wrench_estimated": self.observer.wrench,
-        }  # fmt: skip
+        self._rotation = now.rotation
+        tell_wrench(
+            self.settings.wrench * self._wrench, self._most, now.rotation, base, now.com,
+            self._whole_body.outside, self._mpc.outside,
+        )  # fmt: skip

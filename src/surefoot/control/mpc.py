@@ -79,7 +79,8 @@ class ConvexMpc:
     ----------
     outside
         (6,) force and moment about the centre of mass beside the contacts' and gravity's, world axes, now
-        [N, N m]; it fades over the horizon with the time constant `fading` [s].
+        [N, N m]; it fades over the horizon with the time constant `fading` [s], infinite
+        for no such thing.
 
     Raises
     ------
@@ -252,7 +253,7 @@ class ConvexMpc:
         )  # fmt: skip
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError("frames of contacts must be right-handed rotations (3, 3)")
-        if self.outside.any():
+        if self.fading < math.inf:
             mpc_model.add_wrench(
                 self.outside, self.fading, self.mass, self._inverse, given.ref_rotation, heading,
                 self._weights, self.weights.terminal, self.dt, drift, q,

@@ -234,7 +234,7 @@ class WalkingController(Controller):
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
-            accelerations=body.accelerations, load=self._load.rows(),
+            accelerations=body.accelerations, load=self._load.rows,
         )  # fmt: skip
         return self._last
 
@@ -244,7 +244,7 @@ class WalkingController(Controller):
         on = np.ones(n, dtype=bool)
         last = self._last or WalkCommand(
             body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID, load=self._load.rows(),
+            np.zeros((n, 3)), Status.INVALID, load=self._load.rows,
         )  # fmt: skip
         return replace(
             last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,

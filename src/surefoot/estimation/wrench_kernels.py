@@ -128,3 +128,32 @@ def filter_wrench(
             state[i] += gain * missed
             for j in range(n):
                 covariance[i, j] -= gain * PH[j]
+
+
+@kernel
+def tell_wrench(
+    wrench: FloatArray, most: FloatArray, rotation: FloatArray, base: FloatArray, com: FloatArray,
+    on_base: FloatArray, on_com: FloatArray,
+) -> None:  # fmt: skip
+    """Fill a wrench, bounded, as it acts on the base in its own axes and about the centre of mass.
+
+    Parameters
+    ----------
+    wrench, most
+        (6,) force and moment about the base's origin, world axes, and the bound on each [N, N m].
+    rotation, base, com
+        (3, 3) of the base in the world; (3,) places of its origin and of the centre of mass [m].
+    on_base, on_com
+        Filled: (6,) about the base's origin, base axes; about the centre of mass, world axes [N, N m].
+    """
+    for a in range(6):
+        on_com[a] = min(max(wrench[a], -most[a]), most[a])
+    for a in range(3):
+        on_base[a] = on_base[3 + a] = 0.0
+        for b in range(3):
+            on_base[a] += rotation[b, a] * on_com[b]
+            on_base[3 + a] += rotation[b, a] * on_com[3 + b]
+    arm = base[0] - com[0], base[1] - com[1], base[2] - com[2]
+    turn = cross(arm, (on_com[0], on_com[1], on_com[2]))
+    for a in range(3):
+        on_com[3 + a] += turn[a]

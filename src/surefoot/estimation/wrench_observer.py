@@ -162,11 +162,7 @@ class WrenchObserver:
         )
         s, points = self.settings, robot.contact_points
         self._support, self._flat = points.foot_support, points.flat
-        data = robot.model.createData()
-        import pinocchio
-
-        pinocchio.centerOfMass(robot.model, data, robot.nominal, False)
-        height = float(data.com[0][2] - robot.foot_positions(robot.nominal)[:, 2].mean())
+        height = float(robot.com(robot.nominal)[2] - robot.foot_positions(robot.nominal)[:, 2].mean())
         self.height, self.weight = max(height, 0.05), robot.mass * GRAVITY
         force, moment = self.weight, self.weight * self.height
         load = [robot.mass] + [robot.mass * self.height] * 3
@@ -181,7 +177,23 @@ class WrenchObserver:
         self._drive[:3] = deviation[:3] ** 2 * 2.0 * block / s.memory
         self._noise = np.array([s.noise_force**2] * 3 + [s.noise_moment**2] * 3)
         self._watch = 1.0 - math.exp(-block / s.watch)
+        self._warm_up()
         self.reset()
+
+    def _warm_up(self) -> None:
+        """Compile or load all that a step calls, so that no step of a run waits."""
+        import pinocchio
+
+        robot, n = self.robot, len(self.robot.feet)
+        still, data = np.zeros(robot.model.nv), robot.model.createData()
+        M = np.array(pinocchio.crba(robot.model, data, robot.nominal))
+        bias = np.array(pinocchio.nonLinearEffects(robot.model, data, robot.nominal, still))
+        twists = np.ascontiguousarray(pinocchio.computeJointJacobians(robot.model, data, robot.nominal))
+        instant = Instant(M, bias, still, twists, np.zeros((n, 3)), np.zeros((3, 4)))
+        self.reset()
+        nothing = Load(0.0, np.zeros(3), np.zeros(3))
+        for _ in range(self._steps):
+            self.observe(instant, still, np.zeros(robot.joints), np.ones(n, dtype=bool), nothing)
 
     def reset(self) -> None:
         """Forget the past: no payload, no wrench."""
@@ -192,8 +204,8 @@ class WrenchObserver:
     def observe(
         self, before: Instant, after: FloatArray, torques: FloatArray, touching: BoolArray,
         carried: Load | None = None,
-    ) -> None:  # fmt: skip
-        """Take in a step.
+    ) -> bool:  # fmt: skip
+        """Take in a step; return whether that has ended a block, and changed the estimate.
 
         Parameters
         ----------
@@ -217,9 +229,11 @@ class WrenchObserver:
             kernels.add_weight(carried.mass, carried.moment, before.pose, wrench)
         self._sum += wrench
         self._count += 1
-        if self._count == self._steps:
-            self._correct(before.pose)
-            self._sum, self._count = np.zeros(6), 0
+        if self._count < self._steps:
+            return False
+        self._correct(before.pose)
+        self._sum, self._count = np.zeros(6), 0
+        return True
 
     def _correct(self, pose: FloatArray) -> None:
         """Filter a full block; one that is not finite is left out."""
@@ -244,6 +258,11 @@ class WrenchObserver:
         moment = self.state[1:4] * self._unit[1:4]
         known = math.copysign(max(abs(mass), LIGHT * self.robot.mass), mass)
         return Load(mass, moment, moment / known)
+
+    @property
+    def wrench_unit(self) -> FloatArray:
+        """What forces and moments are shares of (6,): m g and m g h [N, N m]."""
+        return np.asarray(self._unit[4:])
 
     @property
     def wrench(self) -> FloatArray:
