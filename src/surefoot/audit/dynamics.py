@@ -22,6 +22,10 @@ from surefoot.spatial import rotation_from_quaternion
 
 DAMPING = 1e-4
 """Share of a leg's squared lever that keeps its force bounded where the leg is stretched."""
+MOTOR_FACTS = ("armature", "viscous_friction", "dry_friction")
+"""Facts of a log that say what rotors and friction take of the torques."""
+STICKING = 0.05
+"""A joint slower than this may stick: its dry friction is then any up to its size [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -87,17 +91,23 @@ def unexplained(
     if "other_forces" in log:
         rest -= np.asarray(log["other_forces"])[:-1]
     if "torques" in log:
-        rest[:, base:] -= np.asarray(log["torques"])[:-1] - _lost(log, v[:-1, base:], acceleration[:, base:])
+        rest[:, base:] -= np.asarray(log["torques"])[:-1]
+        rest[:, base:] += _lost(log, v[:-1, base:], acceleration[:, base:], rest[:, base:])
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return Unexplained(force_left, moment_left, feet)
 
 
-def _lost(log: Log, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
-    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them."""
-    facts = ("armature", "viscous_friction", "dry_friction")
-    rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in facts)
-    return np.asarray(rotor * acceleration + viscous * speed + dry * np.sign(speed))
+def _lost(log: Log, speed: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:
+    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
+
+    The dry friction of a joint that sticks is what holds it, up to its size: it takes what (T, joints) `rest`
+    leaves over.
+    """
+    rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in MOTOR_FACTS)
+    lost = np.asarray(rotor * acceleration + viscous * speed)
+    holding = np.clip(-(rest + lost), -np.asarray(dry), dry)
+    return np.asarray(lost + np.where(np.abs(speed) < STICKING, holding, dry * np.sign(speed)))
 
 
 def _loaded(model: Any, payload: float, position: FloatArray | None) -> Any:
