@@ -63,7 +63,7 @@ def stacks(
     from benchmarks.stacks.bench import Bench, measure
     from benchmarks.stacks.setting import HARD, IDEAL, Setting
     from benchmarks.stacks.stacks import choose_stacks
-    from benchmarks.stacks.table import rows
+    from benchmarks.stacks.table import fastest_held, rows
     from benchmarks.stacks.tasks import QUICK, choose_tasks
 
     check_out(out)
@@ -89,12 +89,12 @@ def stacks(
     complete = len(trials) == len(bench.trials())
     record = {
         **bench.header(), "absent": chosen.absent, "seeds": seeds, "complete": complete,
-        "rows": [row.as_dict() for row in found],
+        "fastest_held": fastest_held(found), "rows": [row.as_dict() for row in found],
     }  # fmt: skip
     if as_json:
         print(to_json(record))
     else:
-        _print(found, chosen.absent, seeds)
+        _print(found, chosen.absent, seeds, fastest_held(found))
     if folder is not None:
         (folder / "stacks.json").write_text(to_json(record) + "\n", encoding="utf-8")
         typer.echo(f"written: {folder / 'stacks.json'}", err=True)
@@ -124,7 +124,7 @@ def _said(trial: Trial) -> str:
     return f"{trial.stack} {trial.task} seed {trial.seed}: {'; '.join(faults) or 'held'}"
 
 
-def _print(found: list[Row], absent: dict[str, str], seeds: int) -> None:
+def _print(found: list[Row], absent: dict[str, str], seeds: int, fastest: dict[str, float]) -> None:
     from rich.table import Table
 
     console = plain_console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
@@ -140,6 +140,8 @@ def _print(found: list[Row], absent: dict[str, str], seeds: int) -> None:
     console.print(table)
     for name, why in absent.items():
         console.print(f"{name}: not here: {why}", soft_wrap=True)
+    for name, speed in fastest.items():
+        console.print(f"{name}: holds the ladder of speeds up to {speed:g} m/s", soft_wrap=True)
     missed = [row for row in found if row.must and not row.holds]
     console.print(
         f"{MEANINGS} Not held of what has to be: {len(missed)} of {sum(row.must for row in found)}.",

@@ -79,6 +79,9 @@ class Kept:
             return
         for trial in read_trials(self._path, header):
             self.trials[trial.stack, trial.task, trial.seed] = trial
+        if not self._path.read_bytes().endswith(b"\n"):
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write("\n")  # behind a line that was cut off
 
     def add(self, trial: Trial) -> None:
         """Keep a trial."""

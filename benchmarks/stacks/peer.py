@@ -12,6 +12,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any
@@ -201,21 +202,23 @@ class PeerController(Controller):
             raise self._ended("ended") from None
 
     def _ended(self, how: str) -> SurefootError:
-        """Return the error that says what a process which ended said last."""
+        """Let go of a process that ended, and return the error that says what it said last."""
         if self._process is not None:
             self._process.wait(timeout=10.0)
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip().splitlines()
+        self.close()
         return SurefootError(f"the process of {self._peer.name} {how}: {said[-1] if said else 'no word'}")
 
     def close(self) -> None:
         """End the process."""
         if self._process is None:
             return
+        self._process.kill()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                pipe.close()
-        self._process.kill()
+                with suppress(OSError):  # what was not sent yet goes nowhere
+                    pipe.close()
         self._process.wait()
         self._errors.close()
         self._process = None

@@ -114,6 +114,17 @@ def _row(group: Sequence[Trial]) -> Row:
     )  # fmt: skip
 
 
+def fastest_held(found: Sequence[Row]) -> dict[str, float]:
+    """Return the highest speed of the ladder up to which each stack holds every one [m/s]; 0 for none."""
+    out: dict[str, float] = {}
+    broken: set[str] = set()
+    for row in sorted((r for r in found if r.task.startswith("speed-")), key=lambda r: r.asked[0]):
+        broken |= set() if row.holds else {row.stack}
+        best = out.setdefault(row.stack, 0.0)
+        out[row.stack] = best if row.stack in broken else row.asked[0]
+    return out
+
+
 _WORST = (
     "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "hits", "cone_violations",
     "estimate_velocity", "estimate_drift",

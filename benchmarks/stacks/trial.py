@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -220,12 +218,12 @@ def _told(stack: Stack, task: Task, seed: int, log: Log, cpu: list[float], spent
     if len(pushed):
         settled = max(settled, float(log["time"][pushed[-1]]) + RECOVERED)
     ending, duration = str(log.fact("outcome")), len(log) * float(log.fact("dt"))
-    facts: Mapping[str, Any] = log.facts
+    why = str(log.facts.get("error", "")) or "; ".join(log.facts.get("notes") or ())
     measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled)
     times = 1e6 * np.array(cpu)
     busy = times[times > 0.0]
     return Trial(
-        stack.name, task.name, seed, ending, str(facts.get("error", "")), measures,
+        stack.name, task.name, seed, ending, why, measures,
         float(times.mean()) if len(times) else math.nan,
         float(np.percentile(busy, 99)) if len(busy) else math.nan,
         duration / spent if spent > 0.0 else math.nan, duration,

@@ -124,10 +124,10 @@ def test_one_stray_point_does_nothing_and_a_changed_ground_is_believed() -> None
     level = np.array([[0.2, 0.2, 0.0]])
     for _ in range(20):
         ground.see(level, np.array([1e-4]))
-    ground.see([*level, 0.0, 0.0, 0.1], np.array([1e-4]))
+    ground.see(level + np.array([0.0, 0.0, 0.1]), np.array([1e-4]))
     assert ground.grid()[0][70, 70] == pytest.approx(0.0, abs=0.003)
     for _ in range(4):
-        ground.see([*level, 0.0, 0.0, 0.1], np.array([1e-4]))
+        ground.see(level + np.array([0.0, 0.0, 0.1]), np.array([1e-4]))
     assert ground.grid()[0][70, 70] == pytest.approx(0.1, abs=0.02)
 
 

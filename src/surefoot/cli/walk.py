@@ -11,7 +11,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators
+from surefoot.cli import estimators, live
 from surefoot.cli import mjcf_options as files
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
@@ -77,6 +77,7 @@ def walk(
     actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
+    view: live.View = False,
     out: options.Out = Path("runs"),
     video: options.Video = True,
     report: options.Report = True,
@@ -91,6 +92,8 @@ def walk(
     from surefoot.simulation.faults import Faults
 
     console = plain_console(quiet=as_json)
+    if view:
+        live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
     if believed_mu is not None:
         parsing.friction("--believed-mu", believed_mu)
@@ -118,7 +121,8 @@ def walk(
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
-    return run.carry_out(physics, controller, replace(scenario, start=q), _account())
+    watching = live.watching(model, ground, controller) if view else []
+    return run.carry_out(physics, controller, replace(scenario, start=q), _account(), watching)
 
 
 def _planner(name: str) -> Callable[..., Any]:
