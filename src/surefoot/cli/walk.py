@@ -12,12 +12,12 @@ import typer
 from surefoot.arrays import real_number
 from surefoot.cli import command_options as wires
 from surefoot.cli import estimators, live
+from surefoot.cli import mjcf_options as files
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
-from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
@@ -28,6 +28,7 @@ SHORTEST = 0.5
 def walk(
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
+    mjcf: files.Mjcf = None,
     feet: shared.FootFrames = None,
     gait: Annotated[
         str | None,
@@ -99,6 +100,7 @@ def walk(
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
+    files.check(mjcf, world, told)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     wired = wires.wiring(commands, control_rate, latency, dropout)
@@ -106,12 +108,16 @@ def walk(
     faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, sensors=sensors)
     options.require(robot, urdf, WORLDS[world][1], video, report)
-    model = load(robot, urdf, feet, feet_needed=True)
+    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, actuators)
     believed = mu if believed_mu is None else believed_mu
     given = gait, gait_file, period
-    controller = _planner(planner)(model, ground, given, command, believed, actuators, wired)
+    controller = _planner(planner)(model, ground, given, command, believed, motors, wired)
     q = _start(model, ground, mu)
-    physics = worlds.build_world(world, model, ground, mu, payload, told, console)
+    physics = (
+        worlds.build_world(world, model, ground, mu, payload, told, console)
+        if mjcf is None
+        else files.file_world(mjcf, model, ground, mu, payload, told)
+    )
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
@@ -165,7 +171,7 @@ Gaited = tuple[str | None, Path | None, float | None]
 
 
 def _convex(
-    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str, wired: wires.Wiring
+    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: Any, wired: wires.Wiring
 ) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
@@ -180,7 +186,7 @@ def _convex(
 
 
 def _contact_implicit(
-    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: str, wired: wires.Wiring
+    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: Any, wired: wires.Wiring
 ) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings

@@ -41,6 +41,24 @@ class JointTargets(NamedTuple):
         return np.asarray(self.feedforward + pull)
 
 
+class HeightScan(NamedTuple):
+    """What a range sensor saw of the ground.
+
+    Attributes
+    ----------
+    time
+        When it looked [s].
+    points
+        (k, 3) in base axes at that time, from the base's origin [m].
+    variances
+        (k,) of their heights [m²].
+    """
+
+    time: float
+    points: FloatArray
+    variances: FloatArray
+
+
 class RobotState(NamedTuple):
     """What a controller is told at one step.
 
@@ -54,6 +72,10 @@ class RobotState(NamedTuple):
         (n,) which feet feel the ground; None where nothing measures that.
     torques
         (joints,) that the motors say they gave in the step before [N m]; None where they say nothing.
+    forces
+        (n, 3) on the feet, world axes [N], as measured or estimated; None where nothing tells them.
+    scan
+        What a range sensor has seen, at the steps at which it tells; else None.
     """
 
     q: FloatArray
@@ -61,6 +83,8 @@ class RobotState(NamedTuple):
     time: float = 0.0
     contact: BoolArray | None = None
     torques: FloatArray | None = None
+    forces: FloatArray | None = None
+    scan: HeightScan | None = None
 
 
 @dataclass(frozen=True)

@@ -9,103 +9,33 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.contact import Status
-from surefoot.control.actuators import Actuators
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
-from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
-from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.control.grip import Grip
+from surefoot.control.ground_sense import ground_sense
+from surefoot.control.look_ahead import LookAhead
+from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
+from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
-from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.control.walking_settings import WalkCommand as WalkCommand
+from surefoot.control.walking_settings import WalkSettings as WalkSettings
+from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
-
-
-@dataclass(frozen=True)
-class WalkSettings:
-    """How a robot walks; the defaults suit every robot.
-
-    Attributes
-    ----------
-    mu
-        Friction that the controller believes in.
-    friction_share
-        Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
-    start
-        Time to stand before the gait begins [s].
-    clearance
-        Height of the swing over the ground, as a share of the height of the centre of mass.
-    horizon
-        Steps of the MPC.
-    steps_per_period
-        MPC steps in a cycle of the gait.
-    plan_interval
-        Longest time between plans [s].
-    body_stiffness, swing_stiffness
-        Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
-    normal_min, normal_max
-        Bounds on a carrying foot's normal force, as shares of m g.
-    actuators
-        The motors that it believes to command; None for ideal ones.
-    """
-
-    mu: float = 0.6
-    friction_share: float = 0.9
-    start: float = 0.3
-    clearance: float = 0.22
-    horizon: int = 10
-    steps_per_period: int = 14
-    plan_interval: float = 0.02
-    body_stiffness: float = 2.0
-    swing_stiffness: float = 8.0
-    normal_min: float = 0.02
-    normal_max: float = 1.5
-    mpc: MpcWeights = field(default_factory=MpcWeights)
-    whole_body: Weights = field(default_factory=Weights)
-    actuators: Actuators | None = None
-
-
-@dataclass(frozen=True)
-class WalkCommand(Command):
-    """What the walking controller asks for at one step.
-
-    Attributes
-    ----------
-    planned
-        (n,) which feet the gait wants on the ground; `active` are those that push.
-    frames
-        (n, 3, 3) rotation_world_contact in which the forces are given.
-    wanted
-        (3,) velocity command after limits and ramp: forward, left, yaw rate.
-    targets
-        (n, 3) where feet in the air will touch, or last did.
-    plan_status
-        How the last MPC ended.
-    """
-
-    planned: BoolArray
-    frames: FloatArray
-    wanted: FloatArray
-    targets: FloatArray
-    plan_status: Status
-
-    def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, and the wanted velocity."""
-        return {"planned": self.planned, "command": self.wanted}
 
 
 class WalkingController(Controller):
@@ -173,12 +103,17 @@ class WalkingController(Controller):
         return limit_command(command, reach, self._stance_time, self._height, self._radius)
 
     def steer(self, velocity: ArrayLike) -> FloatArray:
-        """Take another velocity (3,) from now on, limited and ramped as any: return what is left of it.
+        """Take another velocity from now on, limited and ramped as any, and return what is left of it.
 
         Parameters
         ----------
         velocity
-            Forward, left [m/s], yaw rate [rad/s].
+            (3,) forward, left [m/s], yaw rate [rad/s].
+
+        Returns
+        -------
+        FloatArray
+            (3,) the same after limits [m/s, rad/s].
 
         Raises
         ------
@@ -236,6 +171,10 @@ class WalkingController(Controller):
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
             "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
         }  # fmt: skip
+        self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
+        self._look_ahead = LookAhead(self._height)
+        clearance = s.clearance * self._height
+        self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
@@ -245,6 +184,8 @@ class WalkingController(Controller):
         """Forget the past: the next step begins a walk from where the robot stands."""
         self.mpc.reset()
         self.whole_body.reset()
+        if self._grip is not None:
+            self._grip.reset()
         self.feet: Feet | None = None
         self._planned_at = self._aimed_at = -math.inf
         self._plan: MpcPlan | None = None
@@ -261,11 +202,17 @@ class WalkingController(Controller):
             return self._blind(state.v)
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
-            self._begin(now)
+            self._begin(now, state)
         assert self.feet is not None
-        feet, clock = self.feet, time - self.settings.start
+        feet, clock = self.feet, time - self.settings.start - self.feet.wait
         felt = feet.planned.copy() if state.contact is None else state.contact
+        if self._sense is not None:
+            felt = self._sense.feel(state, feet, felt, clock, now.centres)
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
+        if self._sense is not None:
+            self._sense.learn(state, feet, now.centres)
+        if self._grip is not None:
+            self._mind_friction(self._grip, state, now)
         self.body.advance(self._wish(clock), now.com, self.dt)
         late = self._interval - 0.5 * self.dt
         if changed or time - self._planned_at >= late:
@@ -294,24 +241,44 @@ class WalkingController(Controller):
             accelerations=None,
         )  # fmt: skip
 
-    def _begin(self, now: Kinematics) -> None:
+    def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""
+        if self._sense is not None:
+            self._sense.begin(state, now.centres, self._radii)
         clearance = self.settings.clearance * self._height
         descent = DESCENT * math.sqrt(GRAVITY * self._height)
         self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, now.centres.copy())
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         self.body = BodyPlan(self._height, now.com.copy(), yaw)
-        self.body.fit_ground(self.feet.ground, math.inf)
+        self._follow_ground(math.inf)
+
+    def _follow_ground(self, elapsed: float) -> None:
+        """Let the body follow the ground, `elapsed` after the last time [s]."""
+        feet, body = self.feet, self.body
+        assert feet is not None
+        if self.terrain.planar:
+            body.fit_ground(feet.ground, elapsed)
+            return
+        level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
+        body.follow_plane(level, slope, elapsed)
 
     def _wish(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins."""
-        return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        command = self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        return command if self._grip is None else self._grip.limit(command)
+
+    def _mind_friction(self, grip: Grip, state: RobotState, now: Kinematics) -> None:
+        """Believe in the friction that the feet have found."""
+        assert self.feet is not None
+        mu = grip.update(state.forces, now, self.feet.frames, self.feet.carrying)
+        self.whole_body.set_friction(self.settings.friction_share * mu)
+        self.body.acceleration = min(ACCELERATION * GRAVITY, grip.acceleration)
 
     def _aim(self, now: Kinematics, clock: float, time: float) -> None:
         """Follow the ground, and choose the footholds of feet in the air."""
         feet = self.feet
         assert feet is not None
-        self.body.fit_ground(feet.ground, min(time - self._aimed_at, 1.0))
+        self._follow_ground(min(time - self._aimed_at, 1.0))
         self._aimed_at = time
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
@@ -325,7 +292,7 @@ class WalkingController(Controller):
         """Run the MPC for the feet's schedule from now on."""
         feet = self.feet
         assert feet is not None
-        N, dt = self.settings.horizon, self._mpc_dt
+        s, N, dt = self.settings, self.settings.horizon, self._mpc_dt
         contacts = self.schedule.horizon(clock, dt, N)
         if clock < 0.0:
             contacts[clock + dt * (np.arange(N) + 0.5) < 0.0] = True
@@ -337,7 +304,8 @@ class WalkingController(Controller):
         places = self._foot_places(contacts, reference.position)
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan = plan = self.mpc.solve(state, reference, places, contacts, feet.frames)
+        mu = None if self._grip is None else np.full(len(feet.radii), s.friction_share * self._grip.mu)
+        self._plan = plan = self.mpc.solve(state, reference, places, contacts, feet.frames, mu=mu)
         self._planned_at = time
         motion = self._motion
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity

@@ -141,6 +141,12 @@ class WholeBodyController:
         self._point_frames, self._points = np.zeros((count, 3, 3)), np.zeros((count, 3))
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
 
+    def set_friction(self, mu: float) -> None:
+        """Change the friction [-] that the controller believes in."""
+        self.mu[:] = mu
+        for distributor in (self._distributor, self._limited):
+            distributor.set_friction(self.mu)
+
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""
         self._set_stance(np.ones(len(self._stance), dtype=bool))

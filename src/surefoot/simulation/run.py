@@ -19,6 +19,7 @@ from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
 from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
+from surefoot.simulation.outward import Outward
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
@@ -157,6 +158,7 @@ class _Run:
     def __post_init__(self) -> None:
         self.stop = Stop(self.world)
         self.touches = LinkTouches(self.world)
+        self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -201,6 +203,7 @@ class _Run:
             push = push_at(scenario.pushes, now)
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
+            state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
             command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
             spent = clock.perf_counter() - start
