@@ -20,9 +20,11 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = (
     "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync",
+    "--disable-component-update", "--disable-sync", "--disable-gpu-vsync", "--disable-frame-rate-limit",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1", "--remote-debugging-port=0",
 )  # fmt: skip
+HOVER = 0.5
+"""How long the mouse rests on a shape before it presses: the page finds it in the next picture [s]."""
 
 
 def find_chromium() -> str | None:
@@ -62,10 +64,10 @@ class Browser:
         self._socket = _connect(f"ws://127.0.0.1:{port}{path}")
 
     def open(self, url: str) -> Tab:
-        """Return a new tab with a page."""
-        target = self._call("Target.createTarget", url="about:blank")
+        """Return a tab with a page, in a window of its own: one behind another would not be drawn."""
+        target = self._call("Target.createTarget", url="about:blank", newWindow=True)
         session = self._call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
-        tab = Tab(self, session)
+        tab = Tab(self, session, target["targetId"])
         tab.call("Page.enable")
         tab.call("Network.enable")
         tab.call("Runtime.enable")
@@ -74,20 +76,25 @@ class Browser:
 
     _number = 0
 
+    def _post(self, method: str, session: str | None, parameters: dict[str, Any]) -> int:
+        """Send a command and return its number."""
+        self._number += 1
+        told = {"id": self._number, "method": method, "params": parameters}
+        self._socket.send(json.dumps(told | ({"sessionId": session} if session else {})))
+        return self._number
+
     def _call(
         self, method: str, session: str | None = None, tab: Tab | None = None, **parameters: Any
     ) -> Any:
         """Return the answer to a command; what happens meanwhile is given to the tab."""
-        self._number += 1
-        told = {"id": self._number, "method": method, "params": parameters}
-        self._socket.send(json.dumps(told | ({"sessionId": session} if session else {})))
+        number = self._post(method, session, parameters)
         while True:
             said = json.loads(self._socket.recv(timeout=60.0))
-            if said.get("id") == self._number:
+            if said.get("id") == number:
                 if "error" in said:
                     raise RuntimeError(f"{method}: {said['error']['message']}")
                 return said["result"]
-            if tab is not None and said.get("sessionId") == session:
+            if tab is not None and "method" in said and said.get("sessionId") == session:
                 tab.heard(said)
 
     def close(self) -> None:
@@ -120,10 +127,11 @@ class Tab:
         What it wrote to its console as an error.
     """
 
-    def __init__(self, browser: Browser, session: str) -> None:
-        self._browser, self._session = browser, session
+    def __init__(self, browser: Browser, session: str, target: str) -> None:
+        self._browser, self._session, self._target = browser, session, target
         self.requests: list[str] = []
         self.errors: list[str] = []
+        self._held = False
 
     def call(self, method: str, **parameters: Any) -> Any:
         """Return the answer to a command of the DevTools protocol."""
@@ -153,30 +161,50 @@ class Tab:
             time.sleep(0.1)
         return value
 
-    def mouse(self, kind: str, x: float, y: float) -> None:
-        """Move, press or release the left button: kind is "mouseMoved", "mousePressed" or "mouseReleased"."""
-        down = kind != "mouseReleased"
-        self.call(
-            "Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=int(down),
-            clickCount=int(kind != "mouseMoved"),
-        )  # fmt: skip
+    def mouse(self, kind: str, x: float, y: float, wait: bool = True) -> None:
+        """Move, press or release the left button: kind is "mouseMoved", "mousePressed" or "mouseReleased".
+
+        A page takes moves when it draws; without `wait` they come whether it has taken the last or not.
+        """
+        held = kind != "mouseReleased" and self._held
+        told = {
+            "type": kind, "x": x, "y": y, "button": "left" if self._held or kind != "mouseMoved" else "none",
+            "buttons": int(held), "clickCount": int(kind != "mouseMoved"),
+        }  # fmt: skip
+        if wait:
+            self.call("Input.dispatchMouseEvent", **told)
+        else:
+            self._browser._post("Input.dispatchMouseEvent", self._session, told)
 
     def drag(self, path: list[tuple[float, float]], rate: float = 60.0) -> float:
         """Press at the path's first place, move along it at a rate [1/s], release; return the time [s]."""
-        self.call("Input.dispatchMouseEvent", type="mouseMoved", x=path[0][0], y=path[0][1])
+        self.mouse("mouseMoved", *path[0])
+        time.sleep(HOVER)
+        self._held = True
         self.mouse("mousePressed", *path[0])
         begin = time.monotonic()
         for k, place in enumerate(path[1:], 1):
-            self.mouse("mouseMoved", *place)
+            self.mouse("mouseMoved", *place, wait=False)
             time.sleep(max(0.0, begin + k / rate - time.monotonic()))
         took = time.monotonic() - begin
         self.mouse("mouseReleased", *path[-1])
+        self._held = False
         return took
 
     def screenshot(self, path: Path) -> Path:
         """Write what the window shows as PNG."""
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
         return path
+
+    def close(self) -> None:
+        """Close the tab."""
+        self._browser._call("Target.closeTarget", targetId=self._target)
+
+    def __enter__(self) -> Tab:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
 
 def _connect(url: str) -> Any:

@@ -10,6 +10,7 @@ from benchmarks.commands import (
     execution,
     faults,
     forces,
+    lab,
     momentum,
     plan,
     rigid,
@@ -30,5 +31,6 @@ def bench() -> None:
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
+    lab.lab,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

@@ -98,7 +98,7 @@ def _joined(pieces: list[tuple[FloatArray, IntArray]]) -> tuple[FloatArray, IntA
 
 
 def coarse(vertices: FloatArray, faces: IntArray, cell: float) -> tuple[FloatArray, IntArray]:
-    """Return a surface whose vertices are the means of those in one cell of a grid.
+    """Return (k, 3) vertices that are the means of those in one `cell` of a grid [m], and (m, 3) triangles.
 
     Vertex clustering: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex
     scenes", 1993. Triangles that lose their area are left out, and so are doubles.

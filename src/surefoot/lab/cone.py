@@ -16,6 +16,7 @@ from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import Figure
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
 from surefoot.lab.page import Grip, Page
+from surefoot.lab.words import heading, paragraph, table, text
 
 SCALE = 0.01
 """Metres that stand for a newton."""
@@ -121,12 +122,10 @@ def cone_text(state: ConeState) -> str:
             )
         )
     used = f"{100 * use:.0f} %" if math.isfinite(use) else "more than all"
-    return "\n\n".join(
-        [
-            f"### {'Sticks' if bool(cone.contains(force)) else 'Slides or pulls'}\nFriction used: {used}.",
-            draw.table(("", "holds the force", "margin [N]", "at worst"), rows),
-            f"Half angle of the cone {math.degrees(cone.half_angle):.1f}°.",
-        ]
+    return text(
+        heading("Sticks" if bool(cone.contains(force)) else "Slides or pulls"),
+        paragraph(f"Friction used: {used}. Half angle of the cone {math.degrees(cone.half_angle):.1f}°."),
+        table(("", "holds the force", "margin [N]", "at worst"), rows),
     )
 
 

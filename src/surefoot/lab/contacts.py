@@ -7,11 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.cones.friction import FrictionCone
 from surefoot.lab import drawing as draw
 from surefoot.lab.drawing import Shape
 from surefoot.lab.geometry import SIDES, cone_surface, fan
+from surefoot.lab.words import table
 
 WEIGHT_LENGTH = 0.5
 """Length of an arrow that carries the whole weight [m]."""
@@ -45,12 +46,14 @@ def contact_shapes(
         m g [N].
     """
     out: dict[str, Shape] = {}
-    good = (
-        np.isfinite(places).all(axis=1) & np.isfinite(forces).all(axis=1) & (np.abs(forces) > 0.0).any(axis=1)
-    )
+    finite = np.isfinite(places).all(axis=1) & np.isfinite(forces).all(axis=1)
+    good: BoolArray = np.asarray(finite & (np.abs(forces) > 0.0).any(axis=1))
     vectors = np.einsum("nij,nj->ni", frames, forces) * (WEIGHT_LENGTH / weight)
     along = np.hypot(forces[:, 0], forces[:, 1])
-    outside = np.asarray(along > mu * forces[:, 2] * (1.0 + BROKEN))
+    known = np.isfinite(mu)
+    outside: BoolArray = np.asarray(
+        known & (along > np.where(known, mu, 0.0) * forces[:, 2] * (1.0 + BROKEN))
+    )
     for k, name in enumerate(names):
         if good[k] and math.isfinite(mu[k]):
             colour = draw.BAD if outside[k] else draw.CONE
@@ -64,11 +67,11 @@ def contact_shapes(
 
 
 def force_rows(names: Sequence[str], forces: FloatArray, mu: FloatArray) -> str:
-    """Return a table of (n, 3) forces in contact frames [N] in Markdown."""
+    """Return a table of (n, 3) forces in contact frames [N] as HTML."""
     rows: list[tuple[str, ...]] = []
     for name, force, friction in zip(names, forces, mu, strict=True):
         along, used = math.hypot(force[0], force[1]), "-"
         if force[2] > 0.0 and math.isfinite(friction):
             used = f"{100.0 * float(FrictionCone(float(friction)).use(force)):.0f}"
         rows.append((name, f"{force[2]:.1f}", f"{along:.1f}", used))
-    return draw.table(("foot", "normal [N]", "along [N]", "friction used [%]"), rows)
+    return table(("foot", "normal [N]", "along [N]", "friction used [%]"), rows)

@@ -103,7 +103,7 @@ class Drawing:
     shapes
         By name.
     text
-        Markdown beside the picture: the verdict and its figures.
+        HTML beside the picture: the verdict and its figures, see `surefoot.lab.words`.
     figure
         A plane picture as SVG; empty for none.
     """
@@ -125,9 +125,3 @@ def outline(corners: FloatArray, colour: Colour, width: float = 2.0) -> Lines:
     if len(corners) < 2:
         return Lines(np.zeros((0, 2, 3)), colour, width)
     return Lines(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1), colour, width)
-
-
-def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    """Return a table in Markdown."""
-    lines = [header, tuple("---" for _ in header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)

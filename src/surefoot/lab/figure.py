@@ -60,7 +60,7 @@ class Figure:
         )
 
     def dot(self, point: Sequence[float] | FloatArray, colour: Colour, radius: float = 4.0) -> None:
-        """Draw a dot."""
+        """Draw a dot at a (2,) point."""
         ((x, y),) = self.place(np.array([point]))
         self.parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{radius:g}" fill="{css(colour)}"/>')
 

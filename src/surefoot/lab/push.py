@@ -16,6 +16,7 @@ from surefoot.lab.figure import strip
 from surefoot.lab.ground import Ground
 from surefoot.lab.page import Grip, Page
 from surefoot.lab.push_run import HARDEST, KICK, Moment, SharedRun
+from surefoot.lab.words import heading, paragraph, text
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain
 
@@ -153,17 +154,17 @@ class PushPage(Page):
             self.values.change(name, value)
 
     def _text(self, moment: Moment, mu: FloatArray) -> str:
-        """Return state, speed and forces in Markdown."""
+        """Return state, speed and forces as HTML."""
         state = (
             "It has fallen" if moment.fallen else "It walks" if moment.wishes.gait != "stand" else "It stands"
         )
         clock = f"{moment.time:.1f} s, {100.0 * moment.speed:.0f} % of real time."
-        lines = [
-            f"### {state}\n{clock} A kick lasts {1e3 * KICK:.0f} ms.",
+        return text(
+            heading(state),
+            paragraph(f"{clock} A kick lasts {1e3 * KICK:.0f} ms."),
             force_rows(self._names, moment.reading.forces, mu),
-            *moment.notes,
-        ]
-        return "\n\n".join(lines)
+            *(paragraph(note) for note in moment.notes),
+        )
 
     def close(self) -> None:
         """Leave the run; without viewers it waits."""

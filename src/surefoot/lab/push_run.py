@@ -259,7 +259,7 @@ class SharedRun:
             self._run.wish(replace(self._run.wishes, **changes))  # type: ignore[arg-type]
 
     def kick(self, force: FloatArray) -> None:
-        """Push the base."""
+        """Push the base with a (3,) force [N]."""
         with self._lock:
             self._run.kick(force)
 
@@ -269,7 +269,7 @@ class SharedRun:
             self._run.restart()
 
     def look(self) -> tuple[Moment, tuple[FloatArray, FloatArray]]:
-        """Return what it is like now, and the strip of normal forces."""
+        """Return what it is like now; times (k,) [s] and normal forces (k, p) [N] of the strip."""
         with self._lock:
             return self._run.moment(self._speed), self._run.strip()
 

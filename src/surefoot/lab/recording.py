@@ -20,6 +20,7 @@ from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.figure import strip
 from surefoot.lab.ground import Ground
 from surefoot.lab.page import Page
+from surefoot.lab.words import heading, paragraph, text
 from surefoot.log import Log
 from surefoot.log.scene import contact_names, pose_of, weight_of
 from surefoot.planning import Plan
@@ -84,8 +85,8 @@ class Recording:
         if self.robot is not None and ("q" not in log or log["q"].shape[1] != self.robot.model.nq):
             self.notes.append(f"the log's configurations are not those of {self.robot.name}: it is not drawn")
             self.robot = None
-        text = log.facts.get("terrain")
-        self.terrain = terrain or (read_terrain(str(text), "the log's terrain") if text else FlatTerrain())
+        told = log.facts.get("terrain")
+        self.terrain = terrain or (read_terrain(str(told), "the log's terrain") if told else FlatTerrain())
         self.names, self.weight = contact_names(log), weight_of(log)
         self.pose = pose_of(log)
         normal = (
@@ -168,7 +169,7 @@ class RecordingPage(Page):
     recording
         That is scrubbed; pages may share it, they only read.
     title, head
-        Heading, and what is said of the whole in Markdown.
+        Heading, and what is said of the whole, a paragraph each.
     spans
         What can be jumped to.
     """
@@ -176,7 +177,9 @@ class RecordingPage(Page):
     about = "Move the **time**, or let it play. The camera goes with the robot."
     eye, look_at = (1.6, -1.6, 1.0), (0.0, 0.0, 0.2)
 
-    def __init__(self, recording: Recording, title: str, head: str = "", spans: Sequence[Span] = ()) -> None:
+    def __init__(
+        self, recording: Recording, title: str, head: Sequence[str] = (), spans: Sequence[Span] = ()
+    ) -> None:
         self.title, self._head, self._recording = title, head, recording
         self._spans = tuple(spans[:MOST_SPANS])
         self._body = None if recording.robot is None else RobotBody(recording.robot)
@@ -259,8 +262,9 @@ class RecordingPage(Page):
         rec, row, now = self._recording, self.row, self.values["time"]
         origin = self._origin(row)
         shapes: dict[str, Shape] = {**self._ground.shapes(origin), **self._robot(row, origin)}
-        head = [f"### {now:.3f} s, row {row} of {len(rec.time)}", self._head]
-        head += [f"**{s.name}**" for s in self._spans if s.start - 1e-9 <= now <= s.end + 1e-9][:5]
+        head = [heading(f"{now:.3f} s, row {row} of {len(rec.time)}"), *map(paragraph, self._head)]
+        broken = [s.name for s in self._spans if s.start - 1e-9 <= now <= s.end + 1e-9]
+        head += [paragraph(name, "font-weight: bold;") for name in broken[:5]]
         if "forces" in rec.log:
             mu, forces = rec.friction(row), np.asarray(rec.log["forces"][row], dtype=np.float64)
             if "contact_positions" in rec.log:
@@ -271,7 +275,7 @@ class RecordingPage(Page):
         if push.any() and np.isfinite(push).all() and rec.pose is not None:
             vector, at = push / rec.weight, np.asarray(rec.pose[row, :3]) - [*origin, 0.0]
             shapes["/push"] = draw.arrows(at - vector, vector, draw.PUSH, 0.015)
-        return Drawing(shapes, "\n\n".join([*head, *rec.notes]), rec.strip(now, self._spans))
+        return Drawing(shapes, text(*head, *map(paragraph, rec.notes)), rec.strip(now, self._spans))
 
     def _origin(self, row: int) -> FloatArray:
         """Return the (2,) place that is in the middle of the picture [m]."""
@@ -303,14 +307,14 @@ def audit_page(recording: Recording, report: AuditReport) -> RecordingPage:
         for k, v in enumerate(report.violations[:MOST_SPANS], 1)
     ]
     rest = len(report.violations) + sum(report.more.values()) - len(spans)
-    head = report.sentence + (f"\n\n{rest} violations more are not listed." if rest > 0 else "")
+    head = [report.sentence, *([f"{rest} violations more are not listed."] if rest > 0 else [])]
     return RecordingPage(recording, f"Audit: {report.verdict}", head, spans)
 
 
 def plan_page(recording: Recording, plan: Plan) -> RecordingPage:
     """Return the page of a plan."""
-    head = (
-        f"{plan.status.value}, {plan.method}; {plan.facts['goal']}; law residual {plan.law_residual:.1e}. "
-        "Forces act until the next knot."
-    )
+    head = [
+        f"{plan.status.value}, {plan.method}; {plan.facts['goal']}; law residual {plan.law_residual:.1e}.",
+        "Forces act until the next knot.",
+    ]
     return RecordingPage(recording, f"Plan: {plan.task}", head)

@@ -21,6 +21,7 @@ from surefoot.errors import SurefootError
 from surefoot.lab.canvas import Canvas
 from surefoot.lab.controls import Button, Choice, Control, Slider, Tick
 from surefoot.lab.page import Grip, Page
+from surefoot.lab.words import refusal
 
 RATE = 60.0
 """Most drawings per second."""
@@ -92,8 +93,8 @@ class Session:
         """Add text, figure, message and controls."""
         gui = self.client.gui
         gui.add_markdown(f"## {self.page.title}\n{self.page.about}")
-        self._message = gui.add_markdown("", visible=False)
-        self._text = gui.add_markdown("")
+        self._message = gui.add_html("", visible=False)
+        self._text = gui.add_html("")
         self._figure = gui.add_html("", visible=False)
         folders: dict[str, Any] = {}
         for control in self.page.values.controls:
@@ -219,12 +220,8 @@ class Session:
         if line == self.message or self._ended.is_set():
             return
         self.message = line
-        self._message.content = "**Refused:** " + line.translate(_PLAIN) if line else ""
+        self._message.content = refusal(line)
         self._message.visible = bool(line)
-
-
-_PLAIN = str.maketrans({mark: f"\\{mark}" for mark in "\\`*_{}[]<>#|"})
-"""Marks that Markdown would take for its own."""
 
 
 def _add_slider(gui: Any, control: Slider) -> Any:

@@ -10,15 +10,16 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.cones.cone import Fit
-from surefoot.cones.friction import FrictionCone
 from surefoot.control.stance_forces import distribute
 from surefoot.equilibrium import Region, Verdict, can_stand, com_region, friction_needed
 from surefoot.errors import ProblemError
 from surefoot.lab import drawing as draw
+from surefoot.lab.contacts import force_rows
 from surefoot.lab.controls import Button, Choice, Slider, Tick, Values
 from surefoot.lab.drawing import Drawing, Shape
 from surefoot.lab.geometry import CORNERS, SIDES, cone_surface, fan, polygon_surface
 from surefoot.lab.page import Grip, Page
+from surefoot.lab.words import heading, paragraph, text
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_from_normal
 from surefoot.stance import PointContact, Stance
@@ -219,36 +220,39 @@ def _motion(state: StandState, certificate: FloatArray, places: FloatArray) -> S
 
 
 def verdict_text(state: StandState, told: StandAnswer) -> str:
-    """Return the verdict, the margin or the certificate, and the forces in Markdown."""
-    verdict, stance = told.verdict, told.verdict.stance
+    """Return the verdict, the margin or the certificate, and the forces as HTML."""
+    verdict = told.verdict
     if verdict.feasible:
-        lines = [
-            f"### It can stand\nMargin {verdict.margin:.2f} N: so far is every force from its cone's border."
+        parts = [
+            heading("It can stand"),
+            paragraph(f"Margin {verdict.margin:.2f} N: so far is every force from its cone's border."),
         ]
     elif verdict.certificate is not None:
-        lines = [
-            "### It cannot stand",
-            "Proof: the motion of the violet arrows. The weight drives it, no force of the cones opposes it.",
-            f"`y = [{', '.join(f'{value:.3g}' for value in verdict.certificate.round(4) + 0.0)}]`, "
-            f"`y . load = {float(verdict.certificate @ verdict.load):.3g} < 0`",
+        y = ", ".join(f"{value:.3g}" for value in verdict.certificate.round(4) + 0.0)
+        parts = [
+            heading("It cannot stand"),
+            paragraph(
+                "Proof: the motion of the violet arrows. The weight drives it, no force within the cones "
+                "opposes it."
+            ),
+            paragraph(f"y = [{y}], y . load = {float(verdict.certificate @ verdict.load):.3g} < 0"),
         ]
     else:
-        lines = ["### Undecided", "Rounding leaves neither forces nor a proof."]
+        parts = [heading("Undecided"), paragraph("Rounding leaves neither forces nor a proof.")]
     needed = f"{told.needed:.3f}" if math.isfinite(told.needed) else "no friction is enough"
-    lines.append(f"Friction needed, the same under every foot: {needed}.")
+    parts.append(paragraph(f"Friction needed, the same under every foot: {needed}."))
     if not told.region.empty:
         distance = told.region.distance(state.com)
         side = "inside" if distance <= 0.0 else "outside"
         area = f"region {1e4 * told.region.area:.0f} cm²"
-        lines.append(f"Centre of mass {1e3 * abs(distance):.0f} mm {side} the region's border ({area}).")
+        parts.append(
+            paragraph(f"Centre of mass {1e3 * abs(distance):.0f} mm {side} the region's border ({area}).")
+        )
     if told.forces is not None and len(told.forces):
-        rows: list[tuple[str, ...]] = []
-        for contact, force in zip(stance.contacts, told.forces, strict=True):
-            use = float(FrictionCone(contact.mu).use(force))
-            along = math.hypot(force[0], force[1])
-            rows.append((contact.name, f"{force[2]:.1f}", f"{along:.1f}", f"{100.0 * use:.0f}"))
-        lines.append(draw.table(("foot", "normal [N]", "along [N]", "friction used [%]"), rows))
-    return "\n\n".join(lines)
+        contacts = verdict.stance.contacts
+        mu = np.array([contact.mu for contact in contacts])
+        parts.append(force_rows([contact.name for contact in contacts], told.forces, mu))
+    return text(*parts)
 
 
 def start_state(robot: Robot) -> StandState:
