@@ -20,7 +20,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = (
     "--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--disable-gpu-vsync", "--disable-frame-rate-limit",
+    "--disable-component-update", "--disable-sync",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1", "--remote-debugging-port=0",
 )  # fmt: skip
 HOVER = 0.5
@@ -64,14 +64,15 @@ class Browser:
         self._socket = _connect(f"ws://127.0.0.1:{port}{path}")
 
     def open(self, url: str) -> Tab:
-        """Return a tab with a page, in a window of its own: one behind another would not be drawn."""
-        target = self._call("Target.createTarget", url="about:blank", newWindow=True)
+        """Return a new tab with a page, in front of the others."""
+        target = self._call("Target.createTarget", url="about:blank")
         session = self._call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
         tab = Tab(self, session, target["targetId"])
         tab.call("Page.enable")
         tab.call("Network.enable")
         tab.call("Runtime.enable")
         tab.call("Page.navigate", url=url)
+        tab.to_front()
         return tab
 
     _number = 0
@@ -195,6 +196,10 @@ class Tab:
         """Write what the window shows as PNG."""
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
         return path
+
+    def to_front(self) -> None:
+        """Show the tab: one behind another is not drawn, and takes no messages."""
+        self.call("Page.bringToFront")
 
     def close(self) -> None:
         """Close the tab."""

@@ -105,11 +105,15 @@ def test_two_tabs_have_their_own_stances(browser: Browser) -> None:
         browser.open(server.url) as one,
         browser.open(server.url) as two,
     ):
-        shown(one, "It can stand")
         shown(two, "It can stand")
+        one.to_front()
+        shown(one, "It can stand")
+        two.to_front()
         first, second = server.sessions.values()
         second.tell("change", "x", 0.5)
         shown(two, "It cannot stand")
+        one.to_front()
+        time.sleep(1.0)
         assert one.ask("document.body.innerText.includes('It can stand')")
         assert first.page.values["x"] < 0.1
 

@@ -16,7 +16,7 @@ from surefoot.lab.geometry import pose_of
 from surefoot.robot import Robot
 from surefoot.viz.meshes import triangles
 
-CELL = 0.004
+CELL = 0.006
 """Vertices nearer to each other than this are drawn as one [m]."""
 CIRCLE = 16
 """Sides of what is round."""
