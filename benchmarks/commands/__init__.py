@@ -15,6 +15,7 @@ from benchmarks.commands import (
     plan,
     rigid,
     softening,
+    stacks,
     statics,
     walk,
 )
@@ -31,6 +32,6 @@ def bench() -> None:
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    lab.lab,
+    lab.lab, stacks.stacks,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

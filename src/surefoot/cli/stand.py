@@ -41,6 +41,7 @@ def stand(
     law: worlds.ContactLaw = None,
     explicit: worlds.Explicit = False,
     collision: worlds.Collision = "feet",
+    actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
@@ -51,7 +52,7 @@ def stand(
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
-    Exit code 0 if it stood and no law was broken, 1 if not, 2 for wrong input.
+    Exit code 0 if it stood and no law or limit was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
@@ -59,7 +60,7 @@ def stand(
 
     console = plain_console(quiet=as_json)
     options.check_numbers(mu, duration, SHORTEST, payload, seed)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)

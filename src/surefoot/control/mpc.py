@@ -311,12 +311,16 @@ class _Given(NamedTuple):
 
 def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """Return a value of one step, or of every step, at the full shape."""
+    if isinstance(value, np.ndarray) and value.shape == shape and value.dtype == np.float64:
+        return np.ascontiguousarray(value)
     try:
         array = np.asarray(value, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
     if array.shape == shape[1:]:
-        array = np.broadcast_to(array, shape)
-    elif array.shape != shape:
+        full = np.empty(shape)
+        full[:] = array
+        return full
+    if array.shape != shape:
         raise ProblemError(f"{name} must have shape {shape[1:]} or {shape}, got {array.shape}")
     return np.ascontiguousarray(array)

@@ -15,8 +15,11 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
+from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
+from surefoot.simulation.outward import Outward
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
@@ -106,7 +109,7 @@ def _recorder(
 ) -> Recorder:
     """Return a recorder for what every run has, and what controller and estimator add."""
     robot = world.robot
-    taken = (*_SHARED, "other_forces", *(c.name for c in sensing.channels))
+    taken = (*_SHARED, "other_forces", "torques_commanded", *(c.name for c in sensing.channels))
     clash = [c.name for c in controller.channels if c.name in taken]
     if clash:
         raise ProblemError(
@@ -117,18 +120,20 @@ def _recorder(
         **controller.facts,
         "robot": robot.name,
         "world": type(world).__name__,
+        "effort_limits": robot.effort_limits,
         **told_by(world),
         "dt": world.dt,
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
-        "effort_limits": robot.effort_limits,
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
     }
     shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
+    if getattr(world, "actuators", None) is not None:
+        shared = (*shared, "torques_commanded")
     channels = (*(CHANNELS[name] for name in shared), *controller.channels, *sensing.channels)
     return Recorder(
         scenario.steps(world.dt), channels, folder, facts,
@@ -152,13 +157,16 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.stop = Stop(self.world)
+        self.touches = LinkTouches(self.world)
+        self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
 
         `height` is that of the base over the ground at the start [m].
         """
-        begin, recorder, told = clock.perf_counter(), self.recorder, {}
+        begin, recorder = clock.perf_counter(), self.recorder
+        told: dict[str, Any] = {}
         try:
             ending = self._loop(height)
         except (KeyboardInterrupt, SurefootError) as stop:
@@ -175,6 +183,8 @@ class _Run:
             raise
         if self.sensing.lost:
             told = {"error": self.sensing.lost, **told}
+        touched = self.touches.lines(self.world.dt)
+        told |= {"link_touches": touched} if touched else {}
         return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
     def _loop(self, height: float) -> Ending:
@@ -193,14 +203,17 @@ class _Run:
             push = push_at(scenario.pushes, now)
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
+            state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
-            command = self._decide(state, command)
+            command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
             spent = clock.perf_counter() - start
             # the step
-            torques = faults.act(command.torques)
+            self._asked = faults.act(command, q, v)
+            world.step(self._asked, push)
+            torques = given_by(world, self._asked)
             sensing.acted(command, torques)
-            world.step(torques, push)
             reading = world.contacts()
+            self.touches.look(now, reading)
             # its row
             self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
             # whether it goes on
@@ -232,6 +245,8 @@ class _Run:
         rows["normals"][i] = self.world.terrain.normal(reading.positions[:, :2])
         if reading.others is not None:
             rows["other_forces"][i] = reading.others
+        if "torques_commanded" in rows:
+            rows["torques_commanded"][i] = self._asked
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
         rows["attained"][i], rows["saturated"][i] = (
             command.attained,
