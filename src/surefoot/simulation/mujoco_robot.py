@@ -50,8 +50,8 @@ def import_mujoco() -> Any:
 def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray | None = None) -> Any:
     """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
 
-    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``. The payload [kg]
-    sits at (3,) base axes [m].
+    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``. The payload
+    [kg] sits at (3,) base axes [m].
 
     Raises
     ------
