@@ -60,7 +60,7 @@ def walk(
     push: options.Pushes = None,
     ice: options.IcePatches = None,
     payload: options.Payload = "0",
-    estimator: estimators.EstimatorName = "truth",
+    estimator: estimators.EstimatorName = "inekf",
     noise: estimators.Noise = None,
     delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
     latency: wires.Latency = "auto",
