@@ -124,7 +124,7 @@ class EstimatedState(Sensing):
         start = clock.perf_counter()
         estimate = estimator.update(touching, self._standing)
         self._spent = spent + clock.perf_counter() - start
-        self._told = RobotState(*estimate, time, touching, estimator.forces)
+        self._told = RobotState(*estimate, time, touching, forces=estimator.forces)
         if estimator.health is not Health.GOOD and not self.lost:
             self.lost = f"the state estimate was lost at {time:.3f} s: {estimator.health}"
         return self._told
