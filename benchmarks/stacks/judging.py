@@ -27,7 +27,7 @@ class Trial:
     outcome
         "done", or how the run ended: "fell", "lost", "invalid", "refused" by the stack.
     why
-        Why it ended, or was refused.
+        Why it ended, or was refused, or what the stack changed in its command.
     measures
         See there; of a run that ended early, of what there is.
     step_us, step_p99_us
@@ -87,7 +87,7 @@ class Trial:
         """Return what was wrong, in words that can be counted."""
         if not self.upright:
             return (self.outcome if not self.why else f"{self.outcome}: {self.why}",)
-        course = () if self.on_course(asked) else ("off course",)
+        course = () if self.on_course(asked) else ("off course: slowed" if self.why else "off course",)
         laws = tuple(_without_numbers(law) for law in self.measures.laws)
         return (*course, *laws, *(str(bound) for bound in self.missed(task)))
 

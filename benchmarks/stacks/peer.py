@@ -12,6 +12,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, Any
@@ -19,7 +20,7 @@ from typing import IO, Any
 import numpy as np
 
 from benchmarks.stacks.pins import PINS, commit_of
-from benchmarks.stacks.stack import Job, TimedController, ramped
+from benchmarks.stacks.stack import START, Job, TimedController, ramped
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
@@ -108,6 +109,7 @@ class PeerController(Controller):
 
     channels: tuple[Channel, ...] = (CHANNELS["command"],)
     apart = True
+    starts = START
     posture: FloatArray | None = None
 
     def __init__(self, peer: Peer, job: Job) -> None:
@@ -201,21 +203,23 @@ class PeerController(Controller):
             raise self._ended("ended") from None
 
     def _ended(self, how: str) -> SurefootError:
-        """Return the error that says what a process which ended said last."""
+        """Let go of a process that ended, and return the error that says what it said last."""
         if self._process is not None:
             self._process.wait(timeout=10.0)
         self._errors.seek(0)
         said = self._errors.read().decode(errors="replace").strip().splitlines()
+        self.close()
         return SurefootError(f"the process of {self._peer.name} {how}: {said[-1] if said else 'no word'}")
 
     def close(self) -> None:
         """End the process."""
         if self._process is None:
             return
+        self._process.kill()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                pipe.close()
-        self._process.kill()
+                with suppress(OSError):  # what was not sent yet goes nowhere
+                    pipe.close()
         self._process.wait()
         self._errors.close()
         self._process = None

@@ -35,7 +35,7 @@ class Row:
         The last two as shares with Wilson's 95 % intervals.
     forward
         Mean of the mean forward velocities [m/s].
-    velocity_error, slip, tilt, torque_use, speed_use, over_speed, hits, cone_violations
+    velocity_error, slip, tilt, torque_use, speed_use, over_speed, beyond_curve, hits, cone_violations
         Worst of all trials that did not end early, see `Measures`.
     cost_of_transport, step_us, step_p99_us, real_time
         Medians of them.
@@ -63,6 +63,7 @@ class Row:
     torque_use: float
     speed_use: float
     over_speed: float
+    beyond_curve: float
     hits: float
     cone_violations: float
     cost_of_transport: float
@@ -114,9 +115,20 @@ def _row(group: Sequence[Trial]) -> Row:
     )  # fmt: skip
 
 
+def fastest_held(found: Sequence[Row]) -> dict[str, float]:
+    """Return the highest speed of the ladder up to which each stack holds every one [m/s]; 0 for none."""
+    out: dict[str, float] = {}
+    broken: set[str] = set()
+    for row in sorted((r for r in found if r.task.startswith("speed-")), key=lambda r: r.asked[0]):
+        broken |= set() if row.holds else {row.stack}
+        best = out.setdefault(row.stack, 0.0)
+        out[row.stack] = best if row.stack in broken else row.asked[0]
+    return out
+
+
 _WORST = (
-    "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "hits", "cone_violations",
-    "estimate_velocity", "estimate_drift",
+    "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "beyond_curve", "hits",
+    "cone_violations", "estimate_velocity", "estimate_drift",
 )  # fmt: skip
 _MEDIAN = ("cost_of_transport", "step_us", "step_p99_us", "real_time")
 _CLOCKS = ("step_us", "step_p99_us", "real_time")

@@ -44,12 +44,12 @@ class MotorUse:
 
 
 def motor_use(log: Log) -> MotorUse | None:
-    """Return what a log says about the use of the motors; None for one that does not tell their speeds."""
+    """Return what a log says about the use of the motors; None for one that tells no limit of speeds."""
     if "speed_limits" not in log.facts or "v" not in log:
         return None
     limits, effort = log.fact("speed_limits"), log.fact("effort_limits")
     joints = len(limits)
-    if not joints:
+    if not joints or not np.isfinite(limits).any():
         return None
     speed = np.asarray(log["v"])[:, -joints:]
     use = np.abs(speed) / limits

@@ -19,6 +19,8 @@ MU_MAX = 1e3
 """Friction beyond which nothing changes: a cone that is 0.06 deg short of the half-space."""
 FORCE_MAX = 1e5
 """Largest push [N]: a hundred times the weight of the heaviest robots."""
+PAYLOAD_MAX, PAYLOAD_FAR = 1e4, 10.0
+"""Heaviest payload [kg], and how far from the base's origin it may be along an axis [m]."""
 SHORTEST_PUSH = 1e-3
 """A step of the worlds [s]; what is shorter can fall between two of them."""
 LONGEST_RUN = 3600.0
@@ -88,6 +90,26 @@ def ice(text: str) -> Ice | IcePatch:
     if start < 0.0 or not 0.0 <= mu <= MU_MAX:
         raise ProblemError(f"--ice {text!r}: T must be >= 0 and MU between 0 and {MU_MAX:g}")
     return Ice(start, mu)
+
+
+def payload(text: str) -> tuple[float, tuple[float, float, float]]:
+    """Return mass [kg] and place in base axes [m] of "KG" or "KG@X,Y,Z".
+
+    >>> payload("5@0.1,0.08,0.08")
+    (5.0, (0.1, 0.08, 0.08))
+    >>> payload("5")
+    (5.0, (0.0, 0.0, 0.0))
+    """
+    mass, at, place = text.partition("@")
+    parts = place.split(",") if at else ["0", "0", "0"]
+    if len(parts) != 3:
+        raise ProblemError(f"--payload {text!r} is not of the form KG or KG@X,Y,Z, e.g. 5@0.1,0.08,0.08")
+    kilograms = real_number("--payload", number("--payload", mass), low=0.0, high=PAYLOAD_MAX)
+    x, y, z = (
+        real_number("--payload", number("--payload", part), low=-PAYLOAD_FAR, high=PAYLOAD_FAR)
+        for part in parts
+    )
+    return kilograms, (x, y, z)
 
 
 def lift(text: str) -> Lift:

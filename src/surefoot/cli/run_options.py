@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from surefoot.arrays import real_number
-
 if TYPE_CHECKING:
     from surefoot.simulation.scenario import Scenario
 
 Friction: TypeAlias = Annotated[float, typer.Option(help="Friction of the ground.")]
 Duration: TypeAlias = Annotated[float, typer.Option(help="Simulated time [s].")]
 Payload: TypeAlias = Annotated[
-    float, typer.Option(help="Mass on the base that the controller does not know [kg].")
+    str,
+    typer.Option(help="KG or KG@X,Y,Z: mass and its place on the base that no controller is told [kg], [m]."),
 ]
 Pushes: TypeAlias = Annotated[
     list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")
@@ -36,13 +35,12 @@ Report: TypeAlias = Annotated[bool, typer.Option("--report/--no-report", help="D
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")]
 
 
-def check_numbers(mu: float, duration: float, shortest: float, payload: float, seed: int | None) -> None:
+def check_numbers(mu: float, duration: float, shortest: float, seed: int | None) -> None:
     """Refuse numbers that no run can have; `shortest` is the least duration that says something [s]."""
     from surefoot.cli import parsing
 
     parsing.friction("--mu", mu)
     parsing.duration(duration, shortest)
-    real_number("--payload", payload, low=0.0, high=1e4)
     parsing.seed(seed)
 
 

@@ -11,13 +11,13 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators, knowledge
+from surefoot.cli import estimators, knowledge, live
+from surefoot.cli import mjcf_options as files
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
-from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
@@ -28,6 +28,7 @@ SHORTEST = 0.5
 def walk(
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
+    mjcf: files.Mjcf = None,
     feet: shared.FootFrames = None,
     gait: Annotated[
         str | None,
@@ -58,8 +59,8 @@ def walk(
     terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     push: options.Pushes = None,
     ice: options.IcePatches = None,
-    payload: options.Payload = 0.0,
-    estimator: estimators.EstimatorName = "truth",
+    payload: options.Payload = "0",
+    estimator: estimators.EstimatorName = "inekf",
     noise: estimators.Noise = None,
     delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
     latency: wires.Latency = "auto",
@@ -75,6 +76,7 @@ def walk(
     actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
+    view: live.View = False,
     out: options.Out = Path("runs"),
     video: options.Video = True,
     report: options.Report = True,
@@ -89,11 +91,15 @@ def walk(
     from surefoot.simulation.faults import Faults
 
     console = plain_console(quiet=as_json)
-    options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    if view:
+        live.check(planner)
+    options.check_numbers(mu, duration, SHORTEST, seed)
+    carried = parsing.payload(payload)
     belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
+    files.check(mjcf, world, told)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
     wired = wires.wiring(commands, control_rate, latency, dropout)
@@ -101,15 +107,20 @@ def walk(
     faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
     options.require(robot, urdf, WORLDS[world][1], video, report)
-    model = load(robot, urdf, feet, feet_needed=True)
+    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, actuators)
     given = gait, gait_file, period
-    controller = _planner(planner)(model, belief.ground(ground), given, command, belief, actuators, wired)
+    controller = _planner(planner)(model, belief.ground(ground), given, command, belief, motors, wired)
     q = _start(model, ground, mu)
-    physics = worlds.build_world(world, model, ground, mu, payload, told, console)
+    physics = (
+        worlds.build_world(world, model, ground, mu, carried, told, console)
+        if mjcf is None
+        else files.file_world(mjcf, model, ground, mu, carried, told)
+    )
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
-    return run.carry_out(physics, controller, replace(scenario, start=q), _account())
+    watching = live.watching(model, ground, controller) if view else []
+    return run.carry_out(physics, controller, replace(scenario, start=q), _account(), watching)
 
 
 def _planner(name: str) -> Callable[..., Any]:
@@ -163,7 +174,7 @@ def _convex(
     gait: Gaited,
     command: Any,
     belief: knowledge.Beliefs,
-    actuators: str,
+    actuators: Any,
     wired: wires.Wiring,
 ) -> Any:
     """Return the controller that follows a gait."""
@@ -186,7 +197,7 @@ def _contact_implicit(
     gait: Gaited,
     command: Any,
     belief: knowledge.Beliefs,
-    actuators: str,
+    actuators: Any,
     wired: wires.Wiring,
 ) -> Any:
     """Return the controller that takes no gait."""

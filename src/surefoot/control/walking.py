@@ -9,108 +9,34 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.contact import Status
-from surefoot.control.actuators import Actuators
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
 from surefoot.control.grip import Grip
 from surefoot.control.ground_sense import ground_sense
+from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
-from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
+from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
 from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
-from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.control.walking_settings import WalkCommand as WalkCommand
+from surefoot.control.walking_settings import WalkSettings as WalkSettings
+from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
-
-
-@dataclass(frozen=True)
-class WalkSettings:
-    """How a robot walks; the defaults suit every robot.
-
-    Attributes
-    ----------
-    mu
-        Friction that the controller believes in.
-    watch_friction
-        Whether it believes in less where its feet slide, and slows; see `surefoot.control.grip`.
-    friction_share
-        Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
-    start
-        Time to stand before the gait begins [s].
-    clearance
-        Height of the swing over the ground, as a share of the height of the centre of mass.
-    horizon
-        Steps of the MPC.
-    steps_per_period
-        MPC steps in a cycle of the gait.
-    plan_interval
-        Longest time between plans [s].
-    body_stiffness, swing_stiffness
-        Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
-    normal_min, normal_max
-        Bounds on a carrying foot's normal force, as shares of m g.
-    actuators
-        The motors that it believes to command; None for ideal ones.
-    """
-
-    mu: float = 0.6
-    watch_friction: bool = False
-    friction_share: float = 0.9
-    start: float = 0.3
-    clearance: float = 0.22
-    horizon: int = 10
-    steps_per_period: int = 14
-    plan_interval: float = 0.02
-    body_stiffness: float = 2.0
-    swing_stiffness: float = 8.0
-    normal_min: float = 0.02
-    normal_max: float = 1.5
-    mpc: MpcWeights = field(default_factory=MpcWeights)
-    whole_body: Weights = field(default_factory=Weights)
-    actuators: Actuators | None = None
-
-
-@dataclass(frozen=True)
-class WalkCommand(Command):
-    """What the walking controller asks for at one step.
-
-    Attributes
-    ----------
-    planned
-        (n,) which feet the gait wants on the ground; `active` are those that push.
-    frames
-        (n, 3, 3) rotation_world_contact in which the forces are given.
-    wanted
-        (3,) velocity command after limits and ramp: forward, left, yaw rate.
-    targets
-        (n, 3) where feet in the air will touch, or last did.
-    plan_status
-        How the last MPC ended.
-    """
-
-    planned: BoolArray
-    frames: FloatArray
-    wanted: FloatArray
-    targets: FloatArray
-    plan_status: Status
-
-    def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, and the wanted velocity."""
-        return {"planned": self.planned, "command": self.wanted}
 
 
 class WalkingController(Controller):
@@ -169,10 +95,35 @@ class WalkingController(Controller):
                 f"the gait is for {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
             )
         self._set_timing()
-        self.command, self.notes = limit_command(
-            command, 0.55 * self._height, self._stance_time, self._height, self._radius
-        )
+        self.command, self.notes = self._limited(command)
         self._set_controllers()
+
+    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
+        reach = 0.55 * self._height
+        return limit_command(command, reach, self._stance_time, self._height, self._radius)
+
+    def steer(self, velocity: ArrayLike) -> FloatArray:
+        """Take another velocity from now on, limited and ramped as any, and return what is left of it.
+
+        Parameters
+        ----------
+        velocity
+            (3,) forward, left [m/s], yaw rate [rad/s].
+
+        Returns
+        -------
+        FloatArray
+            (3,) the same after limits [m/s, rad/s].
+
+        Raises
+        ------
+        ProblemError
+            For what is no three finite numbers.
+        """
+        wanted = finite_array("velocity", velocity, (3,))
+        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
+        return self.command.at(0.0)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
@@ -225,6 +176,8 @@ class WalkingController(Controller):
         self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
+        self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
+        self.channels = (*type(self).channels, *self._load.channels)
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
@@ -236,6 +189,7 @@ class WalkingController(Controller):
         self.whole_body.reset()
         if self._grip is not None:
             self._grip.reset()
+        self._load.reset()
         self.feet: Feet | None = None
         self._planned_at = self._aimed_at = -math.inf
         self._plan: MpcPlan | None = None
@@ -250,6 +204,11 @@ class WalkingController(Controller):
         time = state.time
         if not computable(state.q, state.v):
             return self._blind(state.v)
+        late = self._interval - 0.5 * self.dt
+        due = time - self._planned_at >= late
+        self._load.observe(state)
+        if due:
+            self._load.tell(None if self.feet is None else self.body)
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
             self._begin(now, state)
@@ -264,17 +223,18 @@ class WalkingController(Controller):
         if self._grip is not None:
             self._mind_friction(self._grip, state, now)
         self.body.advance(self._wish(clock), now.com, self.dt)
-        late = self._interval - 0.5 * self.dt
-        if changed or time - self._planned_at >= late:
+        self._load.pull(now, state.q[:3])
+        if changed or due:
             self._replan(now, clock, time)
         elif time - self._aimed_at >= late:  # never in the step of a plan: no step should take long
             self._aim(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
+        self._load.acted(time, state.v, body.torques, feet.carrying)
         assert self._plan is not None
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
-            accelerations=body.accelerations,
+            accelerations=body.accelerations, load=self._load.rows,
         )  # fmt: skip
         return self._last
 
@@ -284,7 +244,7 @@ class WalkingController(Controller):
         on = np.ones(n, dtype=bool)
         last = self._last or WalkCommand(
             body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID,
+            np.zeros((n, 3)), Status.INVALID, load=self._load.rows,
         )  # fmt: skip
         return replace(
             last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,

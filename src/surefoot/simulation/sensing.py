@@ -93,10 +93,10 @@ class EstimatedState(Sensing):
         self.sensors = Sensors(model, robot, world.dt, seed)
         ground = world.terrain if model.heights else None
         ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
-        self.estimator = StateEstimator(ekf)
-        foot = np.asarray(world.contact_foot)
+        late = model.imu.latency, model.encoders.latency
+        self.estimator = StateEstimator(ekf, latency=late)
         self._actuators: Actuators | None = getattr(world, "actuators", None)
-        self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
+        self._foot = np.asarray(world.contact_foot)
         self._standing: BoolArray | None = None
         self._warm_up(robot.nominal)
         self._started = False
@@ -106,7 +106,7 @@ class EstimatedState(Sensing):
         estimator, joints = self.estimator, np.zeros(self.sensors.robot.joints)
         reading = Reading(np.zeros(3), np.array([0.0, 0.0, GRAVITY]), q[7:], joints)
         for _ in range(3):
-            touching = estimator.predict(reading)
+            touching = estimator.decide(~estimator.predict(reading))
             estimator.update(np.ones_like(touching))
             estimator.applied(joints)
 
@@ -118,10 +118,11 @@ class EstimatedState(Sensing):
             self._started = True
         reading = self.sensors.read(q, v)
         start = clock.perf_counter()
-        detected = estimator.predict(reading)
+        felt = estimator.predict(reading)
         spent = clock.perf_counter() - start
-        touching = self.sensors.touches(detected)
+        felt = self.sensors.touches(felt)
         start = clock.perf_counter()
+        touching = estimator.decide(felt)
         estimate = estimator.update(touching, self._standing)
         self._spent = spent + clock.perf_counter() - start
         self._told = RobotState(*estimate, time, touching, forces=estimator.forces)
@@ -132,7 +133,11 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        self._standing = np.array([bool(command.active[points].any()) for points in self._points])
+        pushing = np.zeros(len(self.sensors.robot.feet), dtype=bool)
+        pushing[self._foot[command.active]] = True
+        planned = command.rows().get("planned", pushing)
+        self._standing = pushing
+        self.estimator.expect(pushing, np.asarray(planned, dtype=bool))
         self.heard = heard = self.sensors.torques(torques)
         if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
             heard = heard - self._actuators.losses(self._told.v[6:])

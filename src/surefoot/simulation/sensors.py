@@ -12,7 +12,8 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import FilterNoise, Reading
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
+from surefoot.simulation.sensor_kernels import mean_readings
+from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class EncoderModel:
 
 @dataclass(frozen=True)
 class TouchModel:
-    """What goes wrong with the detection of contacts beyond what the detector itself gets wrong.
+    """What goes wrong with the forces that tell contacts, beyond what the observer of momentum gets wrong.
 
     Attributes
     ----------
@@ -89,11 +90,11 @@ class TouchModel:
     torque_scale
         Standard deviation of each motor's factor between torque and current, off 1.
     missed
-        Share of the contacts that are never told.
+        Share of the contacts whose force is never felt.
     false
-        How often a foot that does not touch is told to do so, for `false_time` [1/s].
+        How often a foot feels a force that is none, for `false_time` [1/s].
     false_time
-        Length of a false touch [s].
+        Length of such a false force [s].
     """
 
     torque_noise: float = 0.05
@@ -150,6 +151,7 @@ class SensorModel:
             gyro_drift=imu.gyro_drift,
             accelerometer_drift=imu.accelerometer_drift,
             joint=self.encoders.noise + self.encoders.step,
+            joint_speed=self.encoders.speed_noise + self.encoders.speed_step,
             tilt=2.0 * self.tilt,
             gyro_bias=2.0 * imu.gyro_bias,
             accelerometer_bias=2.0 * imu.accelerometer_bias,
@@ -182,15 +184,9 @@ def mean_motion(
 
     They are those of an IMU at `arm` (3,) from the base's origin, in the base's axes half-way.
     """
-    (qa, va), (qb, vb) = before, now
-    Ra, Rb = rotation_from_quaternion(qa[3:7]), rotation_from_quaternion(qb[3:7])
-    turn = rotation_log(Ra.T @ Rb)
-    angle = float(np.linalg.norm(turn))
-    middle = Ra if angle == 0.0 else Ra @ rotation_about(turn / angle, 0.5 * angle)
-    a, b = (R @ (v[:3] + np.cross(v[3:6], arm)) for R, v in ((Ra, va), (Rb, vb)))
-    force = (b - a) / dt
-    force[2] += GRAVITY
-    return turn / dt, middle.T @ force
+    rate, force = np.empty(3), np.empty(3)
+    mean_readings(*before, *now, dt, arm, rate, force)
+    return rate, force
 
 
 class Sensors:
@@ -287,7 +283,7 @@ class Sensors:
         return self._factors * true + self._torque_noise * self._random.normal(size=len(true))
 
     def touches(self, contact: BoolArray) -> BoolArray:
-        """Return (n,) contacts with some missed and some false ones, one step after the last call."""
+        """Return (n,) which feet feel a force, some missed and some false, one step after the last call."""
         touch, n = self.model.touch, len(contact)
         self._time += self.dt
         if touch.missed > 0.0:

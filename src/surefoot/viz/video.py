@@ -76,15 +76,7 @@ class Renderer:
         self, robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, fine: bool = False
     ) -> None:
         mujoco = self._mujoco = import_mujoco()
-        spec = robot_spec(robot)
-        add_ground(spec, terrain, 1.0)
-        add_meshes(spec, robot)
-        _add_light(mujoco, spec, width, height, 8 if fine else 0)
-        spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
-        for geom in spec.geoms:  # a foot that is a point is drawn as a small ball
-            if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE and geom.size[0] <= 0.0:
-                geom.size[0] = POINT_SIZE
-        spec.compiler.boundmass = spec.compiler.boundinertia = LIGHTEST  # links without mass are drawn, too
+        spec = drawn_spec(robot, terrain, width, height, 8 if fine else 0)
         self.robot = robot
         try:
             self.model = spec.compile()
@@ -162,6 +154,30 @@ class Renderer:
     def close(self) -> None:
         """Free the OpenGL context."""
         self._renderer.close()
+
+
+def drawn_spec(
+    robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, samples: int = 0
+) -> Any:
+    """Return an MjSpec of a robot with its meshes on its terrain, in light: to be drawn, not simulated.
+
+    Parameters
+    ----------
+    robot, terrain
+        Who and on what.
+    width, height, samples
+        Of pictures that are drawn off screen: size [pixels], and samples of each pixel.
+    """
+    mujoco, spec = import_mujoco(), robot_spec(robot)
+    add_ground(spec, terrain, 1.0)
+    add_meshes(spec, robot)
+    _add_light(mujoco, spec, width, height, samples)
+    spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
+    for geom in spec.geoms:  # a foot that is a point is drawn as a small ball
+        if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE and geom.size[0] <= 0.0:
+            geom.size[0] = POINT_SIZE
+    spec.compiler.boundmass = spec.compiler.boundinertia = LIGHTEST  # links without mass are drawn, too
+    return spec
 
 
 def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) -> None:
