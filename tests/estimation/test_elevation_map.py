@@ -66,8 +66,9 @@ def test_unknown_cells_take_the_lowest_nearby_or_the_plane(seed: int) -> None:
             else:
                 nearest = int(rings[known].min())
                 plane = 5.0 + 0.1 * a - 0.2 * b
-                near = nearest <= kernels.REACH
-                wanted = float(heights[known & (rings == nearest)].min()) if near else plane
+                ring = known & (rings == nearest)
+                off = heights - (5.0 + 0.1 * i - 0.2 * j)
+                wanted = plane + (float(off[ring].min()) if nearest <= kernels.REACH else 0.0)
             assert out[a, b] == pytest.approx(wanted)
 
 
