@@ -175,7 +175,8 @@ class Held(Controller):
             raise ProblemError(f"every must be 1 or more steps of the world, got {every}")
         self.controller, self.every = controller, every
         self.channels, self.facts = controller.channels, controller.facts
-        self._last, self._count = None, 0  # type: Command | None, int
+        self._last: Command | None = None
+        self._count = 0
 
     def reset(self) -> None:
         """Forget the past."""
