@@ -35,7 +35,7 @@ class Row:
         The last two as shares with Wilson's 95 % intervals.
     forward
         Mean of the mean forward velocities [m/s].
-    velocity_error, slip, tilt, torque_use, speed_use, over_speed, hits, cone_violations
+    velocity_error, slip, tilt, torque_use, speed_use, over_speed, beyond_curve, hits, cone_violations
         Worst of all trials that did not end early, see `Measures`.
     cost_of_transport, step_us, step_p99_us, real_time
         Medians of them.
@@ -63,6 +63,7 @@ class Row:
     torque_use: float
     speed_use: float
     over_speed: float
+    beyond_curve: float
     hits: float
     cone_violations: float
     cost_of_transport: float
@@ -126,8 +127,8 @@ def fastest_held(found: Sequence[Row]) -> dict[str, float]:
 
 
 _WORST = (
-    "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "hits", "cone_violations",
-    "estimate_velocity", "estimate_drift",
+    "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "beyond_curve", "hits",
+    "cone_violations", "estimate_velocity", "estimate_drift",
 )  # fmt: skip
 _MEDIAN = ("cost_of_transport", "step_us", "step_p99_us", "real_time")
 _CLOCKS = ("step_us", "step_p99_us", "real_time")

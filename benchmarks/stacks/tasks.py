@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from surefoot.audit.motors import OVER_SPEED
 from surefoot.errors import ProblemError, unknown_name
 
 NEWTONS, PUSH_TIME, PUSH_AT = 150.0, 0.1, 2.5
@@ -98,7 +99,7 @@ class Task:
 
 
 SLIP = Bound("slip", 0.01)
-MOTORS = (Bound("torque_use", 1.0), Bound("speed_use", 1.0))
+MOTORS = (Bound("torque_use", 1.0), Bound("speed_use", OVER_SPEED))
 """Joint torque and speed inside their limits."""
 ESTIMATE = (Bound("estimate_velocity", 0.05), Bound("estimate_drift", 0.02))
 """Error of the estimated velocity [m/s rms], drift over the way."""

@@ -152,7 +152,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     if log.fact("outcome") == Ending.INTERRUPTED:
         raise KeyboardInterrupt
     spent = cpu.spent + (sum(controller.cpu) if controller.apart else 0.0)
-    return _told(stack, task, seed, log, controller.cpu, spent)
+    return _told(stack, task, seed, log, controller, spent)
 
 
 def _line(error: Exception) -> str:
@@ -208,19 +208,19 @@ def push_time(controller: TimedController, phase: float) -> float:
     return round(start + (cycles + phase) * period, 3)
 
 
-def _told(stack: Stack, task: Task, seed: int, log: Log, cpu: list[float], spent: float) -> Trial:
+def _told(stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float) -> Trial:
     """Return what a log and the clocks say."""
     robot, asked = documented(task.robot), asked_velocity(task)
     height = float(robot.nominal[2])
-    wanted = np.array([ramped(asked, float(t), height) for t in log["time"]])
-    settled = ramp_time(asked, height) + SETTLED
+    wanted = np.array([ramped(asked, float(t), height, controller.starts) for t in log["time"]])
+    settled = ramp_time(asked, height, controller.starts) + SETTLED
     pushed = np.flatnonzero(np.abs(log["push"]).max(axis=1) > 0.0)
     if len(pushed):
         settled = max(settled, float(log["time"][pushed[-1]]) + RECOVERED)
     ending, duration = str(log.fact("outcome")), len(log) * float(log.fact("dt"))
     why = str(log.facts.get("error", "")) or "; ".join(log.facts.get("notes") or ())
     measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled)
-    times = 1e6 * np.array(cpu)
+    times = 1e6 * np.array(controller.cpu)
     busy = times[times > 0.0]
     return Trial(
         stack.name, task.name, seed, ending, why, measures,

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -32,7 +35,7 @@ from surefoot.spatial import GRAVITY
 from surefoot.terrain import SlopeTerrain
 
 GOOD = Measures(
-    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
+    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
 )  # fmt: skip
 
 
@@ -273,6 +276,30 @@ def test_an_interrupted_bench_goes_on_where_it_was(monkeypatch: pytest.MonkeyPat
     again = measure(small(), tmp_path, tell=lambda *_: pytest.fail("all trials are kept"))
     assert [t.as_dict() | {"measures": 0} for t in again] == [t.as_dict() | {"measures": 0} for t in both]
     assert all(math.isnan(t.measures.estimate_drift) for t in again)
+
+
+def test_what_other_processes_have_begun_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    begun = threading.Event()
+
+    def slow(stack: Any, task: Any, seed: int, setting: Setting) -> Trial:
+        if seed == 1:
+            begun.set()
+            time.sleep(0.2)
+        return made_up(stack, task, seed, setting)
+
+    def interrupted(futures: Any) -> Any:
+        for future in as_completed(futures):
+            yield future
+            if begun.wait(5.0):
+                monkeypatch.setattr(benches, "as_completed", as_completed)
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(benches, "carry_out", slow)
+    monkeypatch.setattr(benches, "as_completed", interrupted)
+    monkeypatch.setattr(benches, "ProcessPoolExecutor", lambda count, initializer: ThreadPoolExecutor(1))
+    found = measure(small(5), tmp_path, workers=2)
+    assert [(t.task, t.seed) for t in found] == [("ice", 0), ("delay", 0), ("ice", 1)]
+    assert len((tmp_path / TRIALS).read_text().splitlines()) == 4
 
 
 def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
