@@ -121,13 +121,13 @@ def test_an_edge_stays_an_edge_and_its_sides_stay_level() -> None:
 
 def test_one_stray_point_does_nothing_and_a_changed_ground_is_believed() -> None:
     ground = ElevationMap()
-    level = np.array([[0.2, 0.2, 0.0]])
+    level, raised = np.array([[0.2, 0.2, 0.0]]), np.array([[0.2, 0.2, 0.1]])
     for _ in range(20):
         ground.see(level, np.array([1e-4]))
-    ground.see(level + np.array([0.0, 0.0, 0.1]), np.array([1e-4]))
+    ground.see(raised, np.array([1e-4]))
     assert ground.grid()[0][70, 70] == pytest.approx(0.0, abs=0.003)
     for _ in range(4):
-        ground.see(level + np.array([0.0, 0.0, 0.1]), np.array([1e-4]))
+        ground.see(raised, np.array([1e-4]))
     assert ground.grid()[0][70, 70] == pytest.approx(0.1, abs=0.02)
 
 

@@ -27,6 +27,13 @@ class Posture:
         Natural frequency of the joints' feedback [rad/s].
     swing
         Angle of the arms over the distance of the feet along the heading [rad/m].
+
+    Attributes
+    ----------
+    free
+        (joints,) which joints are outside the legs.
+    swing
+        (joints,) angle of each joint over how far the left foot is ahead of the right one [rad/m].
     """
 
     def __init__(self, robot: Robot, frequency: float, swing: float) -> None:
@@ -35,9 +42,9 @@ class Posture:
         self.free: BoolArray = np.logical_not(support.any(axis=0))[6:]
         self._stiffness = np.where(self.free, frequency**2, 0.0)
         self._damping = np.where(self.free, 2.0 * frequency, 0.0)
-        self._share = np.zeros(robot.joints)
-        for joint, side in _shoulders(robot, self.free).items():
-            self._share[joint] = side * swing
+        self.swing = np.zeros(robot.joints)
+        for joint, sense in _shoulders(robot, self.free).items():
+            self.swing[joint] = sense * swing
 
     def accelerations(self, q: FloatArray, v: FloatArray, lead: float, lead_rate: float) -> FloatArray:
         """Return wanted joint accelerations (joints,) [rad/s²].
@@ -49,8 +56,8 @@ class Posture:
         lead, lead_rate
             How far the left foot is ahead of the right one [m], and how fast that changes [m/s].
         """
-        miss = self._rest + self._share * lead - q[7:]
-        return np.asarray(self._stiffness * miss + self._damping * (self._share * lead_rate - v[6:]))
+        miss = self._rest + self.swing * lead - q[7:]
+        return np.asarray(self._stiffness * miss + self._damping * (self.swing * lead_rate - v[6:]))
 
 
 def _shoulders(robot: Robot, free: BoolArray) -> dict[int, float]:

@@ -11,7 +11,8 @@ from surefoot.control.gait import ContactSchedule
 from surefoot.control.swing import minimum_jerk
 from surefoot.control.walking_feet import Feet
 from surefoot.robot import Robot
-from surefoot.spatial import rotation_about, rotation_from_normal, rotation_log
+from surefoot.robot.sole_plane import sole_plane
+from surefoot.spatial import rotation_about, rotation_log
 from surefoot.terrain import Terrain
 
 TURN_FIRST, TURN_LAST = 0.1, 0.9
@@ -94,26 +95,9 @@ class Soles:
         return math.atan2(float(ahead[1]), float(ahead[0]))
 
     def ground(self, k: int, xy: FloatArray, yaw: float) -> tuple[FloatArray, float]:
-        """Return frame (3, 3), z the normal, and height [m] of the middle of a sole put down at xy (2,).
-
-        On ground that is no plane the normal is that of the plane nearest to the heights under the corners,
-        and no corner goes below the ground.
-        """
-        c, s = math.cos(yaw), math.sin(yaw)
-        arms = self._arms[self.point_foot == k] @ self._level[k].T
-        flat = xy + np.column_stack([c * arms[:, 0] - s * arms[:, 1], s * arms[:, 0] + c * arms[:, 1]])
-        if self.terrain.planar:
-            normal = self.terrain.normal(xy)
-        else:
-            heights = self.terrain.height(flat)
-            rows = np.column_stack([flat - xy, np.ones(len(flat))])
-            slope = np.linalg.lstsq(rows, heights, rcond=None)[0]
-            normal = np.array([-slope[0], -slope[1], 1.0])
-            normal /= np.linalg.norm(normal)
-        frame = rotation_from_normal(normal, [c, s, 0.0])
-        reach = arms @ frame.T
-        above = self.terrain.height(xy + reach[:, :2]) - reach[:, 2]
-        return frame, float(above.max()) + float(self._radii[k] / normal[2])
+        """Return frame (3, 3) and height [m] of a sole that is put down at xy (2,); see `sole_plane`."""
+        corners = self._arms[self.point_foot == k] @ self._level[k].T
+        return sole_plane(self.terrain, corners, xy, yaw, float(self._radii[k]))
 
     def aim(self, k: int, place: FloatArray, yaw: float) -> None:
         """Set where a foot in the air will touch: (2,) place of its middle [m], and its heading [rad]."""

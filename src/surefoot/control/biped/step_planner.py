@@ -9,9 +9,9 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, stances, touching
-from surefoot.control.biped.pendulum import steady_offset
 from surefoot.control.biped.soles import Soles
 from surefoot.control.gait import Gait
+from surefoot.control.swing import swing_motion
 from surefoot.control.walking_body import BodyPlan
 
 
@@ -27,8 +27,6 @@ class StepPlanner:
         What steps are like.
     sides
         (2,) 1 for the left foot, -1 for the right one.
-    omega
-        Pendulum frequency [1/s].
     capture
         Share of the divergence at touchdown that moves the coming foothold; the rest goes where the wanted
         body would put it.
@@ -37,7 +35,6 @@ class StepPlanner:
     gait: Gait
     geometry: StepGeometry
     sides: FloatArray
-    omega: float
     capture: float
 
     @property
@@ -45,13 +42,8 @@ class StepPlanner:
         """Time from touchdown to touchdown [s]."""
         return 0.5 * self.gait.period
 
-    @property
-    def double(self) -> float:
-        """Time on both feet in a step [s]."""
-        return max(self.step_time - self.gait.swing_time, 0.0)
-
     def foothold(
-        self, k: int, body: BodyPlan, left: float, divergent: FloatArray, support: FloatArray
+        self, k: int, body: BodyPlan, left: float, place: FloatArray, support: FloatArray
     ) -> tuple[FloatArray, float]:
         """Return place (2,) [m] and heading [rad] of the landing of a foot.
 
@@ -63,20 +55,16 @@ class StepPlanner:
             The wanted motion.
         left
             Time until touchdown [s].
-        divergent
-            (2,) the divergent motion that is expected then [m].
+        place
+            (2,) where the divergent motion then asks it to be [m].
         support
             (2,) where the other foot stands [m].
         """
-        yaw, place, _ = body.places(np.array([left]))
+        yaw, middle, _ = body.places(np.array([left]))
         heading, side, g = float(yaw[0]), float(self.sides[k]), self.geometry
-        turn = _turn(heading)
         stride = body.velocity[:2] * self.step_time
-        nominal = place[0, :2] + turn @ (0.5 * stride + [0.0, 0.5 * side * g.width])
-        steady = steady_offset(
-            (float(stride[0]), float(stride[1])), g.width, side, self.omega, self.step_time, self.double
-        )
-        wanted = (1.0 - self.capture) * nominal + self.capture * (divergent - turn @ steady)
+        nominal = middle[0, :2] + _turn(heading) @ (0.5 * stride + np.array([0.0, 0.5 * side * g.width]))
+        wanted = (1.0 - self.capture) * nominal + self.capture * place
         toes = heading + 0.5 * self.step_time * float(body.velocity[2])
         return g.within_reach(wanted, support, heading, side), toes
 
@@ -132,6 +120,30 @@ class StepPlanner:
                 if i >= 0:
                     places[t, foot == k] = spots[i]
         return np.asarray(on[:, foot]), places
+
+
+def foot_speeds(soles: Soles, steps: list[Footstep], times: FloatArray, clearance: float) -> FloatArray:
+    """Return the velocities of the feet at (t,) times of the gait's clock [s]: (t, 2, 3) [m/s], world axes.
+
+    Standing feet rest; flying ones go to their next footstep, later ones `clearance` [m] high.
+    """
+    feet = soles.feet
+    out = np.zeros((len(times), 2, 3))
+    for k in range(2):
+        own = [one for one in steps if one.foot == k]
+        lifted, start = times[0], feet.start[k]
+        if not feet.carrying[k]:
+            lifted = times[0] - float(feet.share[k] * feet.duration[k])
+        for one in own:
+            flight = one.begin - lifted
+            goal = feet.target[k] if one is own[0] else np.array([*one.place, start[2]])
+            apex = float(feet.apex[k]) if one is own[0] else max(start[2], goal[2]) + clearance
+            if math.isfinite(flight) and flight > 1e-3:
+                for t in np.flatnonzero((times >= lifted) & (times < one.begin)):
+                    share = (float(times[t]) - lifted) / flight
+                    out[t, k] = swing_motion(start, goal, apex, share, flight, feet.descent)[1]
+            lifted, start = one.end, goal
+    return out
 
 
 def _turn(yaw: float) -> FloatArray:

@@ -17,11 +17,12 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact import Status
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
+from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles
-from surefoot.control.biped.step_planner import StepPlanner
+from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.gait import Gait
@@ -35,7 +36,7 @@ from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, rotation_from_quaternion, rotation_log
+from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
 from surefoot.terrain import FlatTerrain, Terrain
 
 PERIOD = 2.0 * math.pi / 1.96
@@ -96,7 +97,7 @@ class BipedController(Controller):
             raise ProblemError(f"the gait is for {gait.feet} feet, {robot.name} has 2")
         self.schedule = gait
         sides = np.sign(robot.foot_positions(robot.nominal)[:, 1])
-        self.steps = StepPlanner(gait, self._geometry, sides, self._omega, self.settings.capture)
+        self.steps = StepPlanner(gait, self._geometry, sides, self.settings.capture)
         self._mpc_dt = gait.period / self.settings.mpc_steps
         self._interval = min(self.settings.plan_interval, self._mpc_dt)
         self.command, self.notes = self._limited(command)
@@ -145,9 +146,15 @@ class BipedController(Controller):
             self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._omega), None, s.actuators
         )
         fine = self._mpc_dt / 2
-        self._preview = PendulumPreview(self._omega, fine, max(round(s.preview / fine), 2 * s.horizon + 1))
+        self._preview = PendulumPreview(
+            self._omega, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
+        )
         self._middles = fine * (np.arange(self._preview.steps, dtype=np.float64) + 0.5)
-        self._posture = Posture(self.robot, s.joint_stiffness * self._omega, s.arm_swing / self._height)
+        most = s.arm_swing / self._height
+        share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
+        self._posture = Posture(self.robot, s.joint_stiffness * self._omega, min(share, 1.0) * most)
+        self._legs = LegMomentum(self.robot, self._posture.swing)
+        self._unit_spin = np.linalg.inv(self._inertia)
         self._body_gain = (s.body_stiffness * self._omega) ** 2, 2.0 * s.body_stiffness * self._omega
         self._swing_gain = (s.swing_stiffness * self._omega) ** 2, 2.0 * s.swing_stiffness * self._omega
         self._point_foot = points.foot
@@ -238,8 +245,8 @@ class BipedController(Controller):
         for k in np.flatnonzero(~feet.carrying & ~feet.planned):
             left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
             divergent = self._divergence(time + left - self._planned_at)
-            support = feet.ground[1 - k, :2]
-            self.soles.aim(int(k), *self.steps.foothold(int(k), self.body, left, divergent, support))
+            place, support = divergent - self._offsets[k], feet.ground[1 - k, :2]
+            self.soles.aim(int(k), *self.steps.foothold(int(k), self.body, left, place, support))
 
     def _divergence(self, after: float) -> FloatArray:
         """Return the divergent motion that the last plan predicts for a time after it was made: (2,) [m]."""
@@ -262,26 +269,53 @@ class BipedController(Controller):
         reference = self._reference(now, steps, clock)
         middles = clock + dt * (np.arange(N, dtype=np.float64) + 0.5)
         contacts, places = self.steps.corners(soles, steps, middles)
-        state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, now.angular_velocity)
+        spin = now.angular_velocity + self._leg_spin[0]
+        state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
         self._plan = self.mpc.solve(state, reference, places, contacts, soles.feet.frames[self._point_foot])
         self._planned_at, self._from = time, now
 
     def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
-        """Return the reference: the pendulum over the footsteps, upright along the heading."""
+        """Return the reference: the pendulum over the footsteps, upright along the heading.
+
+        The legs' angular momentum is put down to the body as if it turned by itself: the spin and the turn
+        that it would have with that momentum are added to its reference (and the spin to its state), and
+        the pressure that gives the momentum to the pendulum's.
+        """
         N, dt, body = self.settings.horizon, self._mpc_dt, self.body
         pressure = pressure_path(steps, clock + self._middles)
+        flow = self._preview.motion(now.com[:2], pressure)[1][::2]
+        times = dt * np.arange(len(flow), dtype=np.float64)
+        yaw = body.yaw + body.velocity[2] * times
+        assert self.soles is not None
+        speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self._height)
+        momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
+        gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.robot.mass * GRAVITY)
+        pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
         xy, flow = self._preview.motion(now.com[:2], pressure)
-        times = dt * np.arange(N + 1, dtype=np.float64)
+        self._note_offsets(steps, clock, pressure)
         place, speed = np.empty((N + 1, 3)), np.zeros((N + 1, 3))
         place[:, :2], speed[:, :2] = xy[: 2 * N + 1 : 2], flow[: 2 * N + 1 : 2]
-        level = place[:, :2] - body.position[:2]
-        place[:, 2] = body.position[2] + level @ body.slope
+        place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
         speed[:, 2] = speed[:, :2] @ body.slope
-        spin = np.zeros((N + 1, 3))
-        spin[:, 2] = body.velocity[2]
-        yaw = body.yaw + body.velocity[2] * times
-        return BodyReference(slope_frames(yaw, np.zeros(2)), place, speed, spin)
+        rotation = slope_frames(yaw[: N + 1], np.zeros(2))
+        inverse = rotation @ self._unit_spin @ rotation.transpose(0, 2, 1)
+        self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
+        turned = np.zeros((N + 1, 3))
+        turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)
+        spin = self._leg_spin + np.array([0.0, 0.0, body.velocity[2]])
+        return BodyReference(_turned(rotation, turned), place, speed, spin)
+
+    def _note_offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> None:
+        """Note where the divergent motion is over the next landing of each foot, when it lands."""
+        ahead = self._preview.divergent(pressure)
+        self._offsets = np.zeros((2, 2))
+        for one in reversed(steps):
+            at = (one.begin - clock) / self._preview.dt
+            if 0.0 < at < self._preview.steps:
+                i = int(at)
+                xi = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i])
+                self._offsets[one.foot] = xi - one.place
 
     def _tasks(self, now: Kinematics, clock: float, time: float, state: RobotState) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
@@ -291,6 +325,7 @@ class BipedController(Controller):
         feet, t, dt = soles.feet, time - self._planned_at, self._mpc_dt
         acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
         turning = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
+        turning -= (self._leg_spin[1] - self._leg_spin[0]) / dt
         kp, kd = self._body_gain
         miss = begin.com + t * begin.com_velocity + 0.5 * t * t * acceleration - now.com
         com = acceleration + kp * miss + kd * (begin.com_velocity + t * acceleration - now.com_velocity)
@@ -311,3 +346,12 @@ class BipedController(Controller):
         return Tasks(
             feet.carrying, com, turn, wanted, joints, plan.first, feet.frames, self._level
         )  # fmt: skip
+
+
+def _turned(rotations: FloatArray, turns: FloatArray) -> FloatArray:
+    """Return (t, 3, 3) rotations turned by (t, 3) rotation vectors, world axes [rad]."""
+    angles = np.linalg.norm(turns, axis=1)
+    out = rotations.copy()
+    for k in np.flatnonzero(angles > 1e-9):
+        out[k] = rotation_about(turns[k] / angles[k], float(angles[k])) @ rotations[k]
+    return out
