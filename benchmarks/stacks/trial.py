@@ -24,7 +24,7 @@ from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
-from surefoot.simulation.walk_terrain import CLEARANCE
+from surefoot.simulation.walk_terrain import CLEARANCE, start_pose
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
 from surefoot.terrain import Terrain, read_terrain
 
@@ -192,7 +192,10 @@ def start(robot: Robot, ground: Terrain, posture: FloatArray | None, vary: Varia
     vary
         The offsets.
     """
-    q = place(robot, ground, posture, at=ground.approach(CLEARANCE * float(robot.nominal[2])))
+    if posture is None:
+        q = np.array(start_pose(robot, ground))
+    else:
+        q = place(robot, ground, posture, at=ground.approach(CLEARANCE * float(robot.nominal[2])))
     if any(foot.flat for foot in robot.feet):
         return q  # a sole would tilt with its shank
     rotation = rotation_from_quaternion(q[3:7])
