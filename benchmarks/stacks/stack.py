@@ -13,6 +13,7 @@ from benchmarks.stacks.setting import Motors
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.latency import LatencyCompensation
+from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walkers import walking_controller
 from surefoot.control.walking import WalkSettings
 from surefoot.control.walking_body import ACCELERATION, VelocityCommand
@@ -36,7 +37,9 @@ class Job:
         (forward, left, yaw rate) [m/s, rad/s]; the bench lets peers stand for `START` and ramps the
         command as Surefoot's own, see `ramped`.
     terrain
-        The ground as a map shows it.
+        The true ground; a stack plans on it as far as `knowledge` goes.
+    knowledge
+        "exact", "map" or "blind", see `Task`.
     mu
         Friction that it may count on.
     motors
@@ -50,6 +53,7 @@ class Job:
     terrain: Terrain
     mu: float
     motors: Motors = None
+    knowledge: str = "exact"
     dt: float = 1e-3
 
 
@@ -153,7 +157,8 @@ class Surefoot:
     def controller(self, job: Job) -> TimedController:
         """See `Stack.controller`."""
         command = VelocityCommand.constant(*job.asked)
-        walker = walking_controller(job.robot, command, None, job.terrain, job.mu, job.motors, job.dt)
+        ground = believed_ground(job.knowledge, job.terrain)
+        walker = walking_controller(job.robot, command, None, ground, job.mu, job.motors, job.dt)
         return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
 
 

@@ -29,8 +29,12 @@ class Row:
         Which, and whether it is one that has to be held.
     asked
         (forward, left, yaw rate) [m/s, rad/s].
-    trials, falls, survived, held
-        Counts: all; that fell; upright, on course and lawful; and within the task's bounds as well.
+    trials, falls
+        Counts: all, and those that fell.
+    upright, on_course, lawful
+        Of those that were on their feet to the end, went where they should, broke no law of contact.
+    survived, held
+        Of those that were all three, and within the task's bounds as well.
     survival, holding
         The last two as shares with Wilson's 95 % intervals.
     forward
@@ -52,6 +56,9 @@ class Row:
     asked: tuple[float, float, float]
     trials: int
     falls: int
+    upright: int
+    on_course: int
+    lawful: int
     survived: int
     held: int
     survival: Share
@@ -109,7 +116,8 @@ def _row(group: Sequence[Trial]) -> Row:
     faults = Counter(fault for trial in group for fault in trial.faults(task, asked))
     return Row(
         group[0].stack, task.name, task.title, task.must, asked, count,
-        sum(trial.outcome == "fell" for trial in group), survived, held,
+        sum(trial.outcome == "fell" for trial in group), len(whole),
+        sum(trial.on_course(asked) for trial in group), sum(trial.lawful for trial in group), survived, held,
         wilson(survived, count), wilson(held, count), over("forward", np.mean),
         faults=dict(faults.most_common()), **worst, **median,
     )  # fmt: skip

@@ -211,6 +211,7 @@ def test_rows_count_and_have_intervals() -> None:
     group = [trial(seed=k) for k in range(19)] + [trial(seed=19, outcome="fell")]
     (row,) = rows(group)
     assert (row.trials, row.falls, row.survived, row.held, row.holds) == (20, 1, 19, 19, True)
+    assert (row.upright, row.on_course, row.lawful) == (19, 19, 19)
     # Wilson's interval of 19 of 20, from its definition: the roots of (p - x)² = z² x (1 - x) / n
     a, b, c = 1 + 1.959964**2 / 20, -(2 * 0.95 + 1.959964**2 / 20), 0.95**2
     root = math.sqrt(b * b - 4 * a * c)
@@ -218,6 +219,8 @@ def test_rows_count_and_have_intervals() -> None:
     assert row.survival.high == pytest.approx((-b + root) / (2 * a), abs=1e-6)
     assert row.faults == {"fell": 1}
     assert (row.slip, row.step_us, row.real_time) == (0.001, 150.0, 2.0)
+    (soft,) = rows([trial(laws=("penetration of 1.3 mm (limit 1)",)), trial(heading=20.0)])
+    assert (soft.upright, soft.on_course, soft.lawful, soft.survived) == (2, 1, 1, 0)
     (worse,) = rows([*group[:18], trial(seed=18, slip=0.02), trial(seed=19, slip=0.03)])
     assert (worse.survived, worse.held, worse.holds, worse.slip) == (20, 18, False, 0.03)
 
