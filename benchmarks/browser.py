@@ -64,15 +64,19 @@ class Browser:
         self._socket = _connect(f"ws://127.0.0.1:{port}{path}")
 
     def open(self, url: str) -> Tab:
-        """Return a new tab with a page, in front of the others."""
-        target = self._call("Target.createTarget", url="about:blank")
-        session = self._call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
-        tab = Tab(self, session, target["targetId"])
-        tab.call("Page.enable")
-        tab.call("Network.enable")
-        tab.call("Runtime.enable")
+        """Return the browser's only tab with a page: one behind another would not be drawn."""
+        patience = time.monotonic() + 30.0
+        while True:
+            found = self._call("Target.getTargets")["targetInfos"]
+            pages = [target["targetId"] for target in found if target["type"] == "page"]
+            if pages or time.monotonic() > patience:
+                break
+            time.sleep(0.05)
+        session = self._call("Target.attachToTarget", targetId=pages[0], flatten=True)["sessionId"]
+        tab = Tab(self, session)
+        for domain in ("Page", "Network", "Runtime"):
+            tab.call(f"{domain}.enable")
         tab.call("Page.navigate", url=url)
-        tab.to_front()
         return tab
 
     _number = 0
@@ -128,8 +132,8 @@ class Tab:
         What it wrote to its console as an error.
     """
 
-    def __init__(self, browser: Browser, session: str, target: str) -> None:
-        self._browser, self._session, self._target = browser, session, target
+    def __init__(self, browser: Browser, session: str) -> None:
+        self._browser, self._session = browser, session
         self.requests: list[str] = []
         self.errors: list[str] = []
         self._held = False
@@ -196,20 +200,6 @@ class Tab:
         """Write what the window shows as PNG."""
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))
         return path
-
-    def to_front(self) -> None:
-        """Show the tab: one behind another is not drawn, and takes no messages."""
-        self.call("Page.bringToFront")
-
-    def close(self) -> None:
-        """Close the tab."""
-        self._browser._call("Target.closeTarget", targetId=self._target)
-
-    def __enter__(self) -> Tab:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.close()
 
 
 def _connect(url: str) -> Any:

@@ -97,12 +97,8 @@ def measure(case: Case, seconds: float, program: str | None = None) -> Rates:
         sent, handled = over_the_wire(case, server, seconds)
     if program is None:
         return Rates(case.name, computing, sent, handled)
-    with (
-        LabServer(case.make, port=0) as server,
-        Browser(program) as browser,
-        browser.open(server.url) as tab,
-    ):
-        shown, frames = in_the_browser(case, server, tab, seconds)
+    with LabServer(case.make, port=0) as server, Browser(program) as browser:
+        shown, frames = in_the_browser(case, server, browser.open(server.url), seconds)
     return Rates(case.name, computing, sent, handled, shown, frames)
 
 
