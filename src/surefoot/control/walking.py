@@ -17,21 +17,29 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.contact import Status
 from surefoot.control.actuators import Actuators
+from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
+from surefoot.control.force_ramps import ForceRamps
 from surefoot.control.gait import ContactSchedule, Gait
-from surefoot.control.gait_library import named_gait
+from surefoot.control.gait_choice import Body, choose_gait
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
-from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.control.walking_body import BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
 from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
-from surefoot.errors import ModelError, ProblemError
+from surefoot.errors import ModelError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
+
+UNREST = 0.1
+"""A body that should stand but moves faster than this share of sqrt(g h) takes steps, if its gait may."""
+
+LEAD = 1.15
+"""A body goes faster once its gait is fit for this multiple of its speed."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +66,8 @@ class WalkSettings:
         Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
     normal_min, normal_max
         Bounds on a carrying foot's normal force, as shares of m g.
+    ramp
+        Time over which the upper one grows after touchdown, and falls before lift-off [sqrt(h / g)].
     actuators
         The motors that it believes to command; None for ideal ones.
     """
@@ -73,6 +83,7 @@ class WalkSettings:
     swing_stiffness: float = 8.0
     normal_min: float = 0.02
     normal_max: float = 1.5
+    ramp: float = 0.17
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
     actuators: Actuators | None = None
@@ -157,15 +168,11 @@ class WalkingController(Controller):
         self.settings = settings or WalkSettings()
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._measure()
-        self.schedule = named_gait(gait, len(robot.feet), self._height) if isinstance(gait, str) else gait
-        if self.schedule.feet != len(robot.feet):
-            raise ProblemError(
-                f"the gait is for {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
-            )
-        self._set_timing()
-        self.command, self.notes = limit_command(
-            command, 0.55 * self._height, self._stance_time, self._height, self._radius
-        )
+        mu = self.settings.mu * self.settings.friction_share
+        body = Body(robot, self._height, self.settings.clearance * self._height, self.terrain, mu)
+        chosen = choose_gait(body, command, gait)
+        self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
+        self._set_timing(chosen.shortest)
         self._set_controllers()
 
     def _measure(self) -> None:
@@ -186,12 +193,14 @@ class WalkingController(Controller):
         self._radius = float(np.linalg.norm(self._offsets[:, :2], axis=1).max())
         self._pendulum = math.sqrt(GRAVITY / self._height)
 
-    def _set_timing(self) -> None:
+    def _set_timing(self, shortest: float) -> None:
         """Derive the MPC's step and the stance time from the gait."""
         schedule = self.schedule
         if isinstance(schedule, Gait):
             period = schedule.period
             self._stance_time = schedule.stance_time if schedule.swing_time > 0.0 else period
+        elif isinstance(schedule, AdaptiveGait):
+            period, self._stance_time = shortest, schedule.stance_time
         else:
             period = 0.4 * math.sqrt(self._height / 0.3)
             self._stance_time = 0.55 * period
@@ -215,6 +224,7 @@ class WalkingController(Controller):
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
             "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
         }  # fmt: skip
+        self._normals = low, high
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
@@ -225,7 +235,12 @@ class WalkingController(Controller):
         self.mpc.reset()
         self.whole_body.reset()
         self.feet: Feet | None = None
+        if isinstance(self.schedule, AdaptiveGait):
+            self.schedule.reset()
+        self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
         self._planned_at = self._aimed_at = -math.inf
+        self._held = False  # the gait does not follow the speed fast enough
+        self._aimless = False  # a foot has just lifted, and does not know yet where it goes
         self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
 
@@ -246,10 +261,16 @@ class WalkingController(Controller):
         felt = feet.planned.copy() if state.contact is None else state.contact
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
         self.body.advance(self._wish(clock), now.com, self.dt)
+        low, high = self._normals
+        top = high * self.ramps.now(clock, feet.carrying)
+        self.whole_body.bound_normals(np.minimum(low, top), top)
         late = self._interval - 0.5 * self.dt
         if changed or time - self._planned_at >= late:
             self._replan(now, clock, time)
-        elif time - self._aimed_at >= late:  # never in the step of a plan: no step should take long
+            self._aimless |= changed
+        elif (
+            self._aimless or time - self._aimed_at >= late
+        ):  # never in the step of a plan: no step should take long
             self._aim(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
         assert self._plan is not None
@@ -281,15 +302,19 @@ class WalkingController(Controller):
         self.body.fit_ground(self.feet.ground, math.inf)
 
     def _wish(self, clock: float) -> FloatArray:
-        """Return the wanted velocity: none before the gait begins."""
-        return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        """Return the wanted velocity: none before the gait begins, none higher until it is fit for it."""
+        wish = self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        now = self.body.velocity
+        return now.copy() if self._held and float(wish @ wish) > float(now @ now) else wish
 
     def _aim(self, now: Kinematics, clock: float, time: float) -> None:
         """Follow the ground, and choose the footholds of feet in the air."""
         feet = self.feet
         assert feet is not None
         self.body.fit_ground(feet.ground, min(time - self._aimed_at, 1.0))
-        self._aimed_at = time
+        self._aimed_at, self._aimless = time, False
+        if isinstance(self.schedule, AdaptiveGait):
+            self._pace(self.schedule, now, clock)
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
             place = step_place(
@@ -297,6 +322,17 @@ class WalkingController(Controller):
                 max(end - clock, 0.0), self._height, self._stance_time,
             )  # fmt: skip
             feet.aim(k, place)
+
+    def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
+        """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
+        assert self.feet is not None
+        wanted = max(self.command.at(max(clock, 0.0)), self.body.velocity, key=lambda v: float(v @ v))
+        drift = now.com_velocity * [1.0, 1.0, 0.0]
+        if not wanted.any() and float(np.linalg.norm(drift)) > UNREST * math.sqrt(GRAVITY * self._height):
+            wanted = drift
+        schedule.update(max(clock, 0.0), wanted)
+        self._stance_time, self.feet.clearance = schedule.stance_time, schedule.pace.clearance
+        self._held = not schedule.fits(LEAD * self.body.velocity)
 
     def _replan(self, now: Kinematics, clock: float, time: float) -> None:
         """Run the MPC for the feet's schedule from now on."""
@@ -314,7 +350,10 @@ class WalkingController(Controller):
         places = self._foot_places(contacts, reference.position)
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan = plan = self.mpc.solve(state, reference, places, contacts, feet.frames)
+        ramps = self.ramps.ahead(clock, dt, N)
+        self._plan = plan = self.mpc.solve(
+            state, reference, places, contacts, feet.frames, normal_share=ramps
+        )
         self._planned_at = time
         motion = self._motion
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity

@@ -169,39 +169,3 @@ class BodyPlan:
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
         return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)
-
-
-def limit_command(
-    command: VelocityCommand, reach: float, stance_time: float, height: float, radius: float
-) -> tuple[VelocityCommand, list[str]]:
-    """Return the command slowed to what legs can do, and a line for everything that was slowed.
-
-    A foot moves back by the speed times the stance time while it carries: at most `reach` either side of
-    its middle. Turning moves it by the yaw rate times its distance `radius` from the middle.
-
-    Parameters
-    ----------
-    command
-        As given.
-    reach
-        How far a foot may be from below its hip [m].
-    stance_time
-        Length of the gait's stance [s].
-    height
-        Of the centre of mass [m]; no more than Froude number 1 is tried.
-    radius
-        Distance of the feet from the middle [m].
-    """
-    fastest = min(2.0 * reach / stance_time, math.sqrt(GRAVITY * height))
-    values, notes = command.values.copy(), []
-    for row, time in zip(values, command.times, strict=True):
-        speed = math.hypot(row[0], row[1]) + abs(row[2]) * radius
-        if speed > fastest:
-            share = fastest / speed
-            notes.append(
-                f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
-                f"this gait can do: slowed to {100.0 * share:.0f} %, "
-                f"({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
-            )
-            row *= share
-    return VelocityCommand(command.times, values), notes

@@ -69,8 +69,8 @@ class Feet:
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
         self._felt = np.zeros(n)
-        self._lift_first = np.full(n, LIFT_FIRST)
         self._plane = self.terrain.planar
+        self._lift_first = np.full(n, -1.0 if self._plane else LIFT_FIRST)
         self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 

@@ -181,6 +181,13 @@ class WholeBodyController:
         )
         return self._now
 
+    def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
+        """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""
+        at, on = self.point_foot, self._stance[self.point_foot]
+        for distributor in (self._distributor, self._limited):
+            distributor.set_bounds(low[at], high[at])
+            distributor.set_active(on)
+
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""
         return self._mass_matrix, self._nle
