@@ -15,6 +15,7 @@ from benchmarks.commands import (
     plan,
     rigid,
     softening,
+    speeds,
     stacks,
     statics,
     walk,
@@ -32,6 +33,6 @@ def bench() -> None:
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    lab.lab, stacks.stacks,
+    lab.lab, stacks.stacks, speeds.speeds,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

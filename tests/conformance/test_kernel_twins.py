@@ -80,6 +80,9 @@ control.standing_kernels pd_wrench            control/test_standing.py::test_pd_
 control.standing_kernels within_limits        control/test_standing.py::test_within_limits_kernel
 control.swing            minimum_jerk         control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
+control.swing_even       even_swing           control/test_swing_even.py::test_velocity_and_acceleration_are_derivatives
+control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration
+control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
 control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc

@@ -33,8 +33,8 @@ def walk(
     gait: Annotated[
         str | None,
         typer.Option(
-            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), or a name in "
-            "--gait-file; None for trot, on two feet walk."
+            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), auto (by speed), "
+            "or one in --gait-file; None for trot, on two feet walk."
         ),
     ] = None,
     gait_file: Annotated[Path | None, typer.Option(help="Gaits in OCS2's format.")] = None,

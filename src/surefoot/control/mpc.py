@@ -160,6 +160,7 @@ class ConvexMpc:
         frames: ArrayLike | None = None,
         *,
         mu: ArrayLike | None = None,
+        normal_share: FloatArray | None = None,
     ) -> MpcPlan:
         """Plan the forces of the horizon.
 
@@ -175,6 +176,8 @@ class ConvexMpc:
             (n, 3, 3) or (N, n, 3, 3) rotations rotation_world_contact; None for level ground.
         mu
             Friction [-], (n,) or (N, n), in place of the one given at construction.
+        normal_share
+            (N, n) shares of `normal_max` that may be used [-], 0 to 1; None for all of it.
 
         Returns
         -------
@@ -187,6 +190,8 @@ class ConvexMpc:
             For arrays of the wrong shape, negative friction, or frames that are no rotations.
         """
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
+        if normal_share is not None:
+            given = given._replace(bounds=_lowered(given.bounds, normal_share))
         sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
         point, total = self._points[given.contacts], 0
         for _ in range(self.passes):
@@ -324,6 +329,14 @@ class _Given(NamedTuple):
     motion: FloatArray
     ref_rotation: FloatArray
     ref_motion: FloatArray
+
+
+def _lowered(bounds: FloatArray, share: FloatArray) -> FloatArray:
+    """Return (N, n, 3) bounds whose largest normal forces are lowered to (N, n) shares of them."""
+    out = bounds.copy()
+    out[:, :, 2] *= share
+    out[:, :, 1] = np.minimum(out[:, :, 1], out[:, :, 2])
+    return out
 
 
 def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:

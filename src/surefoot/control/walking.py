@@ -16,27 +16,35 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.contact import Status
+from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
+from surefoot.control.force_ramps import ForceRamps
 from surefoot.control.gait import ContactSchedule, Gait
-from surefoot.control.gait_library import named_gait
+from surefoot.control.gait_choice import Body, choose_gait
 from surefoot.control.grip import Grip
 from surefoot.control.ground_sense import ground_sense
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
-from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
+from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
 from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
-from surefoot.errors import ModelError, ProblemError
+from surefoot.errors import ModelError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
+
+UNREST = 0.1
+"""A body that should stand but moves faster than this share of sqrt(g h) takes steps, if its gait may."""
+
+LEAD = 1.15
+"""A body goes faster once its gait is fit for this multiple of its speed."""
 
 
 class WalkingController(Controller):
@@ -89,19 +97,13 @@ class WalkingController(Controller):
         self.settings = settings or WalkSettings()
         self.terrain = FlatTerrain() if terrain is None else terrain
         self._measure()
-        self.schedule = named_gait(gait, len(robot.feet), self._height) if isinstance(gait, str) else gait
-        if self.schedule.feet != len(robot.feet):
-            raise ProblemError(
-                f"the gait is for {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
-            )
-        self._set_timing()
-        self.command, self.notes = self._limited(command)
+        mu = self.settings.mu * self.settings.friction_share
+        body = Body(robot, self._height, self.settings.clearance * self._height, self.terrain, mu)
+        chosen = choose_gait(body, command, gait)
+        self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
+        self._limit = chosen.limit
+        self._set_timing(chosen.shortest)
         self._set_controllers()
-
-    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
-        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
-        reach = 0.55 * self._height
-        return limit_command(command, reach, self._stance_time, self._height, self._radius)
 
     def steer(self, velocity: ArrayLike) -> FloatArray:
         """Take another velocity from now on, limited and ramped as any, and return what is left of it.
@@ -122,7 +124,7 @@ class WalkingController(Controller):
             For what is no three finite numbers.
         """
         wanted = finite_array("velocity", velocity, (3,))
-        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
+        self.command = self._limit(VelocityCommand.constant(*wanted.tolist()))
         return self.command.at(0.0)
 
     def _measure(self) -> None:
@@ -143,12 +145,14 @@ class WalkingController(Controller):
         self._radius = float(np.linalg.norm(self._offsets[:, :2], axis=1).max())
         self._pendulum = math.sqrt(GRAVITY / self._height)
 
-    def _set_timing(self) -> None:
+    def _set_timing(self, shortest: float) -> None:
         """Derive the MPC's step and the stance time from the gait."""
         schedule = self.schedule
         if isinstance(schedule, Gait):
             period = schedule.period
             self._stance_time = schedule.stance_time if schedule.swing_time > 0.0 else period
+        elif isinstance(schedule, AdaptiveGait):
+            period, self._stance_time = shortest, schedule.stance_time
         else:
             period = 0.4 * math.sqrt(self._height / 0.3)
             self._stance_time = 0.55 * period
@@ -178,6 +182,7 @@ class WalkingController(Controller):
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
         self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.channels = (*type(self).channels, *self._load.channels)
+        self._normals = low, high
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
@@ -191,7 +196,12 @@ class WalkingController(Controller):
             self._grip.reset()
         self._load.reset()
         self.feet: Feet | None = None
+        if isinstance(self.schedule, AdaptiveGait):
+            self.schedule.reset()
+        self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
         self._planned_at = self._aimed_at = -math.inf
+        self._held = False  # the gait does not follow the speed fast enough
+        self._aimless = False  # a foot has just lifted, and does not know yet where it goes
         self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
 
@@ -224,9 +234,15 @@ class WalkingController(Controller):
             self._mind_friction(self._grip, state, now)
         self.body.advance(self._wish(clock), now.com, self.dt)
         self._load.pull(now, state.q[:3])
+        low, high = self._normals
+        top = high * self.ramps.now(clock, feet.carrying)
+        self.whole_body.bound_normals(np.minimum(low, top), top)
         if changed or due:
             self._replan(now, clock, time)
-        elif time - self._aimed_at >= late:  # never in the step of a plan: no step should take long
+            self._aimless |= changed
+        elif (
+            self._aimless or time - self._aimed_at >= late
+        ):  # never in the step of a plan: no step should take long
             self._aim(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
         self._load.acted(time, state.v, body.torques, feet.carrying)
@@ -273,8 +289,10 @@ class WalkingController(Controller):
         body.follow_plane(level, slope, elapsed)
 
     def _wish(self, clock: float) -> FloatArray:
-        """Return the wanted velocity: none before the gait begins."""
-        command = self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        """Return the wanted velocity: none before the gait begins, none higher until it is fit for it."""
+        command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
+        if self._held and float(command @ command) > float(now @ now):
+            command = now.copy()
         return command if self._grip is None else self._grip.limit(command)
 
     def _mind_friction(self, grip: Grip, state: RobotState, now: Kinematics) -> None:
@@ -289,7 +307,9 @@ class WalkingController(Controller):
         feet = self.feet
         assert feet is not None
         self._follow_ground(min(time - self._aimed_at, 1.0))
-        self._aimed_at = time
+        self._aimed_at, self._aimless = time, False
+        if isinstance(self.schedule, AdaptiveGait):
+            self._pace(self.schedule, now, clock)
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
             place = step_place(
@@ -297,6 +317,17 @@ class WalkingController(Controller):
                 max(end - clock, 0.0), self._height, self._stance_time,
             )  # fmt: skip
             feet.aim(k, place)
+
+    def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
+        """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
+        assert self.feet is not None
+        wanted = max(self.command.at(max(clock, 0.0)), self.body.velocity, key=lambda v: float(v @ v))
+        drift = now.com_velocity * [1.0, 1.0, 0.0]
+        if not wanted.any() and float(np.linalg.norm(drift)) > UNREST * math.sqrt(GRAVITY * self._height):
+            wanted = drift
+        schedule.update(max(clock, 0.0), wanted)
+        self._stance_time, self.feet.clearance = schedule.stance_time, schedule.pace.clearance
+        self._held = not schedule.fits(LEAD * self.body.velocity)
 
     def _replan(self, now: Kinematics, clock: float, time: float) -> None:
         """Run the MPC for the feet's schedule from now on."""
@@ -315,7 +346,10 @@ class WalkingController(Controller):
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
         mu = None if self._grip is None else np.full(len(feet.radii), s.friction_share * self._grip.mu)
-        self._plan = plan = self.mpc.solve(state, reference, places, contacts, feet.frames, mu=mu)
+        ramps = self.ramps.ahead(clock, dt, N)
+        self._plan = plan = self.mpc.solve(
+            state, reference, places, contacts, feet.frames, mu=mu, normal_share=ramps
+        )
         self._planned_at = time
         motion = self._motion
         motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity

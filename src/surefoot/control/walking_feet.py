@@ -85,8 +85,8 @@ class Feet:
         self._retry = np.full((n, 2), -np.inf)  # when swings that were interrupted begin anew and end
         self.again: BoolArray = np.zeros(n, dtype=bool)
         self._late_from = np.zeros(n)
-        self._lift_first = np.full(n, LIFT_FIRST)
         self._plane = self.terrain.planar
+        self._lift_first = np.full(n, -1.0 if self._plane else LIFT_FIRST)
         self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 

@@ -43,6 +43,8 @@ class WalkSettings:
         Bounds on a carrying foot's normal force, as shares of m g.
     load
         What is made of an unknown payload and external wrench; None to observe none.
+    ramp
+        Time over which the upper one grows after touchdown, and falls before lift-off [sqrt(h / g)].
     actuators
         The motors that it believes to command; None for ideal ones.
     """
@@ -60,6 +62,7 @@ class WalkSettings:
     normal_min: float = 0.02
     normal_max: float = 1.5
     load: LoadSettings | None = field(default_factory=LoadSettings)
+    ramp: float = 0.17
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
     actuators: Actuators | None = None

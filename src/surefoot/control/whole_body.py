@@ -231,6 +231,13 @@ class WholeBodyController:
         """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
         return self._rotations
 
+    def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
+        """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""
+        at, on = self.point_foot, self._stance[self.point_foot]
+        for distributor in (self._distributor, self._limited):
+            distributor.set_bounds(low[at], high[at])
+            distributor.set_active(on)
+
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""
         return self._mass_matrix, self._nle

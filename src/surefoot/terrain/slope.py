@@ -42,6 +42,11 @@ class SlopeTerrain(Terrain):
         """See `Terrain.text`."""
         return f"slope:{self.degrees!r}"
 
+    @property
+    def steepness(self) -> float:
+        """Rise over way [-]."""
+        return float(np.linalg.norm(self.gradient(np.zeros(2))))
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the ground height under (..., 2) places [m]: (...)."""
         return np.asarray(np.asarray(xy, dtype=np.float64)[..., 0] * self._rise)

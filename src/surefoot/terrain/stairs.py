@@ -53,6 +53,11 @@ class StairsTerrain(LevelsTerrain):
         """See `Terrain.text`; empty unless there are ten steps, as in a text."""
         return f"stairs:{self.rise!r},{self.tread!r}" if self.steps == 10 else ""
 
+    @property
+    def steepness(self) -> float:
+        """Rise over tread [-]."""
+        return abs(self.rise) / self.tread
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the height of the tread at (..., 2) places [m]: (...)."""
         x = np.asarray(xy, dtype=np.float64)[..., 0]

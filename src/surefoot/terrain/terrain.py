@@ -43,6 +43,11 @@ class Terrain(ABC):
         return ""
 
     @property
+    def steepness(self) -> float:
+        """Rise over way that a body follows: of a slope, of stairs; 0 on level or rough ground [-]."""
+        return 0.0
+
+    @property
     def highest_step(self) -> float:
         """Largest height that a single step may have to climb or descend [m]."""
         return 0.0

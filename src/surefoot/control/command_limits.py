@@ -1,0 +1,260 @@
+"""Which velocities a robot can walk at, and with which timing: bounds by joint speeds, torques and friction.
+
+For every commanded velocity the legs' joint speeds and torques are predicted (`leg_demand`). A gait by name
+hurries as far as that is needed: its feet spend less of a shorter cycle on the ground and are lifted less, so
+that joints stay below their limits; a gait with given times stays as it is. What no timing can do is slowed
+to the fastest velocity in that direction that is possible, and the note says which joint stands in the way.
+On a slope, and on stairs, the ground takes a part of the friction: what is left bounds the speed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.control.leg_demand import LegDemand, Pace
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
+
+SPEED_SHARE, SPEED_MOST = 0.85, 0.9
+"""Share of the joints' speed limits that a gait's timing is chosen for, and that commands may need."""
+TORQUE_SHARE = 1.0
+"""Share of the torque limits that a stance may need."""
+FORCE_FACTOR = 1.1
+"""Force of a foot in the middle of its stance over its mean: ramps at the ends, the body's motion."""
+SLOPE_SPEED = 0.75
+"""Speed at which walking doubles the share of friction that a slope needs, as a share of sqrt(g h)."""
+STEEPEST_STAIRS = 0.53
+"""Rise over tread of stairs beyond which nothing is tried."""
+HURRIED_PERIOD, HURRIED_DUTY, HURRIED_CLEARANCE = 0.7, 0.36, 0.4
+"""A gait in the greatest hurry: period and clearance over its own, and its feet's time on the ground."""
+HURRIES = np.linspace(0.0, 1.0, 21)
+"""How far a gait may hurry, tried in turn."""
+FRACTIONS = np.linspace(0.1, 1.0, 10)
+"""Parts of a commanded velocity for which the timing is found."""
+_TABLES: OrderedDict[tuple[int, tuple[float, ...]], tuple[Robot, LegDemand]] = OrderedDict()
+_TABLES_KEPT = 32
+
+
+def hurried(pace: Pace, share: float, least_duty: float = HURRIED_DUTY) -> Pace:
+    """Return the pace of a gait that hurries by a share between 0 and 1.
+
+    Clearance and time on the ground give way first, then the period.
+
+    Examples
+    --------
+    >>> hurried(Pace(0.4, 0.55, 0.1), 0.0)
+    Pace(period=0.4, duty=0.55, clearance=0.1)
+    """
+    if share <= 0.0:
+        return pace
+    duty = pace.duty + share * (min(least_duty, pace.duty) - pace.duty)
+    square = share * share
+    period = pace.period * (1.0 + square * (HURRIED_PERIOD - 1.0))
+    return Pace(period, duty, pace.clearance * (1.0 + share * (HURRIED_CLEARANCE - 1.0)))
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What the ground leaves for motion.
+
+    Attributes
+    ----------
+    up
+        (3,) the vertical in the axes of a body that stands along the ground.
+    fastest
+        Speed that friction and steps allow [m/s]; infinite on level ground.
+    reason
+        Why, for a message.
+    """
+
+    up: FloatArray
+    fastest: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Limited:
+    """A command within limits, and the hurry that its speeds need.
+
+    Attributes
+    ----------
+    command
+        To walk at.
+    notes
+        A line for everything that was slowed.
+    sizes, hurry
+        (k,) rising sizes of velocities (see `size_of`) [m/s], and how far the gait hurries there, 0 to 1.
+    """
+
+    command: VelocityCommand
+    notes: list[str]
+    sizes: FloatArray
+    hurry: FloatArray
+
+    def hurry_at(self, size: float) -> float:
+        """Return how far the gait hurries at a velocity of a size [m/s]."""
+        return float(np.interp(size, self.sizes, self.hurry))
+
+
+class Limits:
+    """What a robot's legs can do with a gait's timing on a ground.
+
+    Parameters
+    ----------
+    robot
+        With a free base and point feet.
+    pace
+        The gait's own.
+    height
+        Of the centre of mass above the ground [m].
+    adaptable
+        Whether the gait may hurry.
+    terrain, mu
+        The ground and its friction, as the controller believes.
+    least_duty
+        Share of the time on the ground that a foot keeps in the greatest hurry.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        pace: Pace,
+        height: float,
+        adaptable: bool,
+        terrain: Terrain,
+        mu: float,
+        least_duty: float = HURRIED_DUTY,
+    ) -> None:
+        self.robot, self.pace, self.height, self.least_duty = robot, pace, height, least_duty
+        self.hurries = HURRIES if adaptable else HURRIES[:1]
+        self.ground = ground_left(terrain, mu, height)
+        centres = robot.foot_positions(robot.nominal)[:, :2]
+        self.radius = float(np.linalg.norm(centres - centres.mean(axis=0), axis=1).max())
+
+    def size_of(self, velocity: FloatArray) -> float:
+        """Return how large a (3,) velocity is at the feet: its length plus what turning adds [m/s]."""
+        return float(math.hypot(velocity[0], velocity[1]) + abs(velocity[2]) * self.radius)
+
+    def limit(self, command: VelocityCommand) -> Limited:
+        """Return a command slowed to what is possible."""
+        values, notes = command.values.copy(), []
+        sizes, hurry = np.zeros(1), np.zeros(1)
+        for row, time in zip(values, command.times, strict=True):
+            if not row.any():
+                continue
+            share, reason = self._share(row)
+            if share < 1.0:
+                notes.append(
+                    f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
+                    f"this gait can do: slowed to {100.0 * share:.0f} %, "
+                    f"({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g}); {reason}"
+                )
+                row *= share
+            more = self._needed(row)
+            grid = np.union1d(sizes, FRACTIONS * self.size_of(row))
+            ends = np.append(0.0, FRACTIONS * self.size_of(row)), np.append(0.0, more)
+            hurry = np.maximum(np.interp(grid, sizes, hurry), np.interp(grid, *ends))
+            sizes = grid
+        return Limited(VelocityCommand(command.times, values), notes, sizes, np.maximum.accumulate(hurry))
+
+    def _needed(self, row: FloatArray) -> FloatArray:
+        """Return how far the gait must hurry at each of `FRACTIONS` of a velocity: (10,)."""
+        table = demand_of(self.robot, row, self.height)
+        out, at = [], 0
+        for part in FRACTIONS:
+            while at + 1 < len(self.hurries):
+                use = self.use(table, hurried(self.pace, self.hurries[at], self.least_duty), float(part))[0]
+                if use <= SPEED_SHARE:
+                    break
+                at += 1
+            out.append(self.hurries[at])
+        return np.array(out)
+
+    def use(self, table: LegDemand, pace: Pace, times: float) -> tuple[float, float, int]:
+        """Return the shares of joint speed and torque limits that a pace needs, and the joint in the way."""
+        speeds = table.speeds(pace, times) / self.robot.speed_limits
+        torques = table.torques(pace, times, self.ground.up, FORCE_FACTOR) / self.robot.effort_limits
+        worst = speeds if speeds.max() / SPEED_MOST >= torques.max() / TORQUE_SHARE else torques
+        return float(speeds.max()), float(torques.max()), int(worst.argmax())
+
+    def _share(self, row: FloatArray) -> tuple[float, str]:
+        """Return the largest share of a velocity that is possible, and what stands in the way of more."""
+        table = demand_of(self.robot, row, self.height)
+        most, reason = 1.0, ""
+        size = self.size_of(row)
+        if size > self.ground.fastest:
+            most, reason = self.ground.fastest / size, self.ground.reason
+        if self._possible(table, most):
+            return most, reason
+        low, high = 0.0, most
+        for _ in range(12):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._possible(table, middle) else (low, middle)
+        return low, self._reason(table, high)
+
+    def _possible(self, table: LegDemand, times: float) -> bool:
+        """Return whether some timing keeps joint speeds and torques within their shares."""
+        for share in self.hurries[::-1]:
+            speed, torque, _ = self.use(table, hurried(self.pace, share, self.least_duty), times)
+            if speed <= SPEED_MOST and torque <= TORQUE_SHARE:
+                return True
+        # robots whose limits even a walk on the spot exceeds are left alone: slowing down does not help them
+        still = self.use(table, self.pace, 0.0)
+        now = self.use(table, self.pace, times)
+        return (
+            (still[0] > SPEED_MOST or still[1] > TORQUE_SHARE)
+            and now[0] <= 1.1 * still[0]
+            and (now[1] <= 1.1 * still[1])
+        )
+
+    def _reason(self, table: LegDemand, times: float) -> str:
+        """Return which joint stands in the way of a velocity."""
+        pace = hurried(self.pace, self.hurries[-1], self.least_duty)
+        speed, torque, joint = self.use(table, pace, times)
+        if not math.isfinite(max(speed, torque)):
+            return "its legs do not reach that far"
+        name = self.robot.joint_names[joint]
+        if speed / SPEED_MOST >= torque / TORQUE_SHARE:
+            return f"{name} would need {100.0 * speed:.0f} % of its speed ({100 * SPEED_MOST:.0f} % allowed)"
+        return f"{name} would need {100.0 * torque:.0f} % of its torque ({100 * TORQUE_SHARE:.0f} % allowed)"
+
+
+def demand_of(robot: Robot, velocity: FloatArray, height: float) -> LegDemand:
+    """Return the demand of a (3,) velocity; tables of the last few robots and velocities are kept."""
+    key = id(robot), (*(float(v) for v in velocity), height)
+    if key in _TABLES:
+        _TABLES.move_to_end(key)
+        return _TABLES[key][1]
+    made = LegDemand(robot, velocity, height)
+    _TABLES[key] = robot, made  # the robot is kept, so that its id is not given to another
+    if len(_TABLES) > _TABLES_KEPT:
+        _TABLES.popitem(last=False)
+    return made
+
+
+def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
+    """Return what a ground leaves for motion, with the friction mu [-] that may be used, at a height [m].
+
+    Walking multiplies the force along a slope: the share tan(slope) of the normal force that standing
+    needs grows by v / (`SLOPE_SPEED` sqrt(g h)) (fitted to Go2's walks on 15, 20 and 25 degrees), and may
+    not exceed mu. Stairs are held against `STEEPEST_STAIRS` in the same way: the body leans along them.
+    """
+    steepness = terrain.steepness
+    most, what = (mu, "friction") if terrain.planar else (STEEPEST_STAIRS, "steepness")
+    if steepness <= 1e-9:
+        return Ground(np.array([0.0, 0.0, 1.0]), math.inf, "")
+    fastest = SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(most / steepness - 1.0, 0.0)
+    cosine = 1.0 / math.hypot(1.0, steepness)
+    lean = steepness * cosine if terrain.planar else 0.0
+    reason = (
+        f"the ground's slope of {steepness:.2f} leaves {100.0 * max(1.0 - steepness / most, 0.0):.0f} % of "
+    )
+    reason += f"the {what} {most:.2f} that may be used"
+    return Ground(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)

@@ -1,0 +1,88 @@
+"""Forces that rise at touchdown and fall before lift-off: bounds on normal forces over a stance.
+
+A foot that carries its share of the weight from one millisecond to the next asks its motors for a step in
+torque, and drops the body when it leaves. So the most that a foot may push grows along a line from the moment
+it touches, and falls along one to the moment it is planned to lift; the predictive controller knows it and
+moves the load to the other feet in time.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.gait import ContactSchedule
+
+SAMPLES = 4
+"""Instants within a step of the horizon that its mean bound is taken from."""
+
+
+class ForceRamps:
+    """Shares of the largest normal force that feet may use, from touchdown to lift-off.
+
+    Parameters
+    ----------
+    schedule
+        When feet are planned to lift and land.
+    length
+        Of a ramp [s]; 0 for none.
+    """
+
+    def __init__(self, schedule: ContactSchedule, length: float) -> None:
+        self.schedule, self.length = schedule, max(length, 1e-9)
+        self._landed = np.full(schedule.feet, -math.inf)
+        self._carrying: BoolArray = np.ones(schedule.feet, dtype=bool)
+
+    def now(self, time: float, carrying: BoolArray) -> FloatArray:
+        """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
+
+        To be called at every step: a foot's ramp begins when it first carries.
+        """
+        self._landed[carrying & ~self._carrying] = time
+        self._carrying = carrying.copy()
+        out = np.ones(len(carrying))
+        for k in np.flatnonzero(carrying):
+            end = self._lift_off(int(k), time)
+            out[k] = self._share(time - self._landed[k] + 1e-3, end - time)
+        return out
+
+    def ahead(self, time: float, step: float, count: int) -> FloatArray:
+        """Return the mean shares over `count` coming steps of `step` [s]: (count, n).
+
+        Feet that carry now keep the ramp of their touchdown; later stances are those of the schedule.
+        """
+        fine = time + step * (np.arange(count * SAMPLES) + 0.5) / SAMPLES
+        out = np.ones((count, self.schedule.feet))
+        last = float(fine[-1])
+        for k in range(self.schedule.feet):
+            shares = np.ones(len(fine))
+            if self._carrying[k]:
+                begin, end = float(self._landed[k]), self._lift_off(k, time)
+            else:
+                begin, end = self._next_stance(k, time)
+            while begin <= last:
+                inside = (fine >= begin) & (fine < end)
+                shares[inside] = self._share(fine[inside] - begin, end - fine[inside])
+                if end > last:
+                    break
+                begin, end = self._next_stance(k, end)
+            out[:, k] = shares.reshape(count, SAMPLES).mean(axis=1)
+        return out
+
+    def _lift_off(self, k: int, time: float) -> float:
+        """Return when a foot that carries is planned to lift; one that landed early, after its stance."""
+        planned, _, end = self.schedule.phase(k, time)
+        return end if planned else self.schedule.phase(k, end)[2]
+
+    def _next_stance(self, k: int, time: float) -> tuple[float, float]:
+        """Return begin and end of the stance that a foot in the air lands for."""
+        planned, begin, end = self.schedule.phase(k, time)
+        if planned:  # late: its stance has begun
+            return max(begin, time), end
+        return end, self.schedule.phase(k, end)[2]
+
+    def _share(self, since: FloatArray | float, left: FloatArray | float) -> FloatArray:
+        """Return the bound on a foot that has carried `since` and will for what is `left` [s], as a share."""
+        return np.clip(np.minimum(since, left) / self.length, 0.0, 1.0)

@@ -1,0 +1,85 @@
+"""Schedules that follow the speed: stances that never change once told, swings that keep their time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from surefoot.control.adaptive_gait import AdaptiveGait, Stride
+from surefoot.control.gait import Gait
+from surefoot.control.leg_demand import Pace
+
+TROT, WALK = np.array([0.0, 0.5, 0.5, 0.0]), np.array([-0.125, 0.375, 0.625, 0.125])
+SLOW, QUICK, FAST = Pace(0.8, 0.78, 0.06), Pace(0.4, 0.55, 0.06), Pace(0.28, 0.36, 0.03)
+
+
+def stride(velocity: np.ndarray, now: str) -> Stride:
+    v = float(velocity[0])
+    if v == 0.0:
+        return Stride(now, SLOW, WALK, moving=False)
+    if v < 0.3:
+        return Stride("walk", SLOW, WALK)
+    return Stride("trot", QUICK if v < 1.0 else FAST, TROT)
+
+
+def record(speed: Callable[[float], float], until: float = 10.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and who carries, as a controller sees them that looks 0.3 s ahead every 20 ms."""
+    gait = AdaptiveGait("auto", stride, stride(np.array([speed(0.0), 0.0, 0.0]), "walk"))
+    times, rows = np.arange(0.0, until, 1e-3), []
+    promised: dict[float, list[bool]] = {}
+    for i, t in enumerate(times.tolist()):
+        if i % 20 == 0:
+            gait.update(t, np.array([speed(t), 0.0, 0.0]))
+            ahead = gait.horizon(t, 0.02, 15)
+            promised.update({round(t + 0.02 * j + 0.01, 6): row.tolist() for j, row in enumerate(ahead)})
+        now = [gait.phase(k, t) for k in range(4)]
+        rows.append([on for on, _, _ in now])
+        assert all(begin <= t + 1e-6 and end > t for _, begin, end in now)
+        assert gait.contacts(t).tolist() == rows[-1]
+        if round(t, 6) in promised and speed(t) and speed(max(t - 0.4, 0.0)):  # resting ends stances later
+            assert promised[round(t, 6)] == rows[-1]
+    return times, np.array(rows)
+
+
+def swings(on: np.ndarray) -> np.ndarray:
+    """Return the lengths of all whole swings [s]."""
+    out = []
+    for column in on.T:
+        lifts, lands = np.flatnonzero(column[:-1] & ~column[1:]), np.flatnonzero(~column[:-1] & column[1:])
+        out += [1e-3 * float(lands[lands > lift][0] - lift) for lift in lifts if (lands > lift).any()]
+    return np.array(out)
+
+
+def test_at_one_speed_it_is_the_gait() -> None:
+    times, on = record(lambda t: 0.5, 3.0)
+    plain = Gait.from_phases("trot", QUICK.period, QUICK.duty, TROT.tolist()).contacts(times)
+    late = times > 0.5
+    lag = int(np.flatnonzero(~plain[:, 1])[0]) - int(np.flatnonzero(~on[:, 1])[0])
+    shifted = np.roll(on, lag, axis=0)
+    assert (shifted[late][:2000] == plain[late][:2000]).mean() > 0.99
+
+
+@pytest.mark.parametrize("other", [0.5, 2.0])
+def test_from_a_walk_to_a_trot_and_back_no_swing_is_cut_short(other: float) -> None:
+    times, on = record(lambda t: 0.1 if t < 2.0 or t > 5.0 else other)
+    assert (on.sum(axis=1)[(times > 1.0) & (times < 2.0)] >= 3).all()  # the walk has three feet down
+    trotting = (times > 4.2) & (times < 5.0)
+    assert (on[trotting, 0] == on[trotting, 3]).mean() > 0.98  # diagonal feet together
+    assert (on.sum(axis=1)[times > 9.0] >= 3).all()
+    lengths = swings(on)
+    assert lengths.min() > 0.9 * min(0.22 * SLOW.period, 0.45 * QUICK.period)
+    assert lengths.max() < 0.45
+    if other < 1.0:
+        assert (on.sum(axis=1) >= 2).mean() > 0.97
+
+
+def test_it_stands_at_rest_and_walks_off_again() -> None:
+    times, on = record(lambda t: 0.5 if 1.0 < t < 3.0 or t > 5.5 else 0.0)
+    assert on[times < 1.0].all()
+    assert (~on[(times > 1.0) & (times < 1.5)]).any(axis=0).all()
+    assert on[(times > 4.5) & (times < 5.5)].all()
+    assert (~on[(times > 6.0)]).any(axis=0).all()
+    assert math.isclose(swings(on).min(), 0.18, abs_tol=0.02)
