@@ -14,6 +14,8 @@ from benchmarks.commands import (
     plan,
     rigid,
     softening,
+    speeds,
+    stacks,
     statics,
     walk,
 )
@@ -30,5 +32,6 @@ def bench() -> None:
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
+    stacks.stacks, speeds.speeds,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

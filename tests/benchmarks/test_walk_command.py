@@ -23,6 +23,16 @@ def test_tables_and_a_picture(capsys, tmp_path):
     assert json.loads((folder / "walk.json").read_text())["calls"] == 12
 
 
+def test_a_ladder_of_speeds(capsys):
+    assert main(["bench", "speeds", "--quick", "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row["robot"] == "go2"
+    assert row["commanded"] == row["wanted"] == [0.5, 0.0, 0.0]
+    assert (row["walked"], row["good"], row["lawful"]) == (1, 1, 1)
+    assert 0.3 < row["speed_use"] < 0.8
+    assert row["usual_rate"] < 4.0
+
+
 def test_an_unknown_scene_is_one_line(capsys):
     assert main(["bench", "walk", "--scene", "moon"]) == 2
     assert "unknown scene 'moon'" in capsys.readouterr().err

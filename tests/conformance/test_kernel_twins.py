@@ -117,8 +117,12 @@ equilibrium.scaling      apply                equilibrium/test_equilibrium_kerne
 equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation
 equilibrium.scaling      scale                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
 equilibrium.scaling      step_to_boundary     equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
+estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
 estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
 estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
+estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
+estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
+estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
 estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
 estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
@@ -129,6 +133,7 @@ estimation.foot_kinematics roll               estimation/test_foot_kinematics.py
 estimation.inekf_kernels add_foot             estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
 estimation.inekf_kernels correct              estimation/test_inekf.py::test_a_correction_is_the_textbooks
 estimation.inekf_kernels correct_height       estimation/test_inekf.py::test_a_known_height_is_a_correction_with_one_row
+estimation.inekf_kernels foresee              estimation/test_inekf.py::test_the_state_alone_goes_on_as_with_its_covariance
 estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
 estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
 estimation.cube_contact  exchange             estimation/test_cube_motion.py::test_impulses_obey_the_laws_of_the_problem_as_numpy_writes_it

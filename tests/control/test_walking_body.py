@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand
+from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
 from surefoot.errors import ProblemError
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
@@ -47,6 +47,16 @@ def test_wrong_files_are_told(text: str, message: str, tmp_path: Path) -> None:
 def test_a_missing_file_is_told(tmp_path: Path) -> None:
     with pytest.raises(ProblemError, match="cannot read the velocity file"):
         VelocityCommand.read(tmp_path / "none.txt")
+
+
+def test_an_impossible_speed_is_slowed_and_said() -> None:
+    command = VelocityCommand(np.array([0.0, 1.0]), np.array([[0.5, 0.0, 0.0], [9.0, 0.0, 3.0]]))
+    slowed, notes = limit_command(command, 0.15, 0.25, 0.3, 0.25)
+    assert slowed.values[0].tolist() == [0.5, 0.0, 0.0]
+    assert np.linalg.norm(slowed.values[1, :2]) + 0.25 * slowed.values[1, 2] == pytest.approx(1.2)
+    assert slowed.values[1, 0] / slowed.values[1, 2] == pytest.approx(3.0)
+    assert len(notes) == 1
+    assert "from 1 s on is more than this gait can do: slowed to" in notes[0]
 
 
 def test_the_velocity_is_ramped_and_integrated() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -62,19 +64,23 @@ def test_the_plane_is_that_of_least_squares(seed: int) -> None:
     assert kernels.plane_through(places, about, damping) == pytest.approx(wanted)
 
 
+@pytest.mark.parametrize("fastest", [math.inf, 0.06])
 @pytest.mark.parametrize("seed", SEEDS)
-def test_feet_in_the_air_follow_their_paths(seed: int) -> None:
+def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
     rng = np.random.default_rng(seed)
     ends, centres, twists = rng.normal(size=(2, 3, 3)), rng.normal(size=(3, 3)), rng.normal(size=(3, 6))
     timing = np.array([[2.0, 0.3, 0.2, 0.1, -1.0], [2.0, 1.2, 0.2, 0.1, 0.04], [2.0, 0.5, 0.2, 0.1, -1.0]])
     flying = np.array([True, True, False])
-    out = kernels.swing_accelerations(flying, ends, timing, centres, twists, 0.1, 3.0, 400.0, 40.0)
+    out = kernels.swing_accelerations(flying, ends, timing, centres, twists, 0.1, 3.0, fastest, 400.0, 40.0)
     for k in range(3):
         apex, share, duration, lift, late = timing[k]
         path = swing_motion(ends[0, k], ends[1, k], apex, share, duration, 0.1, lift)
         if late >= 0.0:
-            path[:, 2] -= [1.5 * late**2, 3.0 * late, 3.0]
-        assert kernels.swing_paths(flying, ends, timing, 0.1, 3.0)[k] == pytest.approx(path * flying[k])
+            ramp = min(late, fastest / 3.0)  # then on at the largest speed
+            path[:, 2] -= [1.5 * ramp**2 + 3.0 * ramp * (late - ramp), 3.0 * ramp, 3.0 * (ramp == late)]
+        assert kernels.swing_paths(flying, ends, timing, 0.1, 3.0, fastest)[k] == pytest.approx(
+            path * flying[k]
+        )
         wanted = path[2] + 400.0 * (path[0] - centres[k]) + 40.0 * (path[1] - twists[k, :3])
         assert out[k, :3] == pytest.approx(wanted * flying[k])
     assert (out[:, 3:] == 0.0).all()

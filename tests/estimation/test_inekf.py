@@ -84,6 +84,16 @@ def test_propagation_is_that_of_plain_matrices(seed: int) -> None:
     np.testing.assert_array_equal(filter.X[:, 5:], feet)
 
 
+def test_the_state_alone_goes_on_as_with_its_covariance() -> None:
+    filter, h, random = random_filter(3), 0.002, np.random.default_rng(3)
+    gyros, forces = random.normal(size=(4, 3)), 9.0 * random.normal(size=(4, 3))
+    alone = filter.X.copy()
+    kernels.foresee(alone, filter.bias, gyros, forces, h)
+    for gyro, force in zip(gyros, forces, strict=True):
+        filter.predict(gyro, force, h)
+    np.testing.assert_array_equal(alone, filter.X)
+
+
 @settings(max_examples=50, deadline=None)
 @given(arrays(np.float64, 9, elements=st.floats(-1.5, 1.5)), st.integers(0, 100))
 def test_errors_of_any_size_move_linearly(xi: FloatArray, seed: int) -> None:

@@ -30,12 +30,15 @@ def replayed(robot: Robot, log: Log, model: SensorModel, seed: int) -> tuple[Sta
     """Return an estimator that has seen a log through sensors, and its errors."""
     dt, sensors = log.fact("dt"), Sensors(model, robot, log.fact("dt"), seed)
     ground = FlatTerrain() if model.heights else None
-    estimator = StateEstimator(InvariantEkf(robot, dt, model.filter_noise(), ground, model.imu.position))
+    late = model.imu.latency, model.encoders.latency
+    ekf = InvariantEkf(robot, dt, model.filter_noise(), ground, model.imu.position)
+    estimator = StateEstimator(ekf, latency=late)
     estimator.reset(sensors.attitude_at_start(log["q"][0]))
     told, standing = [], None
     for q, v, torques, active in zip(log["q"], log["v"], log["torques"], log["active"], strict=True):
-        touching = sensors.touches(estimator.predict(sensors.read(q, v)))
+        touching = estimator.decide(sensors.touches(estimator.predict(sensors.read(q, v))))
         told.append(estimator.update(touching, standing))
+        estimator.expect(active, active)
         estimator.applied(sensors.torques(torques))
         standing = active
     q, v = (np.array(part) for part in zip(*told, strict=True))
@@ -74,6 +77,41 @@ def test_missed_and_false_touches_do_little(robot: Robot) -> None:
     estimator, errors = replayed(robot, log_of(TROT), worse, 2)
     assert estimator.health is Health.GOOD
     assert errors.velocity_rms < 0.02
+
+
+def test_late_readings_are_those_of_one_time_and_the_state_that_of_now(robot: Robot) -> None:
+    """A body that turns, rises and swings its joints ever faster, seen 3 and 5 ms late."""
+    imu, legs, h = 0.003, 0.005, 0.001
+    estimator = StateEstimator(InvariantEkf(robot, h), latency=(imu, legs))
+    start, spin, lift, rate = robot.nominal, 0.8, 1.5, 20.0
+    estimator.reset(start)
+
+    def joints(t: float) -> tuple[np.ndarray, np.ndarray]:
+        return start[7:] + 0.5 * rate * t * t, np.full(12, rate * t)
+
+    def yaw(t: float) -> float:
+        return 0.5 * spin * t * t
+
+    for k in range(61):
+        now = k * h
+        at = max(now - imu, 0.0)
+        turn = (yaw(at) - yaw(max(at - h, 0.0))) / h
+        rising = lift if now > imu else 0.0
+        positions, speeds = joints(max(now - legs, 0.0))
+        estimator.predict(
+            Reading(np.array([0.0, 0.0, turn]), REST + np.array([0.0, 0.0, rising]), positions, speeds)
+        )
+        q, v = estimator.update(np.zeros(4, dtype=bool))
+        estimator.applied(np.zeros(12))
+    t = now
+    np.testing.assert_allclose(q[7:], joints(t)[0], atol=1e-9)
+    np.testing.assert_allclose(v[6:], joints(t)[1], atol=1e-9)
+    assert q[2] - start[2] == pytest.approx(0.5 * lift * t * t, abs=1e-6)
+    assert v[2] == pytest.approx(lift * t, abs=1e-6)
+    R = rotation_from_quaternion(q[3:7])
+    assert np.arctan2(R[1, 0], R[0, 0]) == pytest.approx(yaw(t), abs=spin * imu * h * 4)
+    with pytest.raises(ProblemError, match="latency of the IMU"):
+        StateEstimator(InvariantEkf(robot, h), latency=(-0.1, 0.0))
 
 
 def test_a_foot_that_moves_over_the_ground_is_not_used(robot: Robot) -> None:

@@ -30,10 +30,11 @@ def walk(
     duration: float = 3.0,
     terrain: Terrain | None = None,
     sensors: SensorModel | None = ORDINARY,
+    robot_name: str = "go2",
     **events: Any,
 ) -> tuple[Log, WalkSummary]:
-    """Return the log of a Go2's trot on an estimated state, and its summary."""
-    robot, ground = load_robot("go2"), terrain or FlatTerrain()
+    """Return the log of a robot's trot on an estimated state, and its summary."""
+    robot, ground = load_robot(robot_name), terrain or FlatTerrain()
     command = VelocityCommand.constant(speed, 0.0, 0.0)
     controller = WalkingController(robot, command, "trot", ground, WalkSettings())
     scenario = Scenario(
@@ -68,15 +69,49 @@ def test_a_trot_on_an_estimate(world: str, speed: float, terrain: Terrain | None
     assert "velocity off by" in estimate_lines(summary)[0]
 
 
-def test_a_robot_without_contacts_stops_and_says_so() -> None:
-    deaf = replace(ORDINARY, touch=replace(ORDINARY.touch, missed=1.0))
-    log, summary = walk(sensors=deaf)
+def test_legs_that_feel_nothing_walk_by_heights_speeds_and_the_plan() -> None:
+    numb = replace(ORDINARY, touch=replace(ORDINARY.touch, missed=1.0))
+    _, summary = walk(sensors=numb)
+    assert summary.success
+    assert summary.laws_broken == []
+
+
+def test_false_touches_do_not_stop_a_leg_in_its_swing() -> None:
+    haunted = replace(ORDINARY, touch=replace(ORDINARY.touch, false=1.0))
+    log, summary = walk(sensors=haunted, seed=1)
+    assert summary.success
+    high = (log["gaps"] > 0.02) & ~log["planned"]
+    assert high.mean() > 0.2
+    assert (log["contact_estimated"] & high).sum() / high.sum() < 1e-3
+
+
+def test_a_heavy_robot_whose_feet_bounce_stays_level() -> None:
+    """HyQ's feet rebound at 1.2 m/s: a force alone finds them 50 ms late, and it leans by 30 degrees."""
+    _, summary = walk(speed=1.21, robot_name="hyq", duration=5.0)
+    assert summary.success
+    assert summary.tilt_max_deg < 2.0
+
+
+def test_latency_of_five_milliseconds_is_made_up_for() -> None:
+    late = replace(
+        ORDINARY, imu=replace(ORDINARY.imu, latency=0.005), encoders=replace(ORDINARY.encoders, latency=0.005)
+    )
+    _, summary = walk(sensors=late)
+    assert summary.success
+    assert summary.laws_broken == []
+    assert summary.estimate is not None
+    assert summary.estimate.velocity_rms < 0.005  # 0.009 if the state were taken for that of now
+
+
+def test_a_robot_with_a_broken_accelerometer_stops_and_says_so() -> None:
+    broken = replace(ORDINARY, imu=replace(ORDINARY.imu, accelerometer_range=6.0))
+    log, summary = walk(sensors=broken)
     assert summary.outcome == "lost"
     assert not summary.success
-    assert "no foot touched" in summary.error
+    assert "diverged" in summary.error
     assert "lost the estimate of its state and stopped after" in headline(summary)
     stopped = int(np.argmin(log["attained"]))
-    assert log["time"][stopped] == pytest.approx(0.3, abs=0.01)
+    assert log["time"][stopped] < 0.3
     assert not log["active"][stopped:].any()
     assert not log["forces_commanded"][stopped:].any()
     assert log["time"][-1] == pytest.approx(log["time"][stopped] + STOP_TIME, abs=0.01)

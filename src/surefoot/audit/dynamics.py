@@ -84,10 +84,17 @@ def unexplained(
     if "other_forces" in log:
         rest -= np.asarray(log["other_forces"])[:-1]
     if "torques" in log:
-        rest[:, base:] -= np.asarray(log["torques"])[:-1]
+        rest[:, base:] -= np.asarray(log["torques"])[:-1] - _lost(log, v[:-1, base:], acceleration[:, base:])
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return Unexplained(force_left, moment_left, feet)
+
+
+def _lost(log: Log, speed: FloatArray, acceleration: FloatArray) -> FloatArray:
+    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them."""
+    facts = ("armature", "viscous_friction", "dry_friction")
+    rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in facts)
+    return np.asarray(rotor * acceleration + viscous * speed + dry * np.sign(speed))
 
 
 def _loaded(model: Any, payload: float) -> Any:

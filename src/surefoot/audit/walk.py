@@ -76,6 +76,8 @@ class WalkSummary(RunSummary):
         What the controller changed in its command.
     estimate
         Errors of the state that the controller was told; None if that was the true one.
+    stale
+        Time in which joints were damped because no fresh state came [s]; None for a run without a watchdog.
     """
 
     success_key: ClassVar[str] = "walked"
@@ -89,6 +91,7 @@ class WalkSummary(RunSummary):
     climb: float
     notes: list[str]
     estimate: EstimateErrors | None = None
+    stale: float | None = None
 
 
 def summarise_walk(log: Log) -> WalkSummary:
@@ -119,6 +122,7 @@ def summarise_walk(log: Log) -> WalkSummary:
         climb=float(q[-1, 2] - q[0, 2]),
         notes=log.fact("notes") if log.facts.get("notes") else [],
         estimate=estimate_errors(log) if "q_estimated" in log else None,
+        stale=float(log.fact("dt") * np.sum(log["stale"])) if "stale" in log else None,
     )
 
 

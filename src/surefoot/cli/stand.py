@@ -52,7 +52,7 @@ def stand(
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
-    Exit code 0 if it stood and no law was broken, 1 if not, 2 for wrong input.
+    Exit code 0 if it stood and no law or limit was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun

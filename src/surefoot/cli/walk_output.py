@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.run_output import OUTCOMES, Table, cost_line, error_and_laws
+from surefoot.cli.run_output import OUTCOMES, Table, cost_line, error_and_laws, motor_lines
 
 WALK_OUTCOMES = OUTCOMES | {"walked": "walked", "did not follow": "did not follow its command: it moved"}
 AXES = (("forward", "m/s"), ("left", "m/s"), ("turn", "rad/s"))
@@ -72,7 +72,9 @@ def figure_lines(summary: WalkSummary) -> list[str]:
         f"hardest worked joint {summary.torque_use_joint} at {100 * summary.torque_use_max:.0f} % of its "
         "limit",
         f"whole-body step possible within all limits in {100 * summary.feasible_share:.2f} % of the steps",
+        *motor_lines(summary),
         *estimate_lines(summary),
+        *([f"no fresh state came for {summary.stale:.3f} s: joints were damped"] if summary.stale else []),
         cost_line(summary),
     ]
 

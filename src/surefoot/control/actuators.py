@@ -154,6 +154,15 @@ def actuators_of(robot: Robot, actuators: str | Actuators) -> Actuators | None:
     return actuators
 
 
+def told_actuators(robot: Robot) -> Actuators:
+    """Return what a robot's file says of its actuators, and nothing else: zero where it says nothing.
+
+    Torque and speed limits make a box: a file knows of no curve.
+    """
+    limits = MotorLimits(robot.effort_limits, robot.speed_limits)
+    return Actuators(*joint_figures(robot), limits, "of its file")
+
+
 def real_actuators(robot: Robot) -> Actuators:
     """Return a robot's actuators: figures of its file where it gives them, else of `FIGURES`, else `RULE`.
 

@@ -139,6 +139,8 @@ class FootholdSearch:
         around = terrain.height(candidates[:, None, :] + ring)
         rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
         lean = np.abs(around - middle[:, None]).max(axis=1)
+        if terrain.noise > 0.0:  # what may be noise is no edge
+            rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
         cost = np.linalg.norm(grid, axis=1) + self.edge_weight * rise + self.tilt_weight * lean / self.margin
         return np.asarray(candidates[int(np.argmin(cost))])
 

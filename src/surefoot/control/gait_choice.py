@@ -8,13 +8,14 @@ ground, and trots from there on; hurried, the trot flies.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.adaptive_gait import AdaptiveGait, Stride
-from surefoot.control.command_limits import HURRIED_DUTY, Limited, Limits, hurried
+from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
@@ -28,6 +29,8 @@ AUTO = "auto"
 """Name of the choice by speed."""
 WALKS_BELOW, HYSTERESIS = 0.12, 0.15
 """Speed up to which `auto` walks, as a share of sqrt(g h), and the share by which it must be passed."""
+COMMANDS_KEPT = 3
+"""Commands whose speeds a gait stays ready for."""
 AUTO_WALK = (-0.125, 0.375, 0.625, 0.125)
 """Offsets of a walk that are nearest to a trot's: no foot moves by more than an eighth between them."""
 LEAST_DUTY = {"walk": 0.65, "pace": 0.5}
@@ -48,12 +51,35 @@ class Chosen:
         What was changed, one line each.
     shortest
         The shortest period that the schedule may get [s]; 0 for one without a period.
+    limit
+        Slows another command to what the schedule can do, and readies it for that command's speeds.
     """
 
     schedule: ContactSchedule
     command: VelocityCommand
     notes: list[str]
     shortest: float
+    limit: Callable[[VelocityCommand], VelocityCommand]
+
+
+class _Hurry:
+    """How far a gait hurries at the speeds of the last commands that it was given."""
+
+    def __init__(self, limits: Limits, command: VelocityCommand) -> None:
+        self.limits = limits
+        self._last = [limits.limit(command)]
+        self.command, self.notes = self._last[0].command, self._last[0].notes
+        self.most = float(self._last[0].hurry.max())
+
+    def limit(self, command: VelocityCommand) -> VelocityCommand:
+        """Return another command slowed to what is possible."""
+        self._last = [self.limits.limit(command), *self._last[: COMMANDS_KEPT - 1]]
+        return self._last[0].command
+
+    def at(self, velocity: FloatArray) -> float:
+        """Return how far the gait hurries at a (3,) velocity [m/s, m/s, rad/s]: 0 to 1."""
+        size = self.limits.size_of(velocity)
+        return max(limited.hurry_at(size) for limited in self._last)
 
 
 @dataclass(frozen=True)
@@ -102,22 +128,26 @@ def choose_gait(body: Body, command: VelocityCommand, gait: str | ContactSchedul
         return _automatic(body, command)
     own = named_gait(gait, feet, body.height)
     if own.swing_time == 0.0:
-        return Chosen(own, command, [], own.period)
+        return Chosen(own, command, [], own.period, lambda other: other)
     pattern = PATTERNS[feet][gait]
     pace, least = _pace(body, pattern), LEAST_DUTY.get(gait, HURRIED_DUTY)
-    limits = body.limits(pace, True, least)
-    limited = limits.limit(command)
-    most = float(limited.hurry.max())
-    shortest = hurried(pace, most, least).period
-    if most == 0.0:
-        return Chosen(own, limited.command, limited.notes, shortest)
+    hurry = _Hurry(body.limits(pace, True, least), command)
+    if hurry.most == 0.0 and command.values.any():  # one that begins at rest may be steered to any speed
+        steady = body.limits(pace, False)
+        return Chosen(own, hurry.command, hurry.notes, own.period, lambda other: steady.limit(other).command)
 
     def stride(velocity: FloatArray, now: str) -> Stride:
-        share = limited.hurry_at(limits.size_of(velocity))
-        return Stride(gait, hurried(pace, share, least), np.array(pattern.offset))
+        return Stride(gait, hurried(pace, hurry.at(velocity), least), np.array(pattern.offset))
 
     schedule = AdaptiveGait(gait, stride, stride(np.zeros(3), gait))
-    return Chosen(schedule, limited.command, limited.notes, shortest)
+    quickest = hurried(pace, hurry.most, least)
+    said = (
+        f"at speed the {gait} hurries, so that joints keep to their limits: its cycle takes "
+        f"{pace.period:.2f} to {quickest.period:.2f} s, "
+        f"feet are down for {100.0 * pace.duty:.0f} to {100.0 * quickest.duty:.0f} % of it"
+    )
+    notes = [*hurry.notes, said] if hurry.most > 0.0 else hurry.notes
+    return Chosen(schedule, hurry.command, notes, quickest.period, hurry.limit)
 
 
 def _fixed(body: Body, command: VelocityCommand, schedule: ContactSchedule) -> Chosen:
@@ -126,15 +156,14 @@ def _fixed(body: Body, command: VelocityCommand, schedule: ContactSchedule) -> C
         raise ProblemError(
             f"the gait is for {schedule.feet} feet, {body.robot.name} has {len(body.robot.feet)}"
         )
+    period, pace = 0.0, _pace(body, GaitPattern(0.4, 0.55, ()))
     if isinstance(schedule, Gait):
+        period = schedule.period
         if schedule.swing_time == 0.0:
-            return Chosen(schedule, command, [], schedule.period)
-        moving = schedule.duty[schedule.duty < 1.0]
-        pace = Pace(schedule.period, float(moving.min()), body.clearance)
-        limited = body.limits(pace, False).limit(command)
-        return Chosen(schedule, limited.command, limited.notes, schedule.period)
-    limited = body.limits(_pace(body, GaitPattern(0.4, 0.55, ())), False).limit(command)
-    return Chosen(schedule, limited.command, limited.notes, 0.0)
+            return Chosen(schedule, command, [], period, lambda other: other)
+        pace = Pace(period, float(schedule.duty[schedule.duty < 1.0].min()), body.clearance)
+    hurry = _Hurry(body.limits(pace, False), command)
+    return Chosen(schedule, hurry.command, hurry.notes, period, hurry.limit)
 
 
 def _pace(body: Body, pattern: GaitPattern) -> Pace:
@@ -146,27 +175,21 @@ def _automatic(body: Body, command: VelocityCommand) -> Chosen:
     """Return the schedule that stands, walks and trots by speed."""
     patterns = PATTERNS[len(body.robot.feet)]
     trot, walk = _pace(body, patterns["trot"]), _pace(body, patterns["walk"])
-    limits = body.limits(trot, True)
-    limited = limits.limit(command)
+    hurry = _Hurry(body.limits(trot, True), command)
     slow = WALKS_BELOW * math.sqrt(GRAVITY * body.height)
     trot_offset, walk_offset = np.array(patterns["trot"].offset), np.array(AUTO_WALK)
 
     def stride(velocity: FloatArray, now: str) -> Stride:
-        size = limits.size_of(velocity)
+        size = hurry.limits.size_of(velocity)
         if size == 0.0:
             return Stride(now, walk if now == "walk" else trot, _offset(now), moving=False)
         edge = slow * (1.0 + HYSTERESIS if now == "walk" else 1.0 - HYSTERESIS)
         if size < edge:
             return Stride("walk", walk, walk_offset)
-        return Stride("trot", hurried(trot, limited.hurry_at(size)), trot_offset)
+        return Stride("trot", hurried(trot, hurry.at(velocity)), trot_offset)
 
     def _offset(name: str) -> FloatArray:
         return walk_offset if name == "walk" else trot_offset
 
-    first = stride(limited.command.at(0.0), "walk")
-    return Chosen(AdaptiveGait(AUTO, stride, first), limited.command, limited.notes, _shortest(trot, limited))
-
-
-def _shortest(pace: Pace, limited: Limited) -> float:
-    """Return the period of a pace in its greatest hurry under a command [s]."""
-    return hurried(pace, float(limited.hurry.max())).period
+    schedule = AdaptiveGait(AUTO, stride, stride(hurry.command.at(0.0), "walk"))
+    return Chosen(schedule, hurry.command, hurry.notes, hurried(trot, hurry.most).period, hurry.limit)

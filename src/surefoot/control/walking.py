@@ -9,26 +9,30 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.contact import Status
-from surefoot.control.actuators import Actuators
 from surefoot.control.adaptive_gait import AdaptiveGait
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
 from surefoot.control.force_ramps import ForceRamps
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_choice import Body, choose_gait
-from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
-from surefoot.control.walking_body import BodyPlan, VelocityCommand
+from surefoot.control.grip import Grip
+from surefoot.control.ground_sense import ground_sense
+from surefoot.control.look_ahead import LookAhead
+from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
+from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
-from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.control.walking_settings import WalkCommand as WalkCommand
+from surefoot.control.walking_settings import WalkSettings as WalkSettings
+from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
@@ -40,82 +44,6 @@ UNREST = 0.1
 
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
-
-
-@dataclass(frozen=True)
-class WalkSettings:
-    """How a robot walks; the defaults suit every robot.
-
-    Attributes
-    ----------
-    mu
-        Friction that the controller believes in.
-    friction_share
-        Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
-    start
-        Time to stand before the gait begins [s].
-    clearance
-        Height of the swing over the ground, as a share of the height of the centre of mass.
-    horizon
-        Steps of the MPC.
-    steps_per_period
-        MPC steps in a cycle of the gait.
-    plan_interval
-        Longest time between plans [s].
-    body_stiffness, swing_stiffness
-        Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
-    normal_min, normal_max
-        Bounds on a carrying foot's normal force, as shares of m g.
-    ramp
-        Time over which the upper one grows after touchdown, and falls before lift-off [sqrt(h / g)].
-    actuators
-        The motors that it believes to command; None for ideal ones.
-    """
-
-    mu: float = 0.6
-    friction_share: float = 0.9
-    start: float = 0.3
-    clearance: float = 0.22
-    horizon: int = 10
-    steps_per_period: int = 14
-    plan_interval: float = 0.02
-    body_stiffness: float = 2.0
-    swing_stiffness: float = 8.0
-    normal_min: float = 0.02
-    normal_max: float = 1.5
-    ramp: float = 0.17
-    mpc: MpcWeights = field(default_factory=MpcWeights)
-    whole_body: Weights = field(default_factory=Weights)
-    actuators: Actuators | None = None
-
-
-@dataclass(frozen=True)
-class WalkCommand(Command):
-    """What the walking controller asks for at one step.
-
-    Attributes
-    ----------
-    planned
-        (n,) which feet the gait wants on the ground; `active` are those that push.
-    frames
-        (n, 3, 3) rotation_world_contact in which the forces are given.
-    wanted
-        (3,) velocity command after limits and ramp: forward, left, yaw rate.
-    targets
-        (n, 3) where feet in the air will touch, or last did.
-    plan_status
-        How the last MPC ended.
-    """
-
-    planned: BoolArray
-    frames: FloatArray
-    wanted: FloatArray
-    targets: FloatArray
-    plan_status: Status
-
-    def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, and the wanted velocity."""
-        return {"planned": self.planned, "command": self.wanted}
 
 
 class WalkingController(Controller):
@@ -172,8 +100,31 @@ class WalkingController(Controller):
         body = Body(robot, self._height, self.settings.clearance * self._height, self.terrain, mu)
         chosen = choose_gait(body, command, gait)
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
+        self._limit = chosen.limit
         self._set_timing(chosen.shortest)
         self._set_controllers()
+
+    def steer(self, velocity: ArrayLike) -> FloatArray:
+        """Take another velocity from now on, limited and ramped as any, and return what is left of it.
+
+        Parameters
+        ----------
+        velocity
+            (3,) forward, left [m/s], yaw rate [rad/s].
+
+        Returns
+        -------
+        FloatArray
+            (3,) the same after limits [m/s, rad/s].
+
+        Raises
+        ------
+        ProblemError
+            For what is no three finite numbers.
+        """
+        wanted = finite_array("velocity", velocity, (3,))
+        self.command = self._limit(VelocityCommand.constant(*wanted.tolist()))
+        return self.command.at(0.0)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
@@ -224,6 +175,10 @@ class WalkingController(Controller):
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
             "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
         }  # fmt: skip
+        self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
+        self._look_ahead = LookAhead(self._height)
+        clearance = s.clearance * self._height
+        self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
         self._normals = low, high
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
@@ -234,6 +189,8 @@ class WalkingController(Controller):
         """Forget the past: the next step begins a walk from where the robot stands."""
         self.mpc.reset()
         self.whole_body.reset()
+        if self._grip is not None:
+            self._grip.reset()
         self.feet: Feet | None = None
         if isinstance(self.schedule, AdaptiveGait):
             self.schedule.reset()
@@ -255,11 +212,17 @@ class WalkingController(Controller):
             return self._blind(state.v)
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
-            self._begin(now)
+            self._begin(now, state)
         assert self.feet is not None
-        feet, clock = self.feet, time - self.settings.start
+        feet, clock = self.feet, time - self.settings.start - self.feet.wait
         felt = feet.planned.copy() if state.contact is None else state.contact
+        if self._sense is not None:
+            felt = self._sense.feel(state, feet, felt, clock, now.centres)
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
+        if self._sense is not None:
+            self._sense.learn(state, feet, now.centres)
+        if self._grip is not None:
+            self._mind_friction(self._grip, state, now)
         self.body.advance(self._wish(clock), now.com, self.dt)
         low, high = self._normals
         top = high * self.ramps.now(clock, feet.carrying)
@@ -277,6 +240,7 @@ class WalkingController(Controller):
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
+            accelerations=body.accelerations,
         )  # fmt: skip
         return self._last
 
@@ -289,29 +253,50 @@ class WalkingController(Controller):
             np.zeros((n, 3)), Status.INVALID,
         )  # fmt: skip
         return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
-        )
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
 
-    def _begin(self, now: Kinematics) -> None:
+    def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""
+        if self._sense is not None:
+            self._sense.begin(state, now.centres, self._radii)
         clearance = self.settings.clearance * self._height
         descent = DESCENT * math.sqrt(GRAVITY * self._height)
         self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, now.centres.copy())
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         self.body = BodyPlan(self._height, now.com.copy(), yaw)
-        self.body.fit_ground(self.feet.ground, math.inf)
+        self._follow_ground(math.inf)
+
+    def _follow_ground(self, elapsed: float) -> None:
+        """Let the body follow the ground, `elapsed` after the last time [s]."""
+        feet, body = self.feet, self.body
+        assert feet is not None
+        if self.terrain.planar:
+            body.fit_ground(feet.ground, elapsed)
+            return
+        level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
+        body.follow_plane(level, slope, elapsed)
 
     def _wish(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins, none higher until it is fit for it."""
-        wish = self.command.at(clock) if clock >= 0.0 else np.zeros(3)
-        now = self.body.velocity
-        return now.copy() if self._held and float(wish @ wish) > float(now @ now) else wish
+        command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
+        if self._held and float(command @ command) > float(now @ now):
+            command = now.copy()
+        return command if self._grip is None else self._grip.limit(command)
+
+    def _mind_friction(self, grip: Grip, state: RobotState, now: Kinematics) -> None:
+        """Believe in the friction that the feet have found."""
+        assert self.feet is not None
+        mu = grip.update(state.forces, now, self.feet.frames, self.feet.carrying)
+        self.whole_body.set_friction(self.settings.friction_share * mu)
+        self.body.acceleration = min(ACCELERATION * GRAVITY, grip.acceleration)
 
     def _aim(self, now: Kinematics, clock: float, time: float) -> None:
         """Follow the ground, and choose the footholds of feet in the air."""
         feet = self.feet
         assert feet is not None
-        self.body.fit_ground(feet.ground, min(time - self._aimed_at, 1.0))
+        self._follow_ground(min(time - self._aimed_at, 1.0))
         self._aimed_at, self._aimless = time, False
         if isinstance(self.schedule, AdaptiveGait):
             self._pace(self.schedule, now, clock)
@@ -338,7 +323,7 @@ class WalkingController(Controller):
         """Run the MPC for the feet's schedule from now on."""
         feet = self.feet
         assert feet is not None
-        N, dt = self.settings.horizon, self._mpc_dt
+        s, N, dt = self.settings, self.settings.horizon, self._mpc_dt
         contacts = self.schedule.horizon(clock, dt, N)
         if clock < 0.0:
             contacts[clock + dt * (np.arange(N) + 0.5) < 0.0] = True
@@ -350,9 +335,10 @@ class WalkingController(Controller):
         places = self._foot_places(contacts, reference.position)
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
+        mu = None if self._grip is None else np.full(len(feet.radii), s.friction_share * self._grip.mu)
         ramps = self.ramps.ahead(clock, dt, N)
         self._plan = plan = self.mpc.solve(
-            state, reference, places, contacts, feet.frames, normal_share=ramps
+            state, reference, places, contacts, feet.frames, mu=mu, normal_share=ramps
         )
         self._planned_at = time
         motion = self._motion

@@ -105,6 +105,10 @@ class BodyPlan:
         (3,) wanted velocity now, after the ramp: forward, left, yaw rate.
     slope
         (2,) slope of the ground along world x and y, smoothed.
+    ground
+        Height of the ground below the wanted place [m], smoothed.
+    acceleration
+        Largest change of the wanted velocity [m/s²].
     """
 
     height: float
@@ -113,6 +117,7 @@ class BodyPlan:
     velocity: FloatArray = field(default_factory=lambda: np.zeros(3))
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
+    acceleration: float = ACCELERATION * GRAVITY
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
@@ -126,7 +131,7 @@ class BodyPlan:
         dt
             Step [s].
         """
-        limit = ACCELERATION * GRAVITY * dt
+        limit = self.acceleration * dt
         for k, most in enumerate((limit, limit, limit / self.height)):
             self.velocity[k] += min(max(command[k] - self.velocity[k], -most), most)
         self.yaw += self.velocity[2] * dt
@@ -143,15 +148,23 @@ class BodyPlan:
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
-        level, slope_x, slope_y = fit_plane(feet, self.position[:2])
+        level, *slope = fit_plane(feet, self.position[:2])
+        self.follow_plane(level, np.array(slope), dt)
+
+    def follow_plane(self, level: float, slope: FloatArray, dt: float) -> None:
+        """Follow a plane of height `level` [m] below the wanted place, with a (2,) `slope`."""
         share = 1.0 - math.exp(-dt / GROUND_TIME)
-        self.slope = self.slope + share * (np.array([slope_x, slope_y]) - self.slope)
+        self.slope = self.slope + share * (slope - self.slope)
         self.ground += share * (level - self.ground)
         self.position[2] = self.ground + self._rise()
 
     def _rise(self) -> float:
         """Return the wanted height over the ground along the vertical: `height` along the ground's normal."""
         return self.height * math.sqrt(1.0 + float(self.slope @ self.slope))
+
+    def flow(self) -> FloatArray:
+        """Return the (2,) wanted velocity along x and y of the world [m/s]."""
+        return np.array(self._flow())
 
     def _flow(self) -> tuple[float, float]:
         """Return the wanted velocity along x and y of the world."""
@@ -169,3 +182,39 @@ class BodyPlan:
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
         return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)
+
+
+def limit_command(
+    command: VelocityCommand, reach: float, stance_time: float, height: float, radius: float
+) -> tuple[VelocityCommand, list[str]]:
+    """Return the command slowed to what legs can do, and a line for everything that was slowed.
+
+    A foot moves back by the speed times the stance time while it carries: at most `reach` either side of
+    its middle. Turning moves it by the yaw rate times its distance `radius` from the middle.
+
+    Parameters
+    ----------
+    command
+        As given.
+    reach
+        How far a foot may be from below its hip [m].
+    stance_time
+        Length of the gait's stance [s].
+    height
+        Of the centre of mass [m]; no more than Froude number 1 is tried.
+    radius
+        Distance of the feet from the middle [m].
+    """
+    fastest = min(2.0 * reach / stance_time, math.sqrt(GRAVITY * height))
+    values, notes = command.values.copy(), []
+    for row, time in zip(values, command.times, strict=True):
+        speed = math.hypot(row[0], row[1]) + abs(row[2]) * radius
+        if speed > fastest:
+            share = fastest / speed
+            notes.append(
+                f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
+                f"this gait can do: slowed to {100.0 * share:.0f} %, "
+                f"({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
+            )
+            row *= share
+    return VelocityCommand(command.times, values), notes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift
+from surefoot.control.swing import LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -24,6 +25,10 @@ DESCENT = 0.06
 """Speed towards the ground at touchdown, as a share of sqrt(g h)."""
 SEARCH = 0.3
 """Acceleration with which a late foot goes down from there, as a share of g."""
+SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
+"""The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
+RETRY = 0.7
+"""Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
 PATH_SAMPLES = 7
 
 
@@ -47,6 +52,12 @@ class Feet:
         (n, 3, 3) rotation_world_contact of each foot's ground.
     share
         (n,) time since lift-off over the swing's duration.
+    again
+        (n,) which feet have begun their swing anew, once each.
+    wait
+        Time by which the schedule has been held up so far [s].
+    fastest
+        Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
     """
 
     schedule: ContactSchedule
@@ -55,6 +66,8 @@ class Feet:
     clearance: float
     descent: float
     centres: FloatArray
+    wait: float = 0.0
+    fastest: float | None = None
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -69,6 +82,9 @@ class Feet:
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
         self._felt = np.zeros(n)
+        self._retry = np.full((n, 2), -np.inf)  # when swings that were interrupted begin anew and end
+        self.again: BoolArray = np.zeros(n, dtype=bool)
+        self._late_from = np.zeros(n)
         self._plane = self.terrain.planar
         self._lift_first = np.full(n, -1.0 if self._plane else LIFT_FIRST)
         self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
@@ -91,6 +107,9 @@ class Feet:
         for k in range(len(felt)):
             planned, begin, end = self.schedule.phase(k, time)
             self.planned[k] = planned
+            if self._again(k, time, bool(felt[k]), centres[k]):
+                changed |= bool(self.carrying[k])
+                continue
             if planned:
                 changed |= self._on_ground(k, time, bool(felt[k]), centres[k])
                 continue
@@ -105,6 +124,30 @@ class Feet:
                 changed = True
         return changed
 
+    def interrupt(self, k: int, time: float, centre: FloatArray) -> None:
+        """Begin a swing anew from where the foot is, which has struck something; time as for `update`."""
+        planned, begin, end = self.schedule.phase(k, time)
+        now = time + self.wait
+        rest = float(self.duration[k]) if planned else max(end - time, RETRY * (end - begin))
+        self._retry[k] = now, now + rest
+        self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
+        self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
+
+    def _again(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
+        """Go on with a swing that has begun anew; return whether there is one."""
+        begin, end = self._retry[k]
+        now = time + self.wait
+        if self.carrying[k] or now >= end:
+            return False
+        self.late[k], self.share[k] = False, (now - begin) / (end - begin)
+        if felt and self.share[k] > EARLY:
+            self._land(k, centre)
+        return True
+
+    def overdue(self) -> BoolArray:
+        """Return which feet should stand by now and do not: (n,)."""
+        return self.planned & ~self.carrying
+
     def _on_ground(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
         """Handle a foot that the gait wants on the ground."""
         if self.carrying[k]:
@@ -114,15 +157,20 @@ class Feet:
             self.start[k], self.target[k] = centre, centre
             self.apex[k], self.share[k], self.duration[k] = centre[2], 1.0, LOST_TIME
             self._felt[k] = time
+            self._late_from[k] = time + self.wait
             return True
         if felt:
             self._land(k, centre)
             return True
+        if not self.late[k]:
+            _, begin, _ = self.schedule.phase(k, time)
+            begun = max(begin, float(self._felt[k])) + self.wait
+            self._late_from[k] = max(begun, float(self._retry[k, 1]))
         self.late[k] = True
         return False
 
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
-        self.carrying[k] = False
+        self.carrying[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
         self.start[k] = centre
 
@@ -174,12 +222,18 @@ class Feet:
             Stiffness [1/s²] and damping [1/s] of the feedback.
         """
         return swing_accelerations(
-            ~self.carrying, *self._paths(time), centres, twists, self.descent, SEARCH * GRAVITY, *gain
+            ~self.carrying, *self._paths(time), centres, twists, self.descent, *self._search_down(), *gain
         )
 
     def motions(self, time: float) -> FloatArray:
         """Return wanted place [m], velocity and acceleration of feet in the air, else zero: (n, 3, 3)."""
-        return swing_paths(~self.carrying, *self._paths(time), self.descent, SEARCH * GRAVITY)
+        return swing_paths(~self.carrying, *self._paths(time), self.descent, *self._search_down())
+
+    def _search_down(self) -> tuple[float, float]:
+        """Return acceleration [m/s²] and largest speed [m/s] with which late feet are sent down."""
+        if self.fastest is None:
+            return SEARCH * GRAVITY, math.inf
+        return SEARCH_FAST * GRAVITY, self.fastest
 
     def _paths(self, time: float) -> tuple[FloatArray, FloatArray]:
         """Return ends and timing of the swings at a time, see `swing_paths`."""
@@ -188,7 +242,6 @@ class Feet:
         timing[:, 0], timing[:, 1], timing[:, 2] = self.apex, self.share, self.duration
         timing[:, 3], timing[:, 4] = self._lift_first, -1.0
         for k in np.flatnonzero(self.late).tolist():
-            _, begin, _ = self.schedule.phase(k, time)
-            overdue = max(time - max(begin, float(self._felt[k])), 0.0)
+            overdue = max(time + self.wait - float(self._late_from[k]), 0.0)
             timing[k, 1], timing[k, 4] = 1.0 + overdue / float(self.duration[k]), overdue
         return ends, timing

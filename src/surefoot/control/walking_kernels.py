@@ -135,7 +135,7 @@ def plane_through(places: FloatArray, about: FloatArray, damping: float) -> tupl
 
 @kernel
 def swing_paths(
-    flying: BoolArray, ends: FloatArray, timing: FloatArray, descent: float, search: float
+    flying: BoolArray, ends: FloatArray, timing: FloatArray, descent: float, search: float, fastest: float
 ) -> FloatArray:
     """Return wanted place, velocity and acceleration of the feet in the air: (n, 3, 3), zero for the others.
 
@@ -148,8 +148,9 @@ def swing_paths(
     timing
         (n, 5) rows apex, share of the swing, its duration, share to lift first (negative over even
         ground: `even_swing`), and the time since which the foot has been late, negative for one that is not.
-    descent, search
-        Speed towards the ground at the end [m/s]; acceleration with which a late foot goes down [m/s²].
+    descent, search, fastest
+        Speed towards the ground at the end [m/s]; acceleration with which a late foot goes down [m/s²], and
+        largest speed that it gets so [m/s].
     """
     out = np.zeros((len(flying), 3, 3))
     for k in range(len(flying)):
@@ -163,16 +164,18 @@ def swing_paths(
                 ends[0, k], ends[1, k], timing[k, 0], timing[k, 1], timing[k, 2], descent, timing[k, 3]
             )
         if late >= 0.0:
-            path[0, 2] -= 0.5 * search * late * late
-            path[1, 2] -= search * late
-            path[2, 2] -= search
+            rush = min(late, fastest / search)
+            path[0, 2] -= search * rush * (late - 0.5 * rush)
+            path[1, 2] -= search * rush
+            if rush == late:
+                path[2, 2] -= search
     return out
 
 
 @kernel
 def swing_accelerations(
     flying: BoolArray, ends: FloatArray, timing: FloatArray, centres: FloatArray, twists: FloatArray,
-    descent: float, search: float, stiffness: float, damping: float,
+    descent: float, search: float, fastest: float, stiffness: float, damping: float,
 ) -> FloatArray:  # fmt: skip
     """Return the (n, 6) wanted accelerations of the feet in the air, zero for the others.
 
@@ -180,7 +183,7 @@ def swing_accelerations(
     they move: centres (n, 3), twists (n, 6).
     """
     out = np.zeros((len(flying), 6))
-    paths = swing_paths(flying, ends, timing, descent, search)
+    paths = swing_paths(flying, ends, timing, descent, search, fastest)
     for k in range(len(flying)):
         if flying[k]:
             for i in range(3):

@@ -141,6 +141,12 @@ class WholeBodyController:
         self._point_frames, self._points = np.zeros((count, 3, 3)), np.zeros((count, 3))
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
 
+    def set_friction(self, mu: float) -> None:
+        """Change the friction [-] that the controller believes in."""
+        self.mu[:] = mu
+        for distributor in (self._distributor, self._limited):
+            distributor.set_friction(self.mu)
+
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""
         self._set_stance(np.ones(len(self._stance), dtype=bool))
@@ -180,6 +186,11 @@ class WholeBodyController:
             np.array(com), np.array(data.vcom[0]), rotation, rotation @ v[3:6], centres, twists, drifts
         )
         return self._now
+
+    @property
+    def foot_rotations(self) -> FloatArray:
+        """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
+        return self._rotations
 
     def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
         """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""

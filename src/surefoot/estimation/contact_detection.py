@@ -100,6 +100,13 @@ class ContactDetector:
     settings
         Thresholds; None for `DetectionSettings()`.
 
+    Attributes
+    ----------
+    forces, velocities
+        (n, 3) estimated forces on the feet [N] and velocities of their lowest points [m/s], world axes.
+    points
+        (n, 3) these points [m].
+
     Raises
     ------
     ProblemError
@@ -133,10 +140,11 @@ class ContactDetector:
     def reset(self) -> None:
         """Forget the past: the next update is the first."""
         n = len(self.robot.feet)
+        self.points = np.zeros((n, 3))
         self._residual, self._momentum, self._rate = np.zeros((3, self.robot.model.nv))
         self._known = False
         self._contact, self._above = np.zeros(n, dtype=bool), np.zeros(n)
-        self._forces, self._velocities = np.zeros((n, 3)), np.zeros((n, 3))
+        self.forces, self.velocities = np.zeros((n, 3)), np.zeros((n, 3))
 
     def update(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike | None = None, normals: ArrayLike | None = None
@@ -170,6 +178,15 @@ class ContactDetector:
     def advance(self, q: FloatArray, v: FloatArray, up: FloatArray) -> Detection:
         """Do what `update` does, without a look at what is given; the torques are told by `applied`.
 
+        See `observe` for the parameters.
+        """
+        self.observe(q, v, up)
+        self._decide(up)
+        return Detection(self._contact.copy(), self.forces.copy())
+
+    def observe(self, q: FloatArray, v: FloatArray, up: FloatArray) -> None:
+        """Find `forces`, `velocities` and `points` of the feet, and decide nothing.
+
         Parameters
         ----------
         q, v
@@ -194,10 +211,9 @@ class ContactDetector:
         self._known = True
         foot_forces(
             np.ascontiguousarray(data.J), self._support, points, self._flat, self._residual, v, DAMPING,
-            self._forces, self._velocities,
+            self.forces, self.velocities,
         )  # fmt: skip
-        self._decide(up)
-        return Detection(self._contact.copy(), self._forces.copy())
+        self.points = points
 
     def applied(self, tau: ArrayLike) -> None:
         """Tell the (joints,) torques [N m] from the last update, which was not told them, to the next.
@@ -222,8 +238,8 @@ class ContactDetector:
     def _decide(self, up: FloatArray) -> None:
         """Move the contacts on: hysteresis in the force, a rising foot has left, a resting one touches."""
         s, share = self.settings, self._share
-        normal, rising = (self._forces * up).sum(axis=1), (self._velocities * up).sum(axis=1)
-        still = (self._velocities * self._velocities).sum(axis=1) < s.still**2
+        normal, rising = (self.forces * up).sum(axis=1), (self.velocities * up).sum(axis=1)
+        still = (self.velocities * self.velocities).sum(axis=1) < s.still**2
         least = np.where(still, s.lift_off, s.touchdown) * share
         pushed = (normal > least) & (rising < s.rising)
         self._above = np.where(pushed, self._above + self.dt, 0.0)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.numerics.points import point_velocity
+
+LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE = -3.0, -4.0, 5.0
+"""Bounds of what height, speed and force may say: ground may be elsewhere, readings go wrong."""
 
 
 @kernel
@@ -79,3 +84,37 @@ def foot_forces(
             solve_upper(S[:rows, :rows], f[:rows])
         for r in range(3):
             forces[k, r] = f[r] if solved else 0.0
+
+
+@inline_kernel
+def _ratio(x: float, narrow: float, wide: float) -> float:
+    """Return log of a normal density of deviation `narrow` at x over that of `wide`."""
+    return math.log(wide / narrow) - 0.5 * x * x * (1.0 / (narrow * narrow) - 1.0 / (wide * wide))
+
+
+@kernel
+def contact_odds(
+    forces: FloatArray, velocities: FloatArray, up: FloatArray, gaps: FloatArray, prior: FloatArray,
+    deviations: FloatArray, scales: FloatArray, contact: BoolArray, odds: FloatArray,
+) -> None:  # fmt: skip
+    """Fill odds (n,) of contact and move contact (n,) on.
+
+    `forces`, `velocities`, `up` (n, 3) [N], [m/s], [-]; `gaps` (n,) [m]; `prior` (n,) odds by the plan. Odds
+    are natural logarithms. `deviations` (n,) are those of the forces [N]; `scales` (6,) the largest usual
+    force [N], deviation of gaps and clearance [m], deviations of speeds of feet that stand and swing [m/s],
+    hysteresis.
+    """
+    heavy, gap, clearance, still, swinging, hold = scales
+    root = math.sqrt(2.0 * math.pi)
+    for k in range(gaps.shape[0]):
+        f = v = 0.0
+        for r in range(3):
+            f += forces[k, r] * up[k, r]
+            v += velocities[k, r] * up[k, r]
+        s = deviations[k]
+        # a uniform density over [0, heavy] against a normal one about 0; a pull says no more than no force
+        pushed = math.log(root * s / heavy) + 0.5 * max(f, 0.0) ** 2 / (s * s)
+        near = math.log(clearance / (root * gap)) - 0.5 * (gaps[k] / gap) ** 2
+        stopped = _ratio(v, still, swinging)
+        odds[k] = prior[k] + min(pushed, MOST_FORCE) + max(near, LEAST_HEIGHT) + max(stopped, LEAST_SPEED)
+        contact[k] = odds[k] > (-hold if contact[k] else hold)

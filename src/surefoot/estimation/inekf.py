@@ -45,8 +45,8 @@ class FilterNoise:
         Wandering of a foot that stands [m/s/√Hz]: creep, rolling, soft ground.
     landing
         The same while a foot has just landed.
-    joint
-        Of a joint's angle [rad].
+    joint, joint_speed
+        Of a joint's angle [rad] and of its speed [rad/s].
     velocity, tilt, gyro_bias, accelerometer_bias
         Of the start: [m/s], [rad], [rad/s], [m/s²]. Place and heading there are exact, by definition.
     """
@@ -58,6 +58,7 @@ class FilterNoise:
     foot: float = 5e-3
     landing: float = 5e-2
     joint: float = 1e-3
+    joint_speed: float = 0.05
     velocity: float = 0.05
     tilt: float = 0.02
     gyro_bias: float = 0.01

@@ -89,6 +89,24 @@ def _add_noise(P: FloatArray, X: FloatArray, on: BoolArray, densities: FloatArra
                 P[9 + 3 * k + r, 9 + 3 * k + r] += densities[4 + k] * h
 
 
+@inline_kernel
+def _march(X: FloatArray, bias: FloatArray, gyro: FloatArray, accelerometer: FloatArray, h: float) -> None:
+    """Move the state on by h [s] under a constant turn rate and specific force, body axes."""
+    G, phi, R = np.empty((3, 3, 3)), np.empty(3), X[:, :3].copy()
+    for r in range(3):
+        phi[r] = (gyro[r] - bias[r]) * h
+    gammas(phi, G)
+    force = accelerometer - bias[3:]
+    u = apply(R, *apply(G[1], force[0], force[1], force[2]))
+    w = apply(R, *apply(G[2], force[0], force[1], force[2]))
+    for r in range(3):
+        g = -GRAVITY if r == 2 else 0.0
+        X[r, 4] += h * X[r, 3] + h * h * (w[r] + 0.5 * g)
+        X[r, 3] += h * (u[r] + g)
+        for s in range(3):
+            X[r, s] = R[r, 0] * G[0, 0, s] + R[r, 1] * G[0, 1, s] + R[r, 2] * G[0, 2, s]
+
+
 @kernel
 def propagate(
     X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, gyro: FloatArray,
@@ -103,19 +121,14 @@ def propagate(
     _transition_rows(P, X, on, h)
     _transpose(P)
     _transition_rows(P, X, on, h)
-    G, phi, R = np.empty((3, 3, 3)), np.empty(3), X[:, :3].copy()
-    for r in range(3):
-        phi[r] = (gyro[r] - bias[r]) * h
-    gammas(phi, G)
-    force = accelerometer - bias[3:]
-    u = apply(R, *apply(G[1], force[0], force[1], force[2]))
-    w = apply(R, *apply(G[2], force[0], force[1], force[2]))
-    for r in range(3):
-        g = -GRAVITY if r == 2 else 0.0
-        X[r, 4] += h * X[r, 3] + h * h * (w[r] + 0.5 * g)
-        X[r, 3] += h * (u[r] + g)
-        for s in range(3):
-            X[r, s] = R[r, 0] * G[0, 0, s] + R[r, 1] * G[0, 1, s] + R[r, 2] * G[0, 2, s]
+    _march(X, bias, gyro, accelerometer, h)
+
+
+@kernel
+def foresee(X: FloatArray, bias: FloatArray, gyros: FloatArray, accelerometers: FloatArray, h: float) -> None:
+    """Move the state alone on by steps of h [s], one for each row of the (m, 3) readings; see `propagate`."""
+    for i in range(gyros.shape[0]):
+        _march(X, bias, gyros[i], accelerometers[i], h)
 
 
 @inline_kernel

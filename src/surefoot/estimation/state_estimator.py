@@ -1,9 +1,11 @@
 """State estimate from what a robot measures: contact detection and invariant filter, watched for failure.
 
-At each step `predict` takes the sensors' readings and tells which feet seem to touch, `update` corrects with
-them, `applied` takes the torques that follow. A foot whose leg is about to swing is taken out by the plan (a
+At each step `predict` takes the sensors' readings and tells which feet feel a force, `decide` says by their
+heights, speeds and the plan as well which of them touch, `update` corrects with these, `expect` and `applied`
+take the plan and the torques that follow. A foot whose leg is about to swing is taken out by the plan (a
 force falls too slowly to tell), one that moves over the ground by its own speed, one that slid by its
-innovation. What is left without any foot to stand on, or with feet that all disagree, is lost: `health`.
+innovation.
+What is left without any foot to stand on, or with feet that all disagree, is lost: `health`.
 """
 
 from __future__ import annotations
@@ -16,10 +18,20 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
+from surefoot.estimation.contact_odds import (
+    ContactFusion,
+    ContactSettings,
+    GroundBelief,
+    force_noise,
+    observer_gain,
+    quiet_bandwidth,
+)
 from surefoot.estimation.inekf_robot import InvariantEkf
+from surefoot.estimation.latency import Latency
+from surefoot.spatial import GRAVITY
 
-DETECTION = DetectionSettings(lift_off=0.08, still=0.1)
-"""Thresholds in the loop: a controller that waits for a foot which has landed softly falls meanwhile."""
+FELT = 0.2
+"""Share of m g over the number of feet from which a force alone says that a foot touches."""
 
 
 class Health(StrEnum):
@@ -88,26 +100,40 @@ class StateEstimator:
     ----------
     ekf
         The filter on its robot.
-    detection
-        Thresholds of the contact detection; None for `DETECTION`.
+    contacts
+        What is believed of feet that touch; None for the defaults.
     watch
         When the estimate has failed; None for the defaults.
+    latency
+        How late the IMU and the encoders tell what they measure [s]: the state that `update` returns is
+        that of now.
 
     Attributes
     ----------
     health
         `Health`; what is lost stays lost until `reset`.
+    forces
+        (n, 3) estimated forces on the feet, world axes [N].
     """
 
     def __init__(
         self,
         ekf: InvariantEkf,
-        detection: DetectionSettings | None = None,
+        contacts: ContactSettings | None = None,
         watch: WatchSettings | None = None,
+        latency: tuple[float, float] = (0.0, 0.0),
     ) -> None:
         self.ekf, self.watch = ekf, watch or WatchSettings()
-        self.detector = ContactDetector(ekf.robot, ekf.dt, detection or DETECTION)
-        noise = ekf.filter.noise
+        self.latency = Latency(ekf, *latency)
+        noise, dt = ekf.filter.noise, ekf.dt
+        bandwidth = quiet_bandwidth(ekf.robot, dt, noise.joint_speed)
+        self.detector = ContactDetector(ekf.robot, dt, DetectionSettings(bandwidth=bandwidth))
+        felt = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
+        self.fusion = ContactFusion(
+            ekf.robot, contacts or ContactSettings(), felt, noise.joint_speed, ekf.ground is not None
+        )
+        self._usual = ekf.robot.mass * GRAVITY / len(ekf.robot.feet)
+        self._least = FELT * self._usual
         self._largest = self.watch.bias * np.array([noise.gyro_bias, noise.accelerometer_bias])
         self.reset(ekf.robot.nominal)
 
@@ -115,22 +141,51 @@ class StateEstimator:
         """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s], as `InvariantEkf.reset` does."""
         self.ekf.reset(q, v)
         self.detector.reset()
+        self.fusion.reset()
+        self.latency.reset()
+        robot, ground = self.ekf.robot, self.ekf.ground
+        soles = robot.foot_positions(q) - robot.contact_points.foot_radii[:, None] * [0.0, 0.0, 1.0]
+        self.ground, self._stood = GroundBelief(ground, soles), np.zeros(len(robot.feet), dtype=bool)
+        self._felt = np.zeros_like(self._stood)
         self.health = Health.GOOD
+        self.forces = np.zeros((len(self.ekf.robot.feet), 3))
         self._alone = self._unheard = 0.0
         self._first = True
 
     def predict(self, reading: Reading) -> BoolArray:
-        """Go on to the time of a reading; return which feet seem to touch: (n,). The first makes no step."""
-        ekf = self.ekf
+        """Go on to the time of a reading; return which feet feel a force: (n,). The first makes no step."""
+        ekf, detector, reading = self.ekf, self.detector, self.latency.align(reading)
         if not self._first:
             ekf.predict(reading.gyro, reading.accelerometer)
         self._first, self._reading = False, reading
         ekf.joints(reading.positions, reading.speeds)
         q, v = ekf.state()
-        if not (np.isfinite(q).all() and np.isfinite(v).all()):
+        if np.isfinite(q).all() and np.isfinite(v).all():
+            detector.observe(q, v, ekf.normals)
+            self.forces = detector.forces
+            self._felt = (self.forces * ekf.normals).sum(axis=1) > self._least
+        else:
             self.health = Health.DIVERGED
-            return np.zeros(len(ekf.robot.feet), dtype=bool)
-        return self.detector.advance(q, v, ekf.normals).contact
+            self._felt[:] = False
+        return self._felt.copy()
+
+    def decide(self, felt: BoolArray | None = None) -> BoolArray:
+        """Return which feet touch, by force, height, speed and plan: (n,).
+
+        Parameters
+        ----------
+        felt
+            (n,) which feet feel a force, where something other than `predict` has told that; None for what
+            it has told.
+        """
+        normals, points, forces = self.ekf.normals, self.detector.points, self.detector.forces
+        if self.health is Health.DIVERGED:
+            return np.zeros_like(self._felt)
+        if felt is not None and (felt != self._felt).any():
+            told = np.where(felt, self._usual, 0.0)[:, None] * normals
+            forces = np.where((felt == self._felt)[:, None], forces, told)
+        gaps = (points[:, 2] - self.ground.heights(points)) * normals[:, 2]
+        return self.fusion.update(forces, self.detector.velocities, normals, gaps)
 
     def update(self, contact: BoolArray, standing: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Correct and return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s], Pinocchio's order.
@@ -138,19 +193,26 @@ class StateEstimator:
         Parameters
         ----------
         contact
-            (n,) which feet touch, as `predict` has told or something better.
+            (n,) which feet touch, as `decide` has told or something better.
         standing
             (n,) which of them are meant to stand, by the plan; None for all.
         """
         meant = contact if standing is None else contact & standing
+        for k in np.flatnonzero(meant & ~self._stood):
+            self.ground.stood(int(k), self.detector.points[k])
+        self._stood = meant
         if self.health is not Health.DIVERGED:
             used = self.ekf.update(self._reading.positions, self._reading.speeds, meant)
             self._look(bool(used.any()), bool(contact.any()))
-        return self.ekf.state()
+        return self.latency.state()
+
+    def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
+        """Tell the plan for the next step: (n,) which feet push, and which should stand if they can."""
+        self.fusion.expect(pushing, planned)
 
     def applied(self, torques: FloatArray) -> None:
         """Tell the (joints,) torques from now to the next reading [N m]."""
-        self.detector.applied(torques)
+        self.detector.applied(self.latency.torques(torques))
 
     def _look(self, believed: bool, touched: bool) -> None:
         """Judge the estimate after a correction."""

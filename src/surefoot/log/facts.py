@@ -72,6 +72,16 @@ FACTS: dict[str, Fact] = {
     "contact_foot": Fact("index of the foot of every contact point", ("p",)),
     "contact_centres": Fact("contact points in their feet's frames [m]", ("p", 3)),
     "effort_limits": Fact("largest joint torques [N m]", ("joints",)),
+    "speed_limits": Fact("largest joint speeds, of motors those without load [rad/s]", ("joints",)),
+    "actuators": Fact("what gives the torques; a log without it has ideal ones", text=True),
+    "motor_knee": Fact("share of the largest speed up to which motors give their driving torque"),
+    "motor_driving": Fact("that torque over the largest"),
+    "armature": Fact("inertia of the rotors as the joints feel it [kg m²]", ("joints",)),
+    "viscous_friction": Fact("of the joints [N m s]", ("joints",)),
+    "dry_friction": Fact("of the joints [N m]", ("joints",)),
+    "link_touches": Fact(
+        "what touched beside feet on the ground, a line for each pair", ("touches",), text=True
+    ),
     "duration": Fact("of the run as planned [s]"),
     "outcome": Fact("how the run ended, see Ending", text=True),
     "error": Fact("what ended the run or its recording", text=True),

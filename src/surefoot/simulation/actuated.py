@@ -39,7 +39,8 @@ def facts_of(world: Any) -> dict[str, Any]:
     if actuators is not None:
         limits = actuators.limits
         out |= {"actuators": actuators.name, "speed_limits": limits.speed, "effort_limits": limits.effort}
-        out |= {"motor_knee": limits.knee, "motor_driving": limits.driving}
+        out |= {"motor_knee": limits.knee, "motor_driving": limits.driving, "armature": actuators.armature}
+        out |= {"viscous_friction": actuators.damping, "dry_friction": actuators.friction}
     return out
 
 

@@ -283,6 +283,12 @@ class RigidWorld:
             out.append(Touch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
         return out
 
+    def touching(self) -> list[tuple[str, str]]:
+        """Return names of bodies, feet or ground that touched in the last step, without feet on ground."""
+        feet = set(self.robot.foot_names)
+        pairs = [(touch.body, touch.other) for touch in self.touches()]
+        return [(a, b) for a, b in pairs if not (a in feet and b == "ground")]
+
     def derivative(self, smoothing: float = 0.0) -> StepDerivative:
         """Return the derivative of the last step, see `StepDerivative` and `stepping.step_derivative`.
 

@@ -17,7 +17,9 @@ from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
 from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
+from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
+from surefoot.simulation.outward import Outward
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
@@ -107,7 +109,7 @@ def _recorder(
 ) -> Recorder:
     """Return a recorder for what every run has, and what controller and estimator add."""
     robot = world.robot
-    taken = (*_SHARED, "other_forces", *(c.name for c in sensing.channels))
+    taken = (*_SHARED, "other_forces", "torques_commanded", *(c.name for c in sensing.channels))
     clash = [c.name for c in controller.channels if c.name in taken]
     if clash:
         raise ProblemError(
@@ -130,6 +132,8 @@ def _recorder(
         "wall_time": float("nan"),
     }
     shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
+    if getattr(world, "actuators", None) is not None:
+        shared = (*shared, "torques_commanded")
     channels = (*(CHANNELS[name] for name in shared), *controller.channels, *sensing.channels)
     return Recorder(
         scenario.steps(world.dt), channels, folder, facts,
@@ -153,13 +157,16 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.stop = Stop(self.world)
+        self.touches = LinkTouches(self.world)
+        self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
 
         `height` is that of the base over the ground at the start [m].
         """
-        begin, recorder, told = clock.perf_counter(), self.recorder, {}
+        begin, recorder = clock.perf_counter(), self.recorder
+        told: dict[str, Any] = {}
         try:
             ending = self._loop(height)
         except (KeyboardInterrupt, SurefootError) as stop:
@@ -176,6 +183,8 @@ class _Run:
             raise
         if self.sensing.lost:
             told = {"error": self.sensing.lost, **told}
+        touched = self.touches.lines(self.world.dt)
+        told |= {"link_touches": touched} if touched else {}
         return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
     def _loop(self, height: float) -> Ending:
@@ -194,15 +203,17 @@ class _Run:
             push = push_at(scenario.pushes, now)
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
+            state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
-            command = self._decide(state, command)
+            command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
             spent = clock.perf_counter() - start
             # the step
-            torques = faults.act(command.torques)
-            world.step(torques, push)
-            torques = given_by(world, torques)
+            self._asked = faults.act(command, q, v)
+            world.step(self._asked, push)
+            torques = given_by(world, self._asked)
             sensing.acted(command, torques)
             reading = world.contacts()
+            self.touches.look(now, reading)
             # its row
             self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
             # whether it goes on
@@ -234,6 +245,8 @@ class _Run:
         rows["normals"][i] = self.world.terrain.normal(reading.positions[:, :2])
         if reading.others is not None:
             rows["other_forces"][i] = reading.others
+        if "torques_commanded" in rows:
+            rows["torques_commanded"][i] = self._asked
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
         rows["attained"][i], rows["saturated"][i] = (
             command.attained,

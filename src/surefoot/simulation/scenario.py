@@ -12,6 +12,7 @@ from surefoot.arrays import FloatArray
 from surefoot.log import Ending
 from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
+from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import World
@@ -103,6 +104,8 @@ class Scenario:
         When it has fallen, and the run ends.
     sensors
         What the robot has to estimate its state from; None for a controller that is told the true state.
+    scanner
+        What it sees the ground with; None for a robot that sees nothing.
     """
 
     duration: float
@@ -115,6 +118,7 @@ class Scenario:
     depth: float = 0.0
     fall: Fall = Fall()
     sensors: SensorModel | None = None
+    scanner: RangeSensor | None = None
 
     def steps(self, dt: float) -> int:
         """Return the number of steps of length `dt` [s], at least one."""

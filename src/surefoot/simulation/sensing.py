@@ -34,18 +34,21 @@ class Sensing(Protocol):
         What it adds to the log; `rows` gives the values.
     lost
         Why it cannot tell the state any longer; empty while it can.
+    heard
+        (joints,) torques that the motors say they gave last [N m]; None before the first.
     """
 
     channels: tuple[Channel, ...] = ()
     lost: str = ""
+    heard: FloatArray | None = None
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """Return what the controller is told at a true state, with (n,) the feet that truly touch."""
         ...
 
     def acted(self, command: Command, torques: FloatArray) -> None:
-        """Learn what followed: the command, and the (joints,) torques that the motors give [N m]."""
-        return
+        """Learn what followed: the command, and the (joints,) torques that the motors gave [N m]."""
+        self.heard = torques
 
     def rows(self) -> Mapping[str, Any]:
         """Return the values of its channels at this step."""
@@ -90,7 +93,8 @@ class EstimatedState(Sensing):
         self.sensors = Sensors(model, robot, world.dt, seed)
         ground = world.terrain if model.heights else None
         ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
-        self.estimator = StateEstimator(ekf)
+        late = model.imu.latency, model.encoders.latency
+        self.estimator = StateEstimator(ekf, latency=late)
         foot = np.asarray(world.contact_foot)
         self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
@@ -103,7 +107,7 @@ class EstimatedState(Sensing):
         estimator, joints = self.estimator, np.zeros(self.sensors.robot.joints)
         reading = Reading(np.zeros(3), np.array([0.0, 0.0, GRAVITY]), q[7:], joints)
         for _ in range(3):
-            touching = estimator.predict(reading)
+            touching = estimator.decide(~estimator.predict(reading))
             estimator.update(np.ones_like(touching))
             estimator.applied(joints)
 
@@ -115,13 +119,14 @@ class EstimatedState(Sensing):
             self._started = True
         reading = self.sensors.read(q, v)
         start = clock.perf_counter()
-        detected = estimator.predict(reading)
+        felt = estimator.predict(reading)
         spent = clock.perf_counter() - start
-        touching = self.sensors.touches(detected)
+        felt = self.sensors.touches(felt)
         start = clock.perf_counter()
+        touching = estimator.decide(felt)
         estimate = estimator.update(touching, self._standing)
         self._spent = spent + clock.perf_counter() - start
-        self._told = RobotState(*estimate, time, touching)
+        self._told = RobotState(*estimate, time, touching, forces=estimator.forces)
         if estimator.health is not Health.GOOD and not self.lost:
             self.lost = f"the state estimate was lost at {time:.3f} s: {estimator.health}"
         return self._told
@@ -129,8 +134,11 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        self._standing = np.array([bool(command.active[points].any()) for points in self._points])
-        heard = self.sensors.torques(torques)
+        pushing = np.array([bool(command.active[points].any()) for points in self._points])
+        planned = command.rows().get("planned", pushing)
+        self._standing = pushing
+        self.estimator.expect(pushing, np.asarray(planned, dtype=bool))
+        self.heard = heard = self.sensors.torques(torques)
         if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
             heard = heard - self._actuators.losses(self._told.v[6:])
         self.estimator.applied(heard)

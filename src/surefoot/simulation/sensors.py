@@ -79,7 +79,7 @@ class EncoderModel:
 
 @dataclass(frozen=True)
 class TouchModel:
-    """What goes wrong with the detection of contacts beyond what the detector itself gets wrong.
+    """What goes wrong with the forces that tell contacts, beyond what the observer of momentum gets wrong.
 
     Attributes
     ----------
@@ -89,11 +89,11 @@ class TouchModel:
     torque_scale
         Standard deviation of each motor's factor between torque and current, off 1.
     missed
-        Share of the contacts that are never told.
+        Share of the contacts whose force is never felt.
     false
-        How often a foot that does not touch is told to do so, for `false_time` [1/s].
+        How often a foot feels a force that is none, for `false_time` [1/s].
     false_time
-        Length of a false touch [s].
+        Length of such a false force [s].
     """
 
     torque_noise: float = 0.05
@@ -150,6 +150,7 @@ class SensorModel:
             gyro_drift=imu.gyro_drift,
             accelerometer_drift=imu.accelerometer_drift,
             joint=self.encoders.noise + self.encoders.step,
+            joint_speed=self.encoders.speed_noise + self.encoders.speed_step,
             tilt=2.0 * self.tilt,
             gyro_bias=2.0 * imu.gyro_bias,
             accelerometer_bias=2.0 * imu.accelerometer_bias,
@@ -287,7 +288,7 @@ class Sensors:
         return self._factors * true + self._torque_noise * self._random.normal(size=len(true))
 
     def touches(self, contact: BoolArray) -> BoolArray:
-        """Return (n,) contacts with some missed and some false ones, one step after the last call."""
+        """Return (n,) which feet feel a force, some missed and some false, one step after the last call."""
         touch, n = self.model.touch, len(contact)
         self._time += self.dt
         if touch.missed > 0.0:

@@ -1,0 +1,213 @@
+"""How fast robots walk within their limits: velocity, slip, joint speeds, torques and their rates, by seed.
+
+A seed disturbs the start (`Scenario.seed`), changes the mass that the controller believes in by up to 5 % and
+the ground's friction by up to 10 %; the controller knows of none of it. Each row is one commanded velocity.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.audit import summarise_walk
+from surefoot.audit.motion import heading_velocity
+from surefoot.control.actuators import actuators_of
+from surefoot.control.walking import WalkingController, WalkSettings
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.log import Ending, Log
+from surefoot.robot import load_robot
+from surefoot.simulation.faults import believed_robot
+from surefoot.simulation.run import Scenario, run
+from surefoot.simulation.sensors import SensorModel
+from surefoot.simulation.worlds import make_world
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import FlatTerrain
+
+MASS_ERROR, FRICTION_ERROR, MU = 0.05, 0.1, 0.6
+"""Largest errors of the believed mass and of the friction, as shares; the friction."""
+DURATION, JUDGED = 7.0, 2.5
+"""Length of a run, and of its end that is judged [s]."""
+SHARE, FLOOR, SLIP = 0.03, 0.02, 0.01
+"""A velocity is met within this share or this much [m/s, rad/s]; the most that a foot may slide [m]."""
+FROUDE = 0.5
+"""Speed of the other robots, as a share of sqrt(g h)."""
+OTHERS = ("anymal_c", "a1", "go1", "b1", "solo12", "hyq", "laikago")
+LADDER = (
+    (0.2, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (1.5, 0.0, 0.0), (2.0, 0.0, 0.0), (2.5, 0.0, 0.0),
+    (0.0, 0.0, 3.0),
+)  # fmt: skip
+"""Velocities of Go2: forward, left [m/s], turn rate [rad/s]."""
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """The world that robots walk in.
+
+    Attributes
+    ----------
+    world
+        Its name.
+    hard
+        Whether actuators are real, all of the robot collides (in MuJoCo) and the state is estimated.
+    stiff
+        Whether MuJoCo's contact has a time constant of 2 instead of 4 ms.
+    """
+
+    world: str = "mujoco"
+    hard: bool = False
+    stiff: bool = False
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a run came to: error of the velocity [m/s, rad/s], slip [m], shares of limits, rates [N m/ms]."""
+
+    error: float
+    slip: float
+    speed_use: float
+    torque_use: float
+    rate: float
+    usual_rate: float
+    laws: tuple[str, ...]
+    walked: bool
+    good: bool
+
+
+@dataclass(frozen=True)
+class SpeedRow:
+    """One commanded velocity of a robot; worst values of all seeds.
+
+    Attributes
+    ----------
+    robot, wanted, commanded
+        Who; the velocity asked for, and what limits left of it.
+    seeds, walked, good, lawful
+        Runs; those that ended upright; those of them with velocity, slip and joint speeds as they should be;
+        those that broke no law.
+    error, slip, speed_use, torque_use
+        Of the velocity [m/s, rad/s], [m], over the limits.
+    rate, usual_rate
+        Largest change of a torque in a millisecond, and that exceeded in one step of a thousand [N m].
+    laws
+        Those broken, each with how often.
+    """
+
+    robot: str
+    wanted: tuple[float, float, float]
+    commanded: tuple[float, float, float]
+    seeds: int
+    walked: int
+    good: int
+    lawful: int
+    error: float
+    slip: float
+    speed_use: float
+    torque_use: float
+    rate: float
+    usual_rate: float
+    laws: tuple[str, ...]
+
+
+def pace_of(robot: str) -> tuple[float, float, float]:
+    """Return the velocity of a robot at `FROUDE`: (forward, 0, 0) [m/s]."""
+    model = load_robot(robot)
+    return round(FROUDE * math.sqrt(GRAVITY * float(model.com(model.nominal)[2])), 2), 0.0, 0.0
+
+
+def measure(
+    robot: str,
+    velocities: tuple[tuple[float, float, float], ...],
+    seeds: int,
+    conditions: Conditions,
+    gait: str = "trot",
+    tell: Callable[[float], None] | None = None,
+) -> list[SpeedRow]:
+    """Walk at every velocity from every seed.
+
+    Parameters
+    ----------
+    robot
+        A known one.
+    velocities
+        Forward, left [m/s], turn rate [rad/s].
+    seeds
+        How many.
+    conditions, gait
+        Where, and how.
+    tell
+        Called with the share that is done.
+    """
+    rows = []
+    for number, velocity in enumerate(velocities):
+        trials, commanded = [], velocity
+        for seed in range(seeds):
+            log, told = walk(robot, velocity, seed, conditions, gait)
+            trials.append(judge(log))
+            commanded = (float(told[0]), float(told[1]), float(told[2]))
+            if tell is not None:
+                tell((number + (seed + 1) / seeds) / len(velocities))
+        rows.append(_row(robot, velocity, commanded, trials))
+    return rows
+
+
+def walk(
+    name: str, velocity: tuple[float, float, float], seed: int, conditions: Conditions, gait: str
+) -> tuple[Log, FloatArray]:
+    """Return the log of a walk, and the (3,) velocity that was left after limits [m/s, rad/s]."""
+    rng = np.random.default_rng([seed, 17])
+    mass, friction = (1.0 + e * rng.uniform(-1.0, 1.0) for e in (MASS_ERROR, FRICTION_ERROR))
+    robot, ground = load_robot(name), FlatTerrain()
+    motors = actuators_of(robot, "real" if conditions.hard else "ideal")
+    controller = WalkingController(
+        believed_robot(robot, mass), VelocityCommand.constant(*velocity), gait, ground,
+        WalkSettings(mu=MU, actuators=motors),
+    )  # fmt: skip
+    told: dict[str, Any] = {"actuators": motors} if motors is not None else {}
+    if conditions.world == "mujoco":
+        told |= {"collision": "full"} if conditions.hard else {}
+        told |= {"solref": (0.002, 1.0)} if conditions.stiff else {}
+    world = make_world(conditions.world, robot, ground, MU * friction, **told)
+    sensors = SensorModel() if conditions.hard else None
+    log = run(world, controller, Scenario(DURATION, MU * friction, seed=seed, sensors=sensors))
+    return log, controller.command.at(0.0)
+
+
+def judge(log: Log) -> Trial:
+    """Return what a run came to."""
+    summary, limits = summarise_walk(log), load_robot(log.fact("robot")).speed_limits
+    late = log["time"] > log["time"][-1] - JUDGED
+    wanted, measured = log["command"][late].mean(axis=0), heading_velocity(log)[late].mean(axis=0)
+    error = np.abs(measured - wanted)
+    met = bool((error <= np.maximum(SHARE * np.abs(wanted), FLOOR)).all())
+    slip = max(foot.slip for foot in summary.feet)
+    use = float((np.abs(log["v"][:, 6:]) / limits).max())
+    rates = np.abs(np.diff(log["torques"], axis=0)).max(axis=1)
+    walked = log.fact("outcome") == Ending.DONE
+    laws = tuple(law.split(" of ")[0].split(":")[0] for law in summary.laws_broken)
+    good = walked and met and slip < SLIP and use <= 1.0
+    usual = float(np.quantile(rates, 0.999))
+    return Trial(
+        float(error.max()), slip, use, summary.torque_use_max, float(rates.max()), usual, laws, walked, good
+    )
+
+
+def _row(
+    robot: str, wanted: tuple[float, float, float], commanded: tuple[float, float, float], trials: list[Trial]
+) -> SpeedRow:
+    laws = Counter(law for trial in trials for law in trial.laws)
+
+    def worst(name: str) -> float:
+        return max(float(getattr(trial, name)) for trial in trials)
+
+    broken = tuple(f"{n} x {law}" for law, n in laws.most_common())
+    return SpeedRow(
+        robot, wanted, commanded, len(trials), sum(t.walked for t in trials), sum(t.good for t in trials),
+        sum(not t.laws for t in trials), worst("error"), worst("slip"), worst("speed_use"),
+        worst("torque_use"), worst("rate"), worst("usual_rate"), broken,
+    )  # fmt: skip
