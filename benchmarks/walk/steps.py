@@ -38,7 +38,7 @@ class _Tape:
 
     states: list[RobotState]
     whole_body: list[tuple[Any, ...]]
-    plans: list[tuple[float, tuple[Any, ...]]]
+    plans: list[tuple[float, tuple[Any, ...], dict[str, Any]]]
 
 
 def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") -> list[StepRow]:
@@ -61,9 +61,9 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
     run(MujocoWorld(model, mu=0.6), controller, Scenario(seconds, 0.6, start=model.nominal))
     fresh = WalkingController(model, VelocityCommand.constant(0.5), gait)
 
-    def plan(item: tuple[float, tuple[Any, ...]]) -> None:
+    def plan(item: tuple[float, tuple[Any, ...], dict[str, Any]]) -> None:
         fresh.mpc.shift(item[0])
-        fresh.mpc.solve(*item[1])
+        fresh.mpc.solve(*item[1], **item[2])
 
     with one_core():
         whole = []
@@ -77,6 +77,11 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
         StepRow(robot, "whole-body step", Timing.of(steps)),
         StepRow(robot, f"MPC, {fresh.mpc.horizon} steps", Timing.of(plans)),
     ]
+
+
+def _kept(value: Any) -> Any:
+    """Return a copy of an array, anything else as it is."""
+    return np.array(value) if isinstance(value, np.ndarray) else value
 
 
 def _record_calls(controller: WalkingController, tape: _Tape) -> None:
@@ -103,10 +108,10 @@ def _record_calls(controller: WalkingController, tape: _Tape) -> None:
         state[2] = elapsed
         shift(elapsed)
 
-    def keep_plan(*arguments: Any) -> Any:
-        copies = tuple(np.array(a) if isinstance(a, np.ndarray) else a for a in arguments)
-        tape.plans.append((state[2], copies))
-        return plan(*arguments)
+    def keep_plan(*arguments: Any, **named: Any) -> Any:
+        copies = tuple(_kept(a) for a in arguments)
+        tape.plans.append((state[2], copies, {name: _kept(a) for name, a in named.items()}))
+        return plan(*arguments, **named)
 
     for owner, name, wrapped in (
         (controller, "step", keep_step),
