@@ -52,7 +52,7 @@ class ContactSettings:
         encoders, as a share of m g over the number of feet: friction in the joints, torques and masses that
         are off.
     heavy
-        Largest usual force, in the same shares.
+        Largest usual force, as such a share.
     height, unmapped
         Standard deviations of a standing foot's height over the believed ground, with a map and without [m].
     clearance
@@ -60,10 +60,10 @@ class ContactSettings:
     still, swinging
         Standard deviations of speeds along the normal [m/s], of feet that stand and that swing.
     pushing, swing
-        Logarithms of the odds of contact by the plan alone: of a foot that pushes, and of one that swings; a
-        foot that should have landed has even odds.
+        Logarithms of the odds of contact by the plan alone [-]: of a foot that pushes, and of one that swings;
+        a foot that should have landed has even odds.
     hold
-        How far the odds must turn against what was believed before it changes.
+        How far the odds' logarithm must turn against what was believed before it changes [-].
     """
 
     force: float = 0.05

@@ -77,7 +77,7 @@ class WatchSettings:
     fastest
         Speed of the base from which it is [m/s].
     bias
-        Size of a bias from which it is, as a multiple of its standard deviation at the start: what takes up
+        Size of a bias from which it is, relative to its standard deviation at the start: what takes up
         that much is no bias, but a sensor that is broken.
     """
 
