@@ -66,7 +66,7 @@ def test_the_first_screen_of_the_readme() -> None:
     first = "\n".join((ROOT / "README.md").read_text().splitlines()[:22])
     assert "make stand" in first
     assert "make test" in first
-    assert "docs/images/go2.png" in first
+    assert "docs/images/pushed.webp" in first
 
 
 def test_the_picture_of_the_rooms_is_up_to_date() -> None:

@@ -29,14 +29,14 @@ def walk(
     calls: Annotated[int, typer.Option(min=10, max=100_000, help="Calls per scene and method.")] = 150,
     horizon: Annotated[int, typer.Option(min=2, max=40, help="Steps of the horizon.")] = 10,
     robot: Annotated[
-        list[str] | None, typer.Option(help="Robot whose whole-body step is timed; may be repeated.")
+        list[str] | None, typer.Option(help="Robot whose steps are timed; may be repeated.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Write a picture and the JSON to a new folder below this one.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
-    """Time the MPC step (ours, four QP solvers with pyramids, Clarabel) and a walk's whole-body step."""
+    """Time the MPC step (ours, QP solvers with pyramids, Clarabel) and a walking controller's whole step."""
     from benchmarks.walk.race import measure
     from surefoot.robot import load_robot
 

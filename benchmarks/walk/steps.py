@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import Timing, best_of, one_core
+from surefoot.control.controller import RobotState
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.whole_body import Tasks
@@ -33,14 +34,18 @@ class StepRow:
 
 @dataclass
 class _Tape:
-    """Inputs of a walk: (q, v, tasks) of the whole-body controller; elapsed time and arguments of the MPC."""
+    """Inputs of a walk: states; (q, v, tasks) of whole-body control; time since and arguments of plans."""
 
+    states: list[RobotState]
     whole_body: list[tuple[Any, ...]]
     plans: list[tuple[float, tuple[Any, ...]]]
 
 
 def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") -> list[StepRow]:
-    """Return the times of whole-body step (with Pinocchio's terms) and of a plan, walking at 0.5 m/s.
+    """Return the times of a controller's whole step and of its parts, walking at 0.5 m/s.
+
+    The parts are the whole-body step (with Pinocchio's terms) and a plan, which is made about every twentieth
+    step; the whole step is all that the controller does between a state and its torques.
 
     Raises
     ------
@@ -51,7 +56,7 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
     """
     model = load_robot(robot)
     controller = WalkingController(model, VelocityCommand.constant(0.5), gait)
-    tape = _Tape([], [])
+    tape = _Tape([], [], [])
     _record_calls(controller, tape)
     run(MujocoWorld(model, mu=0.6), controller, Scenario(seconds, 0.6, start=model.nominal))
     fresh = WalkingController(model, VelocityCommand.constant(0.5), gait)
@@ -61,9 +66,14 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
         fresh.mpc.solve(*item[1])
 
     with one_core():
+        whole = []
+        for _ in range(PASSES):  # in order, since a step goes on from the one before
+            fresh.reset()
+            whole.append(best_of(fresh.step, tape.states, warm_up=0)[0])
         steps, _ = best_of(lambda item: fresh.whole_body.step(*item), tape.whole_body, PASSES)
         plans, _ = best_of(plan, tape.plans, PASSES)
     return [
+        StepRow(robot, "whole step", Timing.of(np.min(whole, axis=0))),
         StepRow(robot, "whole-body step", Timing.of(steps)),
         StepRow(robot, f"MPC, {fresh.mpc.horizon} steps", Timing.of(plans)),
     ]
@@ -71,9 +81,14 @@ def measure_steps(robot: str = "go2", seconds: float = 2.0, gait: str = "trot") 
 
 def _record_calls(controller: WalkingController, tape: _Tape) -> None:
     """Let a controller's own parts write what they are given onto the tape."""
-    body, mpc = controller.whole_body, controller.mpc
+    body, mpc, step = controller.whole_body, controller.mpc, controller.step
     update, solve, plan, shift = body.update, body.solve, mpc.solve, mpc.shift
     state: list[Any] = [None, None, 0.0]
+
+    def keep_step(told: RobotState) -> Any:
+        contact = None if told.contact is None else told.contact.copy()
+        tape.states.append(told._replace(q=told.q.copy(), v=told.v.copy(), contact=contact))
+        return step(told)
 
     def keep_state(q: Any, v: Any) -> Any:
         state[:2] = q.copy(), v.copy()
@@ -94,6 +109,7 @@ def _record_calls(controller: WalkingController, tape: _Tape) -> None:
         return plan(*arguments)
 
     for owner, name, wrapped in (
+        (controller, "step", keep_step),
         (body, "update", keep_state),
         (body, "solve", keep_tasks),
         (mpc, "shift", keep_shift),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import tempfile
 import traceback
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
@@ -12,9 +13,10 @@ from pathlib import Path
 from docs.site import reference, render
 from docs.site.execute import run_page
 from docs.site.page import LANGUAGES, Page, pages
+from docs.site.recipe import recipes, run_recipe
 
 ROOT = Path(__file__).resolve().parents[2]
-COPIED = ("docs/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
+COPIED = ("docs/*.md", "docs/cookbook/*.md", "docs/images/*", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 SECTIONS = {
     1: {"en": "Contact and friction laws", "zh": "接触与摩擦定律"},
     2: {"en": "Friction cones", "zh": "摩擦锥"},
@@ -68,6 +70,7 @@ def assemble(build: Path, only: Iterable[str] | None = None, jobs: int = 2) -> d
         (tree / "course" / "index.md").write_text(contents(chosen, language), encoding="utf-8")
     (trees["zh"] / "index.md").write_text(_zh_front(), encoding="utf-8")
     _copy(trees["en"])
+    _cookbook(trees["en"] / "docs" / "cookbook")
     reference.write(trees["en"] / "api")
     return trees
 
@@ -110,6 +113,24 @@ def _copy(tree: Path) -> None:
             else:
                 shutil.copy(path, target)
     (tree / "index.md").write_text(front_page(), encoding="utf-8")
+
+
+def _cookbook(folder: Path) -> None:
+    """Run the recipes whose modules are installed, and put a notebook beside each page."""
+    for recipe in recipes():
+        if not recipe.missing:
+            with tempfile.TemporaryDirectory() as scratch:
+                printed = run_recipe(recipe, Path(scratch))
+            for block, text in zip(recipe.blocks, printed, strict=True):
+                if text != block.prints:
+                    raise RuntimeError(
+                        f"{recipe.path.name}:{block.line}: prints {text!r}, not {block.prints!r}"
+                    )
+        name = recipe.path.stem
+        (folder / f"{name}.ipynb").write_text(render.recipe_notebook(recipe), encoding="utf-8")
+        page = folder / recipe.path.name
+        link = f"\n{{download}}`{render.NOTEBOOK['en']} <{name}.ipynb>`\n"
+        page.write_text(page.read_text(encoding="utf-8") + link, encoding="utf-8")
 
 
 def front_page() -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from docs.site.execute import Ran
 from docs.site.page import LANGUAGES
+from docs.site.recipe import BLOCK, Recipe
 
 OTHER = {"en": ("中文", "zh/course"), "zh": ("English", "../course")}
 """What the link to a page's other language says, and where it leads from the root of the tree."""
@@ -45,10 +46,24 @@ def _piece(title: str, kind: str, text: str) -> list[str]:
 
 def notebook(ran: Ran, language: str) -> str:
     """Return a page as a notebook, format 4.5, its code not run."""
-    cells: list[dict[str, Any]] = [_cell("markdown", f"# {ran.page.title[language]}")]
-    for kind, text in ran.pieces[language]:
-        if kind in ("markdown", "code"):
-            cells.append(_cell(kind, text))
+    pieces = [piece for piece in ran.pieces[language] if piece[0] in ("markdown", "code")]
+    return _as_notebook([("markdown", f"# {ran.page.title[language]}"), *pieces])
+
+
+def recipe_notebook(recipe: Recipe) -> str:
+    """Return a page of the cookbook as a notebook, its code not run."""
+    pieces, at = [], 0
+    for found in BLOCK.finditer(recipe.text):
+        pieces.append(("markdown", recipe.text[at : found.start()].strip()))
+        at = found.end()
+        if found[1] == "python":
+            pieces.append(("code", found[2].rstrip()))
+    return _as_notebook([piece for piece in [*pieces, ("markdown", recipe.text[at:].strip())] if piece[1]])
+
+
+def _as_notebook(pieces: list[tuple[str, str]]) -> str:
+    """Return cells of Markdown and code as a notebook."""
+    cells = [_cell(kind, text) for kind, text in pieces]
     for number, cell in enumerate(cells):
         cell["id"] = f"cell-{number}"
     about = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}

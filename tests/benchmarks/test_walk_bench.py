@@ -95,9 +95,10 @@ def test_rows_add_up(monkeypatch):
         if "facets" in row.method:  # inner pyramids leave friction unused and cost more
             assert row.lost > 0.01
             assert row.cost > 0.0
-    step, plan = bench.steps
-    assert step.call == "whole-body step"
-    assert step.timing.calls > 10 * plan.timing.calls
+    whole, step, plan = bench.steps
+    assert (whole.call, step.call) == ("whole step", "whole-body step")
+    assert whole.timing.calls == step.timing.calls > 10 * plan.timing.calls
+    assert whole.timing.median > step.timing.median
     assert 0.0 < step.timing.median < 0.1
     four, eight = (np.mean([r.lost for r in bench.rows if f"{k} facets" in r.method]) for k in (4, 8))
     assert four > eight

@@ -120,9 +120,9 @@ def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[st
         (["--velocity-file", "none.txt"], "cannot read the velocity file"),
         (["--gait-file", "none.info"], "cannot read the gait file"),
         (["--delay", "-1"], "delay must be"),
+        (["g1", "--gait", "trot"], "unknown gait for 2 feet 'trot'; valid names: stand, walk"),
         (["--estimator", "oracle"], "unknown estimator 'oracle'; valid names: inekf, truth"),
         (["--noise", "-1"], "--noise must be"),
-        (["g1"], "g1 cannot walk here"),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_two(

@@ -77,11 +77,32 @@ def test_walks_in_the_rigid_world_and_on_soft_mujoco_ground(capsys, tmp_path):
         (["--solref", "0.02,-1"], "solref"),
         (["--solref", "a,b"], "not a finite number"),
         (["--world", "moon"], "unknown world 'moon'"),
-        (["--collision", "full"], "--collision full is of --world rigid"),
+        (["--world", "drake", "--collision", "full"], "--collision full is of --world mujoco or rigid"),
+        (["--world", "drake", "--actuators", "real"], "--actuators real is of --world mujoco or rigid"),
+        (["--actuators", "magic"], "valid names: ideal, real"),
         (["--world", "rigid", "--collision", "legs"], "valid names: feet, full"),
     ],
 )
 @pytest.mark.parametrize("command", ["stand", "walk"])
 def test_wrong_options_are_one_line(capsys, command, options, words):
     assert main([command, "go2", *options]) == 2
+    assert words in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--commands", "thoughts"], "valid names: targets, torques"),
+        (["--control-rate", "333"], "--control-rate must be 1000 over a whole number"),
+        (["--control-rate", "0"], "--control-rate must be"),
+        (["--latency", "fast"], "--latency: 'fast' is not a finite number"),
+        (["--latency", "1"], "--latency must be auto, none or from 0 to 0.03 s"),
+        (["--dropout", "1"], "--dropout is T:DURATION"),
+        (["--dropout", "99:0.1"], "when the run is over"),
+        (["--dropout", "1:-0.1"], "duration of a dropout must be"),
+        (["--planner", "contact-implicit", "--commands", "targets"], "takes no --commands"),
+    ],
+)
+def test_wrong_commands_are_one_line(capsys, options, words):
+    assert main(["walk", "go2", "--no-video", "--no-report", *options]) == 2
     assert words in " ".join(capsys.readouterr().err.split())

@@ -64,7 +64,10 @@ contact.scales           scales_dense         contact/test_scales.py::test_speed
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
 control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
+control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
+control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
+control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
 control.mpc_model        finish               control/test_mpc_model.py::test_the_prediction_is_the_march by solve
@@ -77,10 +80,21 @@ control.standing_kernels pd_wrench            control/test_standing.py::test_pd_
 control.standing_kernels within_limits        control/test_standing.py::test_within_limits_kernel
 control.swing            minimum_jerk         control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
+control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
+control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
+control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
+control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
+control.walking_kernels  plane_through        control/test_walking_kernels.py::test_the_plane_is_that_of_least_squares
+control.walking_kernels  slope_frames         control/test_foothold.py::test_the_slope_rotation_is_a_rotation_along_the_surface
+control.walking_kernels  stance_places        control/test_walking_kernels.py::test_feet_stand_where_they_are_until_they_have_flown
+control.walking_kernels  swing_accelerations  control/test_walking_kernels.py::test_feet_in_the_air_follow_their_paths
+control.walking_kernels  swing_paths          control/test_walking_kernels.py::test_feet_in_the_air_follow_their_paths
+control.walking_kernels  turned_arms          control/test_walking_kernels.py::test_feet_stand_where_they_are_until_they_have_flown
 control.whole_body_kernels base_tasks         control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
 control.whole_body_kernels contact_rows       control/test_whole_body_kernels.py::test_contact_rows
 control.whole_body_kernels eliminate          control/test_whole_body.py::test_elimination_matches_a_plain_kkt_solve
 control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
+control.whole_body_kernels place_points       control/test_whole_body_kernels.py::test_contact_points_are_on_their_feet
 control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
 equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
@@ -104,6 +118,13 @@ equilibrium.scaling      step_to_boundary     equilibrium/test_equilibrium_kerne
 estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
 estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
 estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
+estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
+estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
+estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
+estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
+estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
+estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
+estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
 estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
 estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices

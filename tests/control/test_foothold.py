@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.foothold import FootholdSearch, fit_plane, raibert, slope_rotation
+from surefoot.control.foothold import FootholdSearch, fit_plane, raibert
+from surefoot.control.walking_kernels import slope_frames
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, rough_ground
 
 
@@ -77,7 +78,7 @@ def test_feet_in_a_line_say_nothing_about_the_slope_across() -> None:
 @given(st.floats(-3.1, 3.1), st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 @settings(max_examples=40, deadline=None)
 def test_the_slope_rotation_is_a_rotation_along_the_surface(yaw: float, a: float, b: float) -> None:
-    R = slope_rotation(yaw, np.array([a, b]))
+    R = slope_frames(np.array([yaw]), np.array([a, b]))[0]
     assert np.allclose(R.T @ R, np.eye(3), rtol=0.0, atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
     assert np.cross(R[:, 2], [-a, -b, 1.0]) == pytest.approx(np.zeros(3), abs=1e-12)

@@ -47,7 +47,7 @@ def test_a_late_foot_goes_on_down_until_it_feels_the_ground(feet: Feet) -> None:
     heights = []
     for time in (0.22, 0.26, 0.30):
         feet.update(time, UP, CENTRES)
-        heights.append(feet.motion(1, time)[0, 2])
+        heights.append(feet.motions(time)[1, 0, 2])
     assert heights[0] < CENTRES[1, 2]
     assert np.diff(heights).max() < -1e-3
     low = CENTRES.copy()
@@ -66,8 +66,8 @@ def test_a_foot_that_loses_the_ground_looks_for_it_below(feet: Feet) -> None:
     assert feet.late[0]
     assert not feet.carrying[0]
     feet.update(0.12, gone, CENTRES)
-    assert feet.motion(0, 0.12)[0] == pytest.approx(CENTRES[0], abs=0.02)
-    assert feet.motion(0, 0.12)[1, 2] < 0.0
+    assert feet.motions(0.12)[0][0] == pytest.approx(CENTRES[0], abs=0.02)
+    assert feet.motions(0.12)[0][1, 2] < 0.0
 
 
 def test_an_aimed_foot_flies_to_its_target_over_its_apex(feet: Feet) -> None:
@@ -77,7 +77,7 @@ def test_an_aimed_foot_flies_to_its_target_over_its_apex(feet: Feet) -> None:
     heights = []
     for time in np.linspace(0.0, 0.199, 40):
         feet.update(float(time), UP, CENTRES)
-        heights.append(feet.motion(1, float(time))[0, 2])
+        heights.append(feet.motions(float(time))[1, 0, 2])
     assert max(heights) == pytest.approx(0.02 + 0.06, abs=1e-3)
     feet.aim(1, np.array([9.0, 9.0]))  # too late to change
     assert feet.target[1, 0] == pytest.approx(0.3)

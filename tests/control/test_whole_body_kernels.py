@@ -7,6 +7,7 @@ import pytest
 
 from surefoot.control import whole_body_kernels as kernels
 from surefoot.control.damping import LARGEST, computable
+from surefoot.control.torque_kernels import exceeded, recover
 
 NV, FEET = 12, 3
 
@@ -128,3 +129,39 @@ def test_only_states_of_finite_size_are_computable() -> None:
         x = np.array([1.0, bad, 0.0])
         assert computable(np.ones(3), x) == computable(x, np.ones(3)) == bool(np.abs(x).max() <= LARGEST)
     assert computable(np.full(3, LARGEST), np.zeros(0))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_contact_points_are_on_their_feet(seed: int) -> None:
+    s, rng = state(seed), np.random.default_rng(seed)
+    foot = np.array([0, 0, 1, 2, 2])
+    offsets, radii, frames = rng.normal(size=(5, 3)), rng.random(FEET), rng.normal(size=(FEET, 3, 3))
+    normals, arms, turns, points = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((5, 3, 3)), np.zeros((5, 3))
+    kernels.place_points(
+        frames, foot, s["rotations"], s["places"], offsets, radii, normals, arms, turns, points
+    )
+    np.testing.assert_array_equal(normals, frames[:, :, 2])
+    np.testing.assert_array_equal(arms, -radii[:, None] * normals)
+    np.testing.assert_array_equal(turns, frames[foot])
+    for j, k in enumerate(foot):
+        np.testing.assert_allclose(
+            points[j], s["places"][k] + s["rotations"][k] @ offsets[j] + arms[k], atol=1e-13
+        )
+
+
+def test_torques_are_those_of_the_dynamics() -> None:
+    rng = np.random.default_rng(0)
+    rows, forces, offset = rng.normal(size=(6, NV)), rng.normal(size=(2, 3)), rng.normal(size=NV)
+    gain, M, nle = rng.normal(size=(NV, 6)), rng.normal(size=(NV, NV)), rng.normal(size=NV)
+    torques, a = recover(rows, forces, offset, gain, M, nle)
+    ground = rows.T @ forces.ravel()
+    np.testing.assert_allclose(a, offset + gain @ ground[:6], atol=1e-12)
+    np.testing.assert_allclose(torques, (M @ a + nle - ground)[6:], atol=1e-12)
+
+
+def test_excess_is_told_apart() -> None:
+    middle, half = np.array([0.5, 0.0, 0.0]), np.array([1.0, 2.0, np.inf])
+    loose = np.array([True, False, False])
+    light, heavy, most, finite = exceeded(np.array([-1.0, 1.0, 7.0]), middle, half, loose)
+    assert (light, heavy, most, finite) == (1.5, 0.5, 0.5, True)
+    assert not exceeded(np.array([0.0, np.nan, 0.0]), middle, half, loose)[3]

@@ -12,6 +12,8 @@ from docs.site import reference
 from docs.site.assemble import SECTIONS, front_page, without_code_links
 from docs.site.links import broken_links, loaded_from_outside, undocumented
 from docs.site.page import COURSE, pages, read_page
+from docs.site.recipe import recipes
+from docs.site.render import recipe_notebook
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -47,6 +49,15 @@ def test_every_page_of_the_docs_is_in_a_menu() -> None:
     menu = front_page()
     for path in (ROOT / "docs").glob("*.md"):
         assert f"\ndocs/{path.stem}\n" in menu, path.name
+
+
+def test_every_recipe_is_in_a_menu_and_a_notebook() -> None:
+    menu = front_page()
+    for recipe in recipes():
+        assert f"\ndocs/cookbook/{recipe.path.stem}\n" in menu, recipe.path.name
+        cells = json.loads(recipe_notebook(recipe))["cells"]
+        code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+        assert code == [block.code.rstrip() for block in recipe.blocks]
 
 
 def test_every_course_page_belongs_to_a_section() -> None:

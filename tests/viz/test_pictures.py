@@ -17,8 +17,9 @@ from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Ice, Push, Scenario, run
 from surefoot.viz import meshes, report
 from surefoot.viz.cone_plots import draw_pyramids
+from surefoot.viz.film import Film
 from surefoot.viz.plots import draw_run
-from surefoot.viz.video import Film, Renderer, log_arrows
+from surefoot.viz.video import Renderer, log_arrows
 
 
 @pytest.fixture(scope="module")

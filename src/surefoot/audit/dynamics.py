@@ -22,6 +22,10 @@ from surefoot.spatial import rotation_from_quaternion
 
 DAMPING = 1e-4
 """Share of a leg's squared lever that keeps its force bounded where the leg is stretched."""
+MOTOR_FACTS = ("armature", "viscous_friction", "dry_friction")
+"""Facts of a log that say what rotors and friction take of the torques."""
+STICKING = 0.05
+"""A joint slower than this may stick: its dry friction is then any up to its size [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,7 @@ def unexplained(
     forces_world: FloatArray,
     mass_scale: float = 1.0,
     payload: float = 0.0,
+    payload_position: FloatArray | None = None,
 ) -> Unexplained:
     """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
 
@@ -60,14 +65,16 @@ def unexplained(
         (T + 1, p, 3) forces on the contact points, world axes [N].
     mass_scale
         The mass that the log tells over the robot's with its payload, for the base rows.
-    payload
-        Point mass at the base's origin [kg].
+    payload, payload_position
+        Point mass on the base [kg], and where: (3,) base axes [m]; None for its origin.
     """
     points, rows = robot.contact_points, len(log) - 1
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    torque, jacobian = _newton_euler(_loaded(robot.model, payload), q[:-1], v[:-1], acceleration)
+    torque, jacobian = _newton_euler(
+        _loaded(robot.model, payload, payload_position), q[:-1], v[:-1], acceleration
+    )
     torque[:, : robot.base_dof] *= mass_scale
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
@@ -85,18 +92,32 @@ def unexplained(
         rest -= np.asarray(log["other_forces"])[:-1]
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
+        rest[:, base:] += _lost(log, v[:-1, base:], acceleration[:, base:], rest[:, base:])
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return Unexplained(force_left, moment_left, feet)
 
 
-def _loaded(model: Any, payload: float) -> Any:
-    """Return a robot's model with a point mass [kg] at the base's origin; the model itself without one."""
+def _lost(log: Log, speed: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:
+    """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
+
+    The dry friction of a joint that sticks is what holds it, up to its size: it takes what (T, joints) `rest`
+    leaves over.
+    """
+    rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in MOTOR_FACTS)
+    lost = np.asarray(rotor * acceleration + viscous * speed)
+    holding = np.clip(-(rest + lost), -np.asarray(dry), dry)
+    return np.asarray(lost + np.where(np.abs(speed) < STICKING, holding, dry * np.sign(speed)))
+
+
+def _loaded(model: Any, payload: float, position: FloatArray | None) -> Any:
+    """Return a robot's model with a point mass [kg] on the base; the model itself without one."""
     import pinocchio
 
     if payload > 0.0:
         model = model.copy()
-        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, np.zeros(3), np.zeros((3, 3)))
+        place = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
+        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, place, np.zeros((3, 3)))
     return model
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.audit.dynamics import Unexplained, unexplained
+from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, unexplained
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
@@ -139,12 +139,13 @@ class Rows:
             return None
         log, time = self.log, self.time
         arrays = {name: self._numbers(name) for name in _MOTION if name in log}
-        clean = Log({**arrays, "time": time}, {}, channels=log.channels)
+        motors = {name: log.facts[name] for name in MOTOR_FACTS if name in log.facts}
+        clean = Log({**arrays, "time": time}, motors, channels=log.channels)
         with np.errstate(all="ignore"):
             world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
             load = self.setting.payload
             mass = self.setting.weight / (GRAVITY * (robot.mass + load))
-            out = unexplained(robot, clean, world, mass, load)
+            out = unexplained(robot, clean, world, mass, load, self.setting.payload_position)
         steps = np.diff(time)
         wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
         wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]

@@ -9,8 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from surefoot.arrays import BoolArray
-from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, log_laws
+from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, friction_of, log_laws
 from surefoot.audit.motion import finite, foot_forces, slips, touching
+from surefoot.audit.motors import MotorUse, limits_broken, motor_use
 from surefoot.audit.pressure import sole_pressures
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Ending, Log
@@ -71,6 +72,11 @@ class RunSummary:
         What ended the run or its recording; empty for nothing.
     laws_judged, laws_broken
         Names of the laws that were judged, and a line for each that was broken.
+    limits_broken
+        A line for each limit of the robot's own that was not kept: joint speeds, what its links touched.
+        None for a log that tells of none.
+    motors
+        What the joints were asked for; None for a log that does not tell their speeds.
     feet
         One for each.
     laws
@@ -93,6 +99,8 @@ class RunSummary:
     error: str
     laws_judged: list[str]
     laws_broken: list[str]
+    limits_broken: list[str] | None
+    motors: MotorUse | None
     feet: list[FootSummary]
     laws: Laws
     torque_use_max: float
@@ -104,8 +112,8 @@ class RunSummary:
 
     @property
     def good(self) -> bool:
-        """Whether the robot did what it should and no law was broken."""
-        return self.success and not self.laws_broken
+        """Whether the robot did what it should, no law was broken and no limit of its own."""
+        return self.success and not self.laws_broken and not self.limits_broken
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name, for JSON; `success` under the name of what was done."""
@@ -139,6 +147,7 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
     feet = _feet(log, weight, touching(log) if steps else None)
     outcome, success = judge(max(foot.slip for foot in feet))
     time, use = 1e6 * np.asarray(log["controller_time"]), np.abs(log["torques"]) / log.fact("effort_limits")
+    motors = motor_use(log)
     duration, wall = len(log) * log.fact("dt"), log.fact("wall_time")
     return {
         "robot": log.fact("robot"),
@@ -149,6 +158,8 @@ def shared_fields(log: Log, judge: Callable[[float], tuple[str, bool]], steps: b
         "error": str(log.facts.get("error", "")),
         "laws_judged": list(laws.judged),
         "laws_broken": laws.broken(weight),
+        "limits_broken": limits_broken(log, motors),
+        "motors": motors,
         "feet": feet,
         "laws": laws,
         "torque_use_max": float(use.max()),
@@ -180,7 +191,10 @@ def _feet(log: Log, weight: float, down: BoolArray | None) -> list[FootSummary]:
     """Return what every foot did; `down` says when it was on the ground, (T, n)."""
     owner, slip, total = log.fact("contact_foot"), slips(log), foot_forces(log)
     margins = {sole.foot: sole.margin for sole in sole_pressures(log)}
-    use = contact_use(total, log["mu"], LOADED_SHARE * weight).max(axis=0)
+    friction = friction_of(log)
+    if friction.ndim == 2:  # of a foot: where it has most
+        friction = np.column_stack([friction[:, owner == k].max(axis=1) for k in range(total.shape[1])])
+    use = contact_use(total, friction, LOADED_SHARE * weight).max(axis=0)
     out = []
     for k, name in enumerate(log.fact("feet")):
         mean = float(total[:, k, 2].mean())

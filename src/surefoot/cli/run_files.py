@@ -69,7 +69,7 @@ class Pictures:
 
     def film(self, robot: Robot, terrain: Terrain, progress: Callable[[float], None] | None) -> None:
         """Film the run, or note why not: no package, no OpenGL, no patience."""
-        from surefoot.viz.video import write_video
+        from surefoot.viz.film import write_video
 
         path = self._folder / "film.mp4"
         try:
@@ -106,7 +106,7 @@ class Pictures:
 
         found = []
         if self._film is not None:
-            note = paragraph("Arrows: ground forces as the world reports them; amber: the push.")
+            note = paragraph("Forces as the world reports them; a force inside its cone ends inside the rim.")
             found.append(("Film", film(self._film) + note))
         titled = [(CAPTIONS.get(p.stem, p.stem.replace("_", " ")), picture(p)) for p in self._plots]
         return found + titled

@@ -56,7 +56,22 @@ def law_table(summary: RunSummary) -> Table:
 def error_and_laws(summary: RunSummary) -> str:
     """Return what a headline says about an error and broken laws; empty if there is neither."""
     text = f": {summary.error}" if summary.error else ""
-    return text + ("; laws broken: " + ", ".join(summary.laws_broken) if summary.laws_broken else "")
+    for what, lines in (("laws broken", summary.laws_broken), ("limits not kept", summary.limits_broken)):
+        text += f"; {what}: " + ", ".join(lines) if lines else ""
+    return text
+
+
+def motor_lines(summary: RunSummary) -> list[str]:
+    """Return what is said about the use of the motors: a line, or none."""
+    use = summary.motors
+    if use is None:
+        return []
+    cut = "motors cut off" if use.actuators != "ideal" else "real motors would cut off"
+    return [
+        f"{use.actuators} actuators: fastest joint {use.speed_use_joint} at {100 * use.speed_use_max:.0f} %"
+        f" of its largest speed, some joint beyond it in {100 * use.over_speed_share:.2g} % of the steps; "
+        f"{cut} torque in {100 * use.beyond_curve_share:.2g} % of them"
+    ]
 
 
 def cost_line(summary: RunSummary) -> str:

@@ -22,7 +22,7 @@ from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot
-from surefoot.simulation.observers import Progress
+from surefoot.simulation.observers import Observer, Progress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.world import World
@@ -88,16 +88,22 @@ class SimulatedRun:
     console: Console
 
     def carry_out(
-        self, world: World, controller: Controller, scenario: Scenario, account: Account[Any]
+        self,
+        world: World,
+        controller: Controller,
+        scenario: Scenario,
+        account: Account[Any],
+        observers: Sequence[Observer] = (),
     ) -> int:
         """Simulate, write everything that the run leaves and return the exit code.
 
-        The code is 0 if the robot did it, no law was broken and every file was written.
+        The `observers` watch beside the progress bar. The code is 0 if the robot did it, no law or limit was
+        broken and every file was written.
         """
         with ends_softly() as stop:
             shown = not self.as_json
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
-                watching = [] if tell is None else [Progress(tell)]
+                watching = [*observers, *([] if tell is None else [Progress(tell)])]
                 log = run(world, controller, scenario, watching, self.folder / run_files.PARTS)
             say(self.console, *warned)
             summary, entries = self._write(log, account)

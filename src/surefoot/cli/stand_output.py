@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from surefoot.audit import StandSummary
-from surefoot.cli.run_output import OUTCOMES, Table, cost_line, error_and_laws
+from surefoot.cli.run_output import OUTCOMES, Table, cost_line, error_and_laws, motor_lines
 from surefoot.spatial import GRAVITY
 
 STAND_OUTCOMES = OUTCOMES | {
@@ -63,5 +63,6 @@ def figure_lines(summary: StandSummary) -> list[str]:
         "limit",
         *pressed,
         f"wanted wrench possible in {100 * summary.attained_share:.1f} % of the steps",
+        *motor_lines(summary),
         cost_line(summary),
     ]

@@ -10,13 +10,14 @@ from typing import Annotated, Any
 import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli import estimators
+from surefoot.cli import command_options as wires
+from surefoot.cli import estimators, knowledge, live
+from surefoot.cli import mjcf_options as files
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
 from surefoot.cli import world_options as worlds
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import new_run_folder
-from surefoot.cli.robots import load
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS
 
@@ -27,10 +28,15 @@ SHORTEST = 0.5
 def walk(
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
+    mjcf: files.Mjcf = None,
     feet: shared.FootFrames = None,
     gait: Annotated[
-        str, typer.Option(help="stand, trot, walk, pace, bound, flying_trot, or a name in --gait-file.")
-    ] = "trot",
+        str | None,
+        typer.Option(
+            help="stand, trot, walk, pace, bound, flying_trot (on two feet stand, walk), or a name in "
+            "--gait-file; None for trot, on two feet walk."
+        ),
+    ] = None,
     gait_file: Annotated[Path | None, typer.Option(help="Gaits in OCS2's format.")] = None,
     period: Annotated[float | None, typer.Option(help="Length of a cycle of the gait [s].")] = None,
     planner: Annotated[
@@ -49,23 +55,28 @@ def walk(
         ),
     ] = "flat",
     mu: options.Friction = 0.6,
-    believed_mu: Annotated[
-        float | None, typer.Option(help="Friction that the controller believes in; None for --mu.")
-    ] = None,
+    believed_mu: knowledge.BelievedMu = None,
+    terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     push: options.Pushes = None,
     ice: options.IcePatches = None,
-    payload: options.Payload = 0.0,
+    payload: options.Payload = "0",
     estimator: estimators.EstimatorName = "inekf",
     noise: estimators.Noise = None,
-    delay: Annotated[float, typer.Option(help="Delay of the torques [s].")] = 0.0,
+    delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
+    latency: wires.Latency = "auto",
+    commands: wires.Commands = "torques",
+    control_rate: wires.ControlRate = 1000.0,
+    dropout: wires.Dropouts = None,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
     world: worlds.WorldName = "mujoco",
     law: worlds.ContactLaw = None,
     explicit: worlds.Explicit = False,
     collision: worlds.Collision = "feet",
+    actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
+    view: live.View = False,
     out: options.Out = Path("runs"),
     video: options.Video = True,
     report: options.Report = True,
@@ -73,34 +84,43 @@ def walk(
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
-    Exit code 0 if it walked to the end and no law was broken, 1 if not, 2 for wrong input.
+    Exit code 0 if it walked to the end and no law or limit was broken, 1 if not, 2 for wrong input.
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
 
     console = plain_console(quiet=as_json)
-    options.check_numbers(mu, duration, SHORTEST, payload, seed)
-    if believed_mu is not None:
-        parsing.friction("--believed-mu", believed_mu)
+    if view:
+        live.check(planner)
+    options.check_numbers(mu, duration, SHORTEST, seed)
+    carried = parsing.payload(payload)
+    belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
+    files.check(mjcf, world, told)
     ground = parsing.terrain(terrain)
     command = _command(velocity, velocity_file)
-    faults = Faults(noise=level, delay=delay)
-    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, sensors=sensors)
+    wired = wires.wiring(commands, control_rate, latency, dropout)
+    parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)
+    faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
+    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
     options.require(robot, urdf, WORLDS[world][1], video, report)
-    model = load(robot, urdf, feet, feet_needed=True)
-    believed = mu if believed_mu is None else believed_mu
+    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, actuators)
     given = gait, gait_file, period
-    controller = _planner(planner)(model, ground, given, command, believed)
+    controller = _planner(planner)(model, belief.ground(ground), given, command, belief, motors, wired)
     q = _start(model, ground, mu)
-    physics = worlds.build_world(world, model, ground, mu, payload, told, console)
-    say(console, *controller.notes)
+    physics = (
+        worlds.build_world(world, model, ground, mu, carried, told, console)
+        if mjcf is None
+        else files.file_world(mjcf, model, ground, mu, carried, told)
+    )
+    say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
     run = SimulatedRun(model, ground, folder, video, report, as_json, console)
-    return run.carry_out(physics, controller, replace(scenario, start=q), _account())
+    watching = live.watching(model, ground, controller) if view else []
+    return run.carry_out(physics, controller, replace(scenario, start=q), _account(), watching)
 
 
 def _planner(name: str) -> Callable[..., Any]:
@@ -144,26 +164,52 @@ def _command(velocity: str, file: Path | None) -> Any:
     )
 
 
-Gaited = tuple[str, Path | None, float | None]
-"""What is said of the gait: its name, a file and a period."""
+Gaited = tuple[str | None, Path | None, float | None]
+"""What is said of the gait: its name, a file and a period; None where nothing is."""
 
 
-def _convex(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float) -> Any:
+def _convex(
+    robot: Any,
+    ground: Any,
+    gait: Gaited,
+    command: Any,
+    belief: knowledge.Beliefs,
+    actuators: Any,
+    wired: wires.Wiring,
+) -> Any:
     """Return the controller that follows a gait."""
-    from surefoot.control.walking import WalkingController, WalkSettings
+    from surefoot.control.actuators import actuators_of
+    from surefoot.control.walkers import default_gait, walking_controller
 
-    schedule = _schedule(robot, *gait)
+    name, file, period = gait
+    schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
     _check_steps(robot, schedule, command)
-    return WalkingController(robot, command, schedule, ground, WalkSettings(mu=mu))
+    motors = actuators_of(robot, actuators)
+    controller = walking_controller(
+        robot, command, schedule, ground, belief.mu, motors, wired.dt, watch_friction=belief.watch
+    )
+    return wired.around(controller, robot)
 
 
-def _contact_implicit(robot: Any, ground: Any, gait: Gaited, command: Any, mu: float) -> Any:
+def _contact_implicit(
+    robot: Any,
+    ground: Any,
+    gait: Gaited,
+    command: Any,
+    belief: knowledge.Beliefs,
+    actuators: Any,
+    wired: wires.Wiring,
+) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
+    from surefoot.simulation.actuated import equipped
 
-    if gait != ("trot", None, None):
+    if gait not in ((None, None, None), ("trot", None, None)):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
-    return ContactImplicitMpc(robot, command, ground, MpcSettings(mu=mu))
+    if not wired.plain:
+        told = "--commands, --control-rate, --latency or --dropout"
+        raise ProblemError(f"--planner contact-implicit takes no {told}")
+    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=belief.mu))
 
 
 def _start(robot: Any, ground: Any, mu: float) -> Any:

@@ -31,7 +31,13 @@ Explicit: TypeAlias = Annotated[
 ]
 Collision: TypeAlias = Annotated[
     str,
-    typer.Option(help="What may touch in the rigid world: feet alone, or full, the whole robot and itself."),
+    typer.Option(help="What may touch (mujoco, rigid): feet alone, or full, the whole robot and itself."),
+]
+Motors: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        "--actuators", help="ideal, or real: rotors, friction and torque-speed curves (mujoco, rigid)."
+    ),
 ]
 Solref: TypeAlias = Annotated[
     str | None, typer.Option(help="MuJoCo's TC,ZETA [s, 1] or -K,-B [1/s^2, 1/s] of the ground.")
@@ -40,6 +46,8 @@ Solimp: TypeAlias = Annotated[
     str | None, typer.Option(help="MuJoCo's DMIN,DMAX,WIDTH,MIDPOINT,POWER of the ground, or fewer.")
 ]
 
+WHOLE = ("mujoco", "rigid")
+"""Worlds that take whole robots: all of their links, and their actuators."""
 _WORDS: dict[str, dict[str, str]] = {
     "spring-damper": {"k": "stiffness", "d": "damping"},
     "hunt-crossley": {"k": "stiffness", "a": "dissipation", "p": "exponent"},
@@ -96,6 +104,7 @@ def world_settings(
     solref: str | None,
     solimp: str | None,
     collision: str = "feet",
+    actuators: str = "ideal",
 ) -> dict[str, Any]:
     """Return what the options say to the world, or raise for an option that it does not have."""
     from surefoot.cli import parsing
@@ -114,10 +123,12 @@ def world_settings(
             told["law"] = contact_law(text, mu)
         else:
             told[option[2:]] = tuple(parsing.number(option, part) for part in text.split(","))
-    if collision != "feet":
-        if world != "rigid":
-            raise ProblemError(f"--collision {collision} is of --world rigid, got --world {world}")
-        told["collision"] = collision
+    for option, given, plain in (("collision", collision, "feet"), ("actuators", actuators, "ideal")):
+        if given == plain:
+            continue
+        if world not in WHOLE:
+            raise ProblemError(f"--{option} {given} is of --world {' or '.join(WHOLE)}, got --world {world}")
+        told[option] = given
     if explicit:
         if law is None:
             raise ProblemError("--explicit goes with --law")
@@ -130,15 +141,17 @@ def build_world(
     robot: Robot,
     terrain: Terrain,
     mu: float,
-    payload: float,
+    payload: tuple[float, tuple[float, float, float]],
     told: dict[str, Any],
     console: Console,
 ) -> World:
-    """Return the world; what it says about the chosen step is printed."""
+    """Return the world, `payload` being mass and place; what it says about the chosen step is printed."""
     from surefoot.simulation.worlds import make_world
 
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", StiffContactWarning)
-        world = make_world(name, robot, terrain, mu, payload=payload, **told)
+        mass, place = payload
+        at = {"payload_position": place} if any(place) else {}
+        world = make_world(name, robot, terrain, mu, payload=mass, **at, **told)
     say(console, *(str(warning.message) for warning in said))
     return world

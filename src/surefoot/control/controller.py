@@ -6,12 +6,57 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
+
+import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
 from surefoot.log.channels import Channel
+
+
+class JointTargets(NamedTuple):
+    """What the joints' own controllers are told; they give τ = τ_ff + kp (q_des - q) + kd (v_des - v).
+
+    Attributes
+    ----------
+    positions, velocities
+        (joints,) q_des [rad] and v_des [rad/s].
+    stiffness, damping
+        (joints,) kp [N m/rad] and kd [N m s/rad].
+    feedforward
+        (joints,) τ_ff [N m].
+    """
+
+    positions: FloatArray
+    velocities: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    feedforward: FloatArray
+
+    def torques(self, positions: FloatArray, velocities: FloatArray) -> FloatArray:
+        """Return the torques [N m] at (joints,) positions [rad] and velocities [rad/s]."""
+        pull = self.stiffness * (self.positions - positions) + self.damping * (self.velocities - velocities)
+        return np.asarray(self.feedforward + pull)
+
+
+class HeightScan(NamedTuple):
+    """What a range sensor saw of the ground.
+
+    Attributes
+    ----------
+    time
+        When it looked [s].
+    points
+        (k, 3) in base axes at that time, from the base's origin [m].
+    variances
+        (k,) of their heights [m²].
+    """
+
+    time: float
+    points: FloatArray
+    variances: FloatArray
 
 
 class RobotState(NamedTuple):
@@ -25,12 +70,21 @@ class RobotState(NamedTuple):
         Since the run began [s].
     contact
         (n,) which feet feel the ground; None where nothing measures that.
+    torques
+        (joints,) that the motors say they gave in the step before [N m]; None where they say nothing.
+    forces
+        (n, 3) on the feet, world axes [N], as measured or estimated; None where nothing tells them.
+    scan
+        What a range sensor has seen, at the steps at which it tells; else None.
     """
 
     q: FloatArray
     v: FloatArray
     time: float = 0.0
     contact: BoolArray | None = None
+    torques: FloatArray | None = None
+    forces: FloatArray | None = None
+    scan: HeightScan | None = None
 
 
 @dataclass(frozen=True)
@@ -49,6 +103,10 @@ class Command:
         Whether what it wants is possible within the cones, bounds and limits.
     status
         How the force distribution ended.
+    accelerations
+        (nv,) that it aims at [m/s², rad/s²], Pinocchio's order; None if the controller knows of none.
+    joint_targets
+        What joints' own controllers get in place of the torques; None for the torques themselves.
     """
 
     torques: FloatArray
@@ -56,6 +114,8 @@ class Command:
     active: BoolArray
     attained: bool
     status: Status
+    accelerations: FloatArray | None = field(default=None, kw_only=True)
+    joint_targets: JointTargets | None = field(default=None, kw_only=True)
 
     def rows(self) -> dict[str, Any]:
         """Return the values of the controller's own channels at this step, by name."""

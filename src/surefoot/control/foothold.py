@@ -16,9 +16,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
+from surefoot.control.walking_kernels import plane_through
+from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -27,6 +28,7 @@ CAPTURE_SHARE = 1.0
 would come to rest over it."""
 
 
+@kernel
 def raibert(
     hip: FloatArray,
     velocity: FloatArray,
@@ -58,12 +60,51 @@ def raibert(
     >>> raibert(np.zeros(2), np.array([0.5, 0.0]), np.array([0.5, 0.0]), 0.0, 0.3, 0.2)
     array([0.05, 0.  ])
     """
+    out = np.empty(2)
     pendulum = math.sqrt(height / GRAVITY)
-    error = velocity - wanted
-    across = np.array([-wanted[1], wanted[0]]) * turn_rate  # centripetal acceleration
-    return np.asarray(
-        hip + 0.5 * stance_time * wanted + capture * pendulum * error - 0.5 * pendulum**2 * across
-    )
+    swerve = 0.5 * pendulum * pendulum * turn_rate  # for the centripetal acceleration
+    for i in range(2):
+        across = -wanted[1] if i == 0 else wanted[0]
+        out[i] = hip[i] + 0.5 * stance_time * wanted[i] + capture * pendulum * (velocity[i] - wanted[i])
+        out[i] -= swerve * across
+    return out
+
+
+@kernel
+def step_place(
+    com: FloatArray, com_velocity: FloatArray, arm: FloatArray, yaw: float, velocity: FloatArray, left: float,
+    height: float, stance_time: float,
+) -> FloatArray:  # fmt: skip
+    """Return the nominal (2,) place of a foot of a turning body at touchdown, world axes [m].
+
+    Raibert's rule about where the hip will be, plus half of what the body turns over the foot in the stance.
+
+    Parameters
+    ----------
+    com, com_velocity
+        (3,) centre of mass and its velocity now [m], [m/s].
+    arm
+        (>= 2,) from the centre of mass to where the foot belongs, heading axes [m].
+    yaw
+        Wanted heading now [rad].
+    velocity
+        (3,) wanted: forward, left [m/s], yaw rate [rad/s].
+    left
+        Time to touchdown [s].
+    height, stance_time
+        As for `raibert`.
+    """
+    turn = velocity[2]
+    c, s = math.cos(yaw + turn * left), math.sin(yaw + turn * left)
+    wanted, hip = np.empty(2), np.empty(2)
+    wanted[0], wanted[1] = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
+    x, y = c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]
+    lead = 0.5 * stance_time * turn
+    hip[0], hip[1] = com[0] + left * wanted[0] + x, com[1] + left * wanted[1] + y
+    out = raibert(hip, com_velocity[:2], wanted, turn, height, stance_time)
+    out[0] -= lead * y
+    out[1] += lead * x
+    return out
 
 
 @dataclass(frozen=True)
@@ -98,6 +139,8 @@ class FootholdSearch:
         around = terrain.height(candidates[:, None, :] + ring)
         rise = np.ptp(np.concatenate([around, middle[:, None]], axis=1), axis=1)
         lean = np.abs(around - middle[:, None]).max(axis=1)
+        if terrain.noise > 0.0:  # what may be noise is no edge
+            rise, lean = np.maximum(rise - terrain.noise, 0.0), np.maximum(lean - terrain.noise, 0.0)
         cost = np.linalg.norm(grid, axis=1) + self.edge_weight * rise + self.tilt_weight * lean / self.margin
         return np.asarray(candidates[int(np.argmin(cost))])
 
@@ -113,27 +156,4 @@ def fit_plane(places: FloatArray, about: FloatArray, damping: float = 1e-4) -> t
     >>> [round(v, 3) for v in fit_plane(points, np.zeros(2))]
     [0.0, 0.1, 0.0]
     """
-    xy = places[:, :2] - about
-    rows = np.column_stack([np.ones(len(xy)), xy])
-    normal = rows.T @ rows
-    normal[1:, 1:] += damping * np.eye(2)
-    height, slope_x, slope_y = np.linalg.solve(normal, rows.T @ places[:, 2])
-    return float(height), float(slope_x), float(slope_y)
-
-
-def slope_rotation(yaw: ArrayLike, slope: FloatArray) -> FloatArray:
-    """Return (..., 3, 3) rotations with z along a plane's normal and x along (...,) headings in the plane.
-
-    Parameters
-    ----------
-    yaw
-        (...,) headings [rad].
-    slope
-        (2,) rise of the plane along world x and y.
-    """
-    normal = np.array([-slope[0], -slope[1], 1.0]) / math.sqrt(1.0 + float(slope @ slope))
-    heading = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
-    forward = heading - (heading @ normal)[..., None] * normal
-    forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
-    left = np.cross(normal, forward)
-    return np.stack([forward, left, np.broadcast_to(normal, left.shape)], axis=-1)
+    return plane_through(np.ascontiguousarray(places), np.ascontiguousarray(about), damping)

@@ -340,6 +340,11 @@ class ForceDistributor:
         else:
             self._low[:], self._high[:] = low, high
 
+    def set_friction(self, mu: ArrayLike) -> None:
+        """Change the friction [-], (n,) or a number."""
+        self._mu, rows = friction(mu, self._mu.size), self.work[: self._mu.size]
+        rows[:, layout.MU] = self._mu * rows[:, layout.NORMAL] / rows[:, layout.TANGENT]
+
     def set_reference(self, forces: ArrayLike) -> None:
         """Set the wanted forces: (n, 3) [N]."""
         wanted = np.asarray(forces, dtype=np.float64)

@@ -235,7 +235,7 @@ class Gait(_ModeTable):
     def contacts(self, times: ArrayLike) -> BoolArray:
         """Return which feet carry at (...) times [s]: (..., feet)."""
         t = np.mod(np.asarray(times, dtype=np.float64) + SAME_TIME, self.period)
-        return np.asarray(self.table[np.searchsorted(self._starts, t, side="right") - 1])
+        return np.asarray(self.table[self._starts.searchsorted(t, side="right") - 1])
 
     def phase(self, foot: int, time: float) -> tuple[bool, float, float]:
         """Return whether a foot carries at a time, and when that phase began and will end [s]."""

@@ -70,7 +70,8 @@ class MotorLimits:
             falling = (share < 1.0).astype(np.float64)
         else:
             falling = np.clip((1.0 - share) / (1.0 - self.knee), 0.0, 1.0)
-        return np.asarray(self.driving * falling * self.effort)
+        endless = np.isinf(self.effort) & (falling == 0.0)  # 0 times infinity is no torque
+        return np.asarray(self.driving * falling * np.where(endless, 1.0, self.effort))
 
     def clip(self, torques: FloatArray, speed: FloatArray) -> FloatArray:
         """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""

@@ -9,97 +9,34 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.contact import Status
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.foothold import raibert
+from surefoot.control.foothold import step_place
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
-from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan, MpcWeights
-from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.control.grip import Grip
+from surefoot.control.ground_sense import ground_sense
+from surefoot.control.load_adaptation import LoadAdaptation
+from surefoot.control.look_ahead import LookAhead
+from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
+from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_feet import DESCENT, Feet
-from surefoot.control.whole_body import Kinematics, Tasks, Weights, WholeBodyController
+from surefoot.control.walking_kernels import follow, stance_places, turned_arms
+from surefoot.control.walking_settings import WalkCommand as WalkCommand
+from surefoot.control.walking_settings import WalkSettings as WalkSettings
+from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, rotation_log
+from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
-
-
-@dataclass(frozen=True)
-class WalkSettings:
-    """How a robot walks; the defaults suit every robot.
-
-    Attributes
-    ----------
-    mu
-        Friction that the controller believes in.
-    friction_share
-        Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
-    start
-        Time to stand before the gait begins [s].
-    clearance
-        Height of the swing over the ground, as a share of the height of the centre of mass.
-    horizon
-        Steps of the MPC.
-    steps_per_period
-        MPC steps in a cycle of the gait.
-    plan_interval
-        Longest time between plans [s].
-    body_stiffness, swing_stiffness
-        Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
-    normal_min, normal_max
-        Bounds on a carrying foot's normal force, as shares of m g.
-    """
-
-    mu: float = 0.6
-    friction_share: float = 0.9
-    start: float = 0.3
-    clearance: float = 0.22
-    horizon: int = 10
-    steps_per_period: int = 14
-    plan_interval: float = 0.02
-    body_stiffness: float = 2.0
-    swing_stiffness: float = 8.0
-    normal_min: float = 0.02
-    normal_max: float = 1.5
-    mpc: MpcWeights = field(default_factory=MpcWeights)
-    whole_body: Weights = field(default_factory=Weights)
-
-
-@dataclass(frozen=True)
-class WalkCommand(Command):
-    """What the walking controller asks for at one step.
-
-    Attributes
-    ----------
-    planned
-        (n,) which feet the gait wants on the ground; `active` are those that push.
-    frames
-        (n, 3, 3) rotation_world_contact in which the forces are given.
-    wanted
-        (3,) velocity command after limits and ramp: forward, left, yaw rate.
-    targets
-        (n, 3) where feet in the air will touch, or last did.
-    plan_status
-        How the last MPC ended.
-    """
-
-    planned: BoolArray
-    frames: FloatArray
-    wanted: FloatArray
-    targets: FloatArray
-    plan_status: Status
-
-    def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, and the wanted velocity."""
-        return {"planned": self.planned, "command": self.wanted}
 
 
 class WalkingController(Controller):
@@ -158,10 +95,35 @@ class WalkingController(Controller):
                 f"the gait is for {self.schedule.feet} feet, {robot.name} has {len(robot.feet)}"
             )
         self._set_timing()
-        self.command, self.notes = limit_command(
-            command, 0.55 * self._height, self._stance_time, self._height, self._radius
-        )
+        self.command, self.notes = self._limited(command)
         self._set_controllers()
+
+    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
+        reach = 0.55 * self._height
+        return limit_command(command, reach, self._stance_time, self._height, self._radius)
+
+    def steer(self, velocity: ArrayLike) -> FloatArray:
+        """Take another velocity from now on, limited and ramped as any, and return what is left of it.
+
+        Parameters
+        ----------
+        velocity
+            (3,) forward, left [m/s], yaw rate [rad/s].
+
+        Returns
+        -------
+        FloatArray
+            (3,) the same after limits [m/s, rad/s].
+
+        Raises
+        ------
+        ProblemError
+            For what is no three finite numbers.
+        """
+        wanted = finite_array("velocity", velocity, (3,))
+        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
+        return self.command.at(0.0)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
@@ -202,7 +164,7 @@ class WalkingController(Controller):
             self._mass, self._inertia, len(self.robot.feet), s.horizon, self._mpc_dt, mu, low, high, s.mpc
         )
         self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, baumgarte=(0.0, 2.0 * self._pendulum)
+            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._pendulum), None, s.actuators
         )
         self._body_gain = (s.body_stiffness * self._pendulum) ** 2, 2.0 * s.body_stiffness * self._pendulum
         self._swing_gain = (s.swing_stiffness * self._pendulum) ** 2, 2.0 * s.swing_stiffness * self._pendulum
@@ -210,16 +172,26 @@ class WalkingController(Controller):
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
             "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
         }  # fmt: skip
+        self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
+        self._look_ahead = LookAhead(self._height)
+        clearance = s.clearance * self._height
+        self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
+        self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
+        self.channels = (*type(self).channels, *self._load.channels)
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
+        self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
         self.mpc.reset()
         self.whole_body.reset()
+        if self._grip is not None:
+            self._grip.reset()
+        self._load.reset()
         self.feet: Feet | None = None
-        self._planned_at = -math.inf
+        self._planned_at = self._aimed_at = -math.inf
         self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
 
@@ -232,25 +204,37 @@ class WalkingController(Controller):
         time = state.time
         if not computable(state.q, state.v):
             return self._blind(state.v)
+        late = self._interval - 0.5 * self.dt
+        due = time - self._planned_at >= late
+        self._load.observe(state)
+        if due:
+            self._load.tell(None if self.feet is None else self.body)
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
-            self._begin(now)
+            self._begin(now, state)
         assert self.feet is not None
-        feet, clock = self.feet, time - self.settings.start
+        feet, clock = self.feet, time - self.settings.start - self.feet.wait
         felt = feet.planned.copy() if state.contact is None else state.contact
+        if self._sense is not None:
+            felt = self._sense.feel(state, feet, felt, clock, now.centres)
         changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
+        if self._sense is not None:
+            self._sense.learn(state, feet, now.centres)
+        if self._grip is not None:
+            self._mind_friction(self._grip, state, now)
         self.body.advance(self._wish(clock), now.com, self.dt)
-        due = time - self._planned_at >= self._interval - 0.5 * self.dt
-        if due:
-            self.body.fit_ground(feet.ground, min(time - self._planned_at, 1.0))
-            self._aim(now, clock)
-        if due or changed:
+        self._load.pull(now, state.q[:3])
+        if changed or due:
             self._replan(now, clock, time)
+        elif time - self._aimed_at >= late:  # never in the step of a plan: no step should take long
+            self._aim(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
+        self._load.acted(time, state.v, body.torques, feet.carrying)
         assert self._plan is not None
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
+            accelerations=body.accelerations, load=self._load.rows,
         )  # fmt: skip
         return self._last
 
@@ -260,56 +244,65 @@ class WalkingController(Controller):
         on = np.ones(n, dtype=bool)
         last = self._last or WalkCommand(
             body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID,
+            np.zeros((n, 3)), Status.INVALID, load=self._load.rows,
         )  # fmt: skip
         return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status
-        )
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
 
-    def _begin(self, now: Kinematics) -> None:
+    def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""
+        if self._sense is not None:
+            self._sense.begin(state, now.centres, self._radii)
         clearance = self.settings.clearance * self._height
         descent = DESCENT * math.sqrt(GRAVITY * self._height)
         self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, now.centres.copy())
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
         self.body = BodyPlan(self._height, now.com.copy(), yaw)
-        self.body.fit_ground(self.feet.ground, math.inf)
+        self._follow_ground(math.inf)
+
+    def _follow_ground(self, elapsed: float) -> None:
+        """Let the body follow the ground, `elapsed` after the last time [s]."""
+        feet, body = self.feet, self.body
+        assert feet is not None
+        if self.terrain.planar:
+            body.fit_ground(feet.ground, elapsed)
+            return
+        level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
+        body.follow_plane(level, slope, elapsed)
 
     def _wish(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins."""
-        return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        command = self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+        return command if self._grip is None else self._grip.limit(command)
 
-    def _aim(self, now: Kinematics, clock: float) -> None:
-        """Choose the footholds of feet in the air."""
+    def _mind_friction(self, grip: Grip, state: RobotState, now: Kinematics) -> None:
+        """Believe in the friction that the feet have found."""
+        assert self.feet is not None
+        mu = grip.update(state.forces, now, self.feet.frames, self.feet.carrying)
+        self.whole_body.set_friction(self.settings.friction_share * mu)
+        self.body.acceleration = min(ACCELERATION * GRAVITY, grip.acceleration)
+
+    def _aim(self, now: Kinematics, clock: float, time: float) -> None:
+        """Follow the ground, and choose the footholds of feet in the air."""
         feet = self.feet
         assert feet is not None
-        turn = float(self.body.velocity[2])
-        for k in np.flatnonzero(~feet.carrying & ~feet.planned):
-            _, _, end = self.schedule.phase(int(k), clock)
-            left = max(end - clock, 0.0)
-            yaw, _, flow = self.body.places(np.array([left]))
-            hip = now.com[:2] + left * flow[0, :2] + self._hip(int(k), float(yaw[0]))
-            place = raibert(
-                hip, now.com_velocity[:2], flow[0, :2], turn, self._height, self._stance_time
-            ) + self._turn_lead(int(k), float(yaw[0]), turn)
-            feet.aim(int(k), place)
-
-    def _hip(self, k: int, yaw: float) -> FloatArray:
-        """Return where a foot belongs around the centre of mass at a heading: (2,)."""
-        c, s = math.cos(yaw), math.sin(yaw)
-        x, y = self._offsets[k, :2]
-        return np.array([c * x - s * y, s * x + c * y])
-
-    def _turn_lead(self, k: int, yaw: float, turn: float) -> FloatArray:
-        """Return how far ahead a foot goes because the body turns over it while it carries: (2,)."""
-        x, y = self._hip(k, yaw)
-        return 0.5 * self._stance_time * turn * np.array([-y, x])
+        self._follow_ground(min(time - self._aimed_at, 1.0))
+        self._aimed_at = time
+        for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
+            _, _, end = self.schedule.phase(k, clock)
+            place = step_place(
+                now.com, now.com_velocity, self._offsets[k], self.body.yaw, self.body.velocity,
+                max(end - clock, 0.0), self._height, self._stance_time,
+            )  # fmt: skip
+            feet.aim(k, place)
 
     def _replan(self, now: Kinematics, clock: float, time: float) -> None:
         """Run the MPC for the feet's schedule from now on."""
         feet = self.feet
         assert feet is not None
-        N, dt = self.settings.horizon, self._mpc_dt
+        s, N, dt = self.settings, self.settings.horizon, self._mpc_dt
         contacts = self.schedule.horizon(clock, dt, N)
         if clock < 0.0:
             contacts[clock + dt * (np.arange(N) + 0.5) < 0.0] = True
@@ -321,53 +314,36 @@ class WalkingController(Controller):
         places = self._foot_places(contacts, reference.position)
         state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
         self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        self._plan = self.mpc.solve(state, reference, places, contacts, feet.frames)
+        mu = None if self._grip is None else np.full(len(feet.radii), s.friction_share * self._grip.mu)
+        self._plan = plan = self.mpc.solve(state, reference, places, contacts, feet.frames, mu=mu)
         self._planned_at = time
-        self._from = now
+        motion = self._motion
+        motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
+        motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
+        motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
+        self._from = now.rotation
 
     def _foot_places(self, contacts: BoolArray, com: FloatArray) -> FloatArray:
         """Return where each foot stands in each step of the horizon: (N, n, 3)."""
-        feet, dt = self.feet, self._mpc_dt
+        feet, body, dt = self.feet, self.body, self._mpc_dt
         assert feet is not None
-        N, n = contacts.shape
-        places = np.empty((N, n, 3))
-        for k in range(n):
-            carrying = bool(feet.carrying[k])
-            place = feet.ground[k] if carrying else feet.target[k] - self._radii[k] * feet.frames[k, :, 2]
-            flown = False
-            for i in range(N):
-                if contacts[i, k] and i and not contacts[i - 1, k]:
-                    if carrying or flown:  # a stance after the coming swing
-                        middle = min(i + round(0.5 * self._stance_time / dt), N)
-                        yaw = self.body.yaw + self.body.velocity[2] * middle * dt
-                        xy = com[middle, :2] + self._hip(k, yaw)
-                        place = np.array(
-                            [*xy, self.body.ground + (xy - self.body.position[:2]) @ self.body.slope]
-                        )
-                    flown = True
-                places[i, k] = place
-        return places
+        arms = turned_arms(self._offsets, body.yaw + body.velocity[2] * dt * np.arange(len(com)))
+        half = round(0.5 * self._stance_time / dt)
+        return stance_places(
+            contacts, feet.carrying, feet.ground, feet.target, feet.frames, self._radii, com, arms, half,
+            body.ground, body.position, body.slope,
+        )  # fmt: skip
 
     def _tasks(self, now: Kinematics, clock: float, time: float) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
-        feet, plan, begin = self.feet, self._plan, self._from
+        feet, plan = self.feet, self._plan
         assert feet is not None
         assert plan is not None
-        t, dt = time - self._planned_at, self._mpc_dt
-        acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
-        turning = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        kp, kd = self._body_gain
-        miss = begin.com + t * begin.com_velocity + 0.5 * t * t * acceleration - now.com
-        com = acceleration + kp * miss + kd * (begin.com_velocity + t * acceleration - now.com_velocity)
-        turned = rotation_log(now.rotation @ begin.rotation.T) if t > 0.0 else np.zeros(3)
-        spin = begin.angular_velocity
-        turn = turning + kp * (t * spin + 0.5 * t * t * turning - turned)
-        turn += kd * (spin + t * turning - now.angular_velocity)
-        wanted = np.zeros((len(feet.radii), 6))
-        ks, ds = self._swing_gain
-        for k in np.flatnonzero(~feet.carrying):
-            place, speed, rate = feet.motion(int(k), clock)
-            wanted[k, :3] = rate + ks * (place - now.centres[k]) + ds * (speed - now.twists[k, :3])
+        self._now[0], self._now[1], self._now[2] = now.com, now.com_velocity, now.angular_velocity
+        com, turn = follow(
+            self._motion, self._from, time - self._planned_at, self._now, now.rotation, *self._body_gain
+        )
+        wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         return Tasks(
             feet.carrying, com, turn, wanted, self._still, plan.first, feet.frames, self._level
         )  # fmt: skip

@@ -10,7 +10,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
-from surefoot.control.foothold import fit_plane, slope_rotation
+from surefoot.control.foothold import fit_plane
+from surefoot.control.walking_kernels import cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -104,6 +105,10 @@ class BodyPlan:
         (3,) wanted velocity now, after the ramp: forward, left, yaw rate.
     slope
         (2,) slope of the ground along world x and y, smoothed.
+    ground
+        Height of the ground below the wanted place [m], smoothed.
+    acceleration
+        Largest change of the wanted velocity [m/s²].
     """
 
     height: float
@@ -112,6 +117,7 @@ class BodyPlan:
     velocity: FloatArray = field(default_factory=lambda: np.zeros(3))
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
+    acceleration: float = ACCELERATION * GRAVITY
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
@@ -125,7 +131,7 @@ class BodyPlan:
         dt
             Step [s].
         """
-        limit = ACCELERATION * GRAVITY * dt
+        limit = self.acceleration * dt
         for k, most in enumerate((limit, limit, limit / self.height)):
             self.velocity[k] += min(max(command[k] - self.velocity[k], -most), most)
         self.yaw += self.velocity[2] * dt
@@ -142,15 +148,23 @@ class BodyPlan:
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
-        level, slope_x, slope_y = fit_plane(feet, self.position[:2])
+        level, *slope = fit_plane(feet, self.position[:2])
+        self.follow_plane(level, np.array(slope), dt)
+
+    def follow_plane(self, level: float, slope: FloatArray, dt: float) -> None:
+        """Follow a plane of height `level` [m] below the wanted place, with a (2,) `slope`."""
         share = 1.0 - math.exp(-dt / GROUND_TIME)
-        self.slope = self.slope + share * (np.array([slope_x, slope_y]) - self.slope)
+        self.slope = self.slope + share * (slope - self.slope)
         self.ground += share * (level - self.ground)
         self.position[2] = self.ground + self._rise()
 
     def _rise(self) -> float:
         """Return the wanted height over the ground along the vertical: `height` along the ground's normal."""
         return self.height * math.sqrt(1.0 + float(self.slope @ self.slope))
+
+    def flow(self) -> FloatArray:
+        """Return the (2,) wanted velocity along x and y of the world [m/s]."""
+        return np.array(self._flow())
 
     def _flow(self) -> tuple[float, float]:
         """Return the wanted velocity along x and y of the world."""
@@ -160,23 +174,14 @@ class BodyPlan:
 
     def places(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return yaw (k,), centre of mass (k, 3) and its velocity (k, 3) at times from now [s]."""
-        turn = self.velocity[2]
-        yaw = self.yaw + turn * times
-        c, s = np.cos(yaw), np.sin(yaw)
-        vx, vy = self.velocity[:2]
-        flow = np.column_stack([c * vx - s * vy, s * vx + c * vy])
-        middle = self.yaw + 0.5 * turn * times
-        cm, sm = np.cos(middle), np.sin(middle)
-        move = np.column_stack([cm * vx - sm * vy, sm * vx + cm * vy]) * times[:, None]
-        climb, rise = move @ self.slope, flow @ self.slope
-        return yaw, self.position + np.column_stack([move, climb]), np.column_stack([flow, rise])
+        return cruise(self.position, self.yaw, self.velocity, self.slope, times)
 
     def reference(self, steps: int, dt: float) -> BodyReference:
         """Return the reference of the next `steps` steps of `dt` [s]."""
         yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
-        return BodyReference(slope_rotation(yaw, self.slope), places, flow, spin)
+        return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)
 
 
 def limit_command(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.swing import LIFT_FIRST, apex_height, clear_lift, swing_motion
+from surefoot.control.swing import LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
+from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -23,6 +25,10 @@ DESCENT = 0.06
 """Speed towards the ground at touchdown, as a share of sqrt(g h)."""
 SEARCH = 0.3
 """Acceleration with which a late foot goes down from there, as a share of g."""
+SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
+"""The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
+RETRY = 0.7
+"""Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
 PATH_SAMPLES = 7
 
 
@@ -46,6 +52,12 @@ class Feet:
         (n, 3, 3) rotation_world_contact of each foot's ground.
     share
         (n,) time since lift-off over the swing's duration.
+    again
+        (n,) which feet have begun their swing anew, once each.
+    wait
+        Time by which the schedule has been held up so far [s].
+    fastest
+        Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
     """
 
     schedule: ContactSchedule
@@ -54,6 +66,8 @@ class Feet:
     clearance: float
     descent: float
     centres: FloatArray
+    wait: float = 0.0
+    fastest: float | None = None
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -68,8 +82,12 @@ class Feet:
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
         self._felt = np.zeros(n)
+        self._retry = np.full((n, 2), -np.inf)  # when swings that were interrupted begin anew and end
+        self.again: BoolArray = np.zeros(n, dtype=bool)
+        self._late_from = np.zeros(n)
         self._lift_first = np.full(n, LIFT_FIRST)
         self._plane = self.terrain.planar
+        self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
     def update(self, time: float, felt: BoolArray, centres: FloatArray) -> bool:
@@ -89,6 +107,9 @@ class Feet:
         for k in range(len(felt)):
             planned, begin, end = self.schedule.phase(k, time)
             self.planned[k] = planned
+            if self._again(k, time, bool(felt[k]), centres[k]):
+                changed |= bool(self.carrying[k])
+                continue
             if planned:
                 changed |= self._on_ground(k, time, bool(felt[k]), centres[k])
                 continue
@@ -103,6 +124,30 @@ class Feet:
                 changed = True
         return changed
 
+    def interrupt(self, k: int, time: float, centre: FloatArray) -> None:
+        """Begin a swing anew from where the foot is, which has struck something; time as for `update`."""
+        planned, begin, end = self.schedule.phase(k, time)
+        now = time + self.wait
+        rest = float(self.duration[k]) if planned else max(end - time, RETRY * (end - begin))
+        self._retry[k] = now, now + rest
+        self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
+        self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
+
+    def _again(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
+        """Go on with a swing that has begun anew; return whether there is one."""
+        begin, end = self._retry[k]
+        now = time + self.wait
+        if self.carrying[k] or now >= end:
+            return False
+        self.late[k], self.share[k] = False, (now - begin) / (end - begin)
+        if felt and self.share[k] > EARLY:
+            self._land(k, centre)
+        return True
+
+    def overdue(self) -> BoolArray:
+        """Return which feet should stand by now and do not: (n,)."""
+        return self.planned & ~self.carrying
+
     def _on_ground(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
         """Handle a foot that the gait wants on the ground."""
         if self.carrying[k]:
@@ -112,15 +157,20 @@ class Feet:
             self.start[k], self.target[k] = centre, centre
             self.apex[k], self.share[k], self.duration[k] = centre[2], 1.0, LOST_TIME
             self._felt[k] = time
+            self._late_from[k] = time + self.wait
             return True
         if felt:
             self._land(k, centre)
             return True
+        if not self.late[k]:
+            _, begin, _ = self.schedule.phase(k, time)
+            begun = max(begin, float(self._felt[k])) + self.wait
+            self._late_from[k] = max(begun, float(self._retry[k, 1]))
         self.late[k] = True
         return False
 
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
-        self.carrying[k] = False
+        self.carrying[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
         self.start[k] = centre
 
@@ -146,8 +196,10 @@ class Feet:
         self.target[k, 2] = float(self.terrain.height(xy)) + self.radii[k] / normal[2]
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)
-        path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
-        ground = self.terrain.height(path) + self.radii[k]
+        ground = np.zeros(0)  # on a plane, no place of the path is higher than both its ends
+        if not self._plane:
+            path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
+            ground = self.terrain.height(path) + self.radii[k]
         self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
         if not self._plane:
             self._lift_first[k] = clear_lift(
@@ -155,18 +207,41 @@ class Feet:
                 0.5 * float(self.radii[k]),
             )  # fmt: skip
 
-    def motion(self, k: int, time: float) -> FloatArray:
-        """Return wanted place [m], velocity and acceleration of a foot in the air at a time [s]: (3, 3)."""
-        share, overdue = float(self.share[k]), 0.0
-        if self.late[k]:
-            _, begin, _ = self.schedule.phase(k, time)
-            overdue = max(time - max(begin, float(self._felt[k])), 0.0)
-            share = 1.0 + overdue / float(self.duration[k])
-        motion = swing_motion(
-            self.start[k], self.target[k], float(self.apex[k]), share, float(self.duration[k]),
-            self.descent, float(self._lift_first[k]),
-        )  # fmt: skip
-        if self.late[k]:
-            down = SEARCH * GRAVITY
-            motion[:, 2] -= [0.5 * down * overdue * overdue, down * overdue, down]
-        return motion
+    def accelerations(
+        self, time: float, centres: FloatArray, twists: FloatArray, gain: tuple[float, float]
+    ) -> FloatArray:
+        """Return the wanted accelerations of the feet in the air, zero for the others: (n, 6) [m/s², rad/s²].
+
+        Parameters
+        ----------
+        time
+            On the schedule's clock [s].
+        centres, twists
+            (n, 3), (n, 6) where the feet are and how they move, world axes [m], [m/s, rad/s].
+        gain
+            Stiffness [1/s²] and damping [1/s] of the feedback.
+        """
+        return swing_accelerations(
+            ~self.carrying, *self._paths(time), centres, twists, self.descent, *self._search_down(), *gain
+        )
+
+    def motions(self, time: float) -> FloatArray:
+        """Return wanted place [m], velocity and acceleration of feet in the air, else zero: (n, 3, 3)."""
+        return swing_paths(~self.carrying, *self._paths(time), self.descent, *self._search_down())
+
+    def _search_down(self) -> tuple[float, float]:
+        """Return acceleration [m/s²] and largest speed [m/s] with which late feet are sent down."""
+        if self.fastest is None:
+            return SEARCH * GRAVITY, math.inf
+        return SEARCH_FAST * GRAVITY, self.fastest
+
+    def _paths(self, time: float) -> tuple[FloatArray, FloatArray]:
+        """Return ends and timing of the swings at a time, see `swing_paths`."""
+        ends, timing = self._ends, self._timing
+        ends[0], ends[1] = self.start, self.target
+        timing[:, 0], timing[:, 1], timing[:, 2] = self.apex, self.share, self.duration
+        timing[:, 3], timing[:, 4] = self._lift_first, -1.0
+        for k in np.flatnonzero(self.late).tolist():
+            overdue = max(time + self.wait - float(self._late_from[k]), 0.0)
+            timing[k, 1], timing[k, 4] = 1.0 + overdue / float(self.duration[k]), overdue
+        return ends, timing

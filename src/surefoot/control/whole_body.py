@@ -8,6 +8,8 @@ contact forces near the wanted ones (those of a model-predictive controller, say
     minimise   Σ w_i ||A_i a - b_i||² + w_force ||(f - f_wanted) / m||²
     subject to M a + h = Sᵀ τ + Jᵀ f,   J_c a = -drift + Baumgarte,   f in K,   |τ| <= limit
 
+With actuators the limits are what motors give at the joints' speeds, less their friction, see `TorqueRange`.
+
 Torques follow from the joints' rows and accelerations from the ground's generalised force on the base, so
 that six numbers are left: the problem becomes force distribution in the metric of the tasks, which
 `ForceDistributor` solves exactly. Where a joint that carries would exceed its limit, it solves again with
@@ -27,15 +29,20 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.contact import Status
 from surefoot.control import whole_body_kernels as kernels
+from surefoot.control.actuators import Actuators
 from surefoot.control.damping import computable, damping_torques
 from surefoot.control.force_distribution import ForceDistributor
+from surefoot.control.torque_kernels import exceeded, recover
+from surefoot.control.torque_range import TorqueRange
 from surefoot.control.whole_body_tasks import Kinematics as Kinematics
 from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
+from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
+from surefoot.robot.rotors import with_rotors
 from surefoot.spatial import GRAVITY
 
 PINNING_ROUNDS, PINNED_SLACK = 4, 1e-6
@@ -61,6 +68,13 @@ class WholeBodyController:
         (stiffness [1/s²], damping [1/s]) of the contact constraint.
     effort_limits
         (joints,) [N m]; None for the robot's own.
+    actuators
+        Motors whose torques it commands: rotors, limits at the joints' speeds, friction that it makes up for.
+
+    Attributes
+    ----------
+    outside
+        (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
 
     Raises
     ------
@@ -77,14 +91,19 @@ class WholeBodyController:
         weights: Weights | None = None,
         baumgarte: tuple[float, float] = (0.0, 20.0),
         effort_limits: FloatArray | None = None,
+        actuators: Actuators | None = None,
     ) -> None:
         import pinocchio
 
         if not robot.floating or not robot.feet:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
+        robot = robot if actuators is None else with_rotors(robot, actuators.armature)
         self.robot, self._pin = robot, pinocchio
-        self._model, self._data = robot.model, robot.model.createData()
+        self._model, self._data = robot.model.copy(), robot.model.createData()
+        self._base, self._mass = robot.model.inertias[1].copy(), robot.mass
+        self.outside = np.zeros(6)
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
+        self._range = TorqueRange(self.limits, actuators)
         self.weights = weights or Weights()
         self.baumgarte = baumgarte
         self._set_points()
@@ -118,13 +137,23 @@ class WholeBodyController:
         self._distributor = ForceDistributor(*bounds, 1.0, self._force_weight)
         self._limited = ForceDistributor(*bounds, 1.0, self._force_weight, torque_limit=self.limits)
         self._stance = np.ones(feet, dtype=bool)
+        self._loose: BoolArray = np.logical_not(self._support[:, 6:].any(axis=0))
         self._H, self._c = np.zeros((nv, nv)), np.zeros(nv)
         rows = 6 + int(np.where(self._flat, 6, 3).sum()) + robot.joints
         self._E, self._e = np.zeros((rows, nv)), np.zeros(rows)
         self._offset, self._gain = np.zeros(nv), np.zeros((nv, 6))
         self._root, self._target = np.zeros((6, 6)), np.zeros(6)
-        self._map = np.zeros((3 * count, nv)).T
+        self._rows = np.zeros((3 * count, nv))
+        self._map = self._rows.T
+        self._normals, self._arms = np.zeros((feet, 3)), np.zeros((feet, 3))
+        self._point_frames, self._points = np.zeros((count, 3, 3)), np.zeros((count, 3))
         self._rotations, self._places = np.zeros((feet, 3, 3)), np.zeros((feet, 3))
+
+    def set_friction(self, mu: float) -> None:
+        """Change the friction [-] that the controller believes in."""
+        self.mu[:] = mu
+        for distributor in (self._distributor, self._limited):
+            distributor.set_friction(self.mu)
 
     def reset(self) -> None:
         """Forget the forces of the step before, and which feet stood."""
@@ -166,6 +195,42 @@ class WholeBodyController:
         )
         return self._now
 
+    @property
+    def friction(self) -> FloatArray:
+        """(joints,) part of the commanded torques that makes up for the motors' friction [N m]."""
+        return self._range.losses
+
+    def carry(self, load: Load | None) -> None:
+        """Take a load on the base into the model from the next `update` on, in place of the one before.
+
+        A first moment without a mass moves the centre of mass and leaves the inertia about it as it was, so
+        that it stays one that a body can have.
+        """
+        import pinocchio
+
+        base, self._mass = self._base, self.robot.mass
+        self._model.inertias[1] = base
+        if load is None:
+            return
+        mass, arm = base.mass + load.mass, load.place - base.lever
+        reduced = max(load.mass, 0.0) * base.mass / mass
+        inertia = base.inertia + reduced * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+        centre = (base.mass * base.lever + load.moment) / mass
+        self._model.inertias[1] = pinocchio.Inertia(mass, centre, inertia)
+        self._mass += load.mass
+
+    def instant(self, v: FloatArray) -> Instant:
+        """Return the model at the state of the last `solve`, whose velocity is (nv,) v [m/s, rad/s]."""
+        now = self._now
+        pose = np.empty((3, 4))
+        pose[:, :3], pose[:, 3] = now.rotation, self._data.oMi[1].translation
+        return Instant(self._mass_matrix, self._nle, v, self._jacobian, self._touching, pose)
+
+    @property
+    def foot_rotations(self) -> FloatArray:
+        """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
+        return self._rotations
+
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""
         return self._mass_matrix, self._nle
@@ -177,24 +242,24 @@ class WholeBodyController:
         """
         if not self._known:
             return self.damping(self._v)
+        span = self._range
+        span.update(self._v[6:])
         rows = self._assemble(tasks)
         self._set_stance(tasks.stance)
-        # joints that no contact force loads
-        loose: BoolArray = np.logical_not(self._support[tasks.stance][:, 6:].any(axis=0))
         for _ in range(PINNING_ROUNDS):
             if not self._eliminate(rows):
                 return self.damping(self._v)
-            forces, torques, accelerations = self._share(tasks, loose)
-            over = loose & (np.abs(torques) > (1.0 + PINNED_SLACK) * self.limits)
-            if not over.any():
+            forces, torques, accelerations = self._share(tasks)
+            unloaded, loaded, excess, finite = exceeded(torques, span.middle, span.half, self._loose)
+            if not unloaded > 1.0 + PINNED_SLACK:
                 break
+            over = self._loose & (np.abs(torques - span.middle) > (1.0 + PINNED_SLACK) * span.half)
             rows = self._pin_torques(rows, over, torques)
-        violation = float((np.abs(torques) - self.limits).max())
-        if self._status is Status.INVALID or not np.isfinite(torques).all():
+        if self._status is Status.INVALID or not finite:
             return self.damping(self._v)
-        feasible = bool((np.abs(torques) <= (1.0 + TORQUE_SLACK) * self.limits).all())
-        clipped = np.minimum(np.maximum(torques, -self.limits), self.limits)
-        return WholeBodyCommand(clipped, accelerations, forces, feasible, max(violation, 0.0), self._status)
+        feasible = max(unloaded, loaded) <= 1.0 + TORQUE_SLACK
+        clipped = span.command(torques)
+        return WholeBodyCommand(clipped, accelerations, forces, feasible, max(excess, 0.0), self._status)
 
     def step(self, q: FloatArray, v: FloatArray, tasks: Tasks) -> WholeBodyCommand:
         """Return the command for a state (nq,) [m, -, rad], (nv,) [m/s, rad/s]: `update`, then `solve`."""
@@ -205,7 +270,7 @@ class WholeBodyController:
         """Fill tasks and constraints; return the number of constraint rows."""
         now = self._now
         kernels.base_tasks(
-            self._mass_matrix, self._nle, now.rotation, self.robot.mass, GRAVITY,
+            self._mass_matrix, self._nle, now.rotation, self._mass, GRAVITY,
             tasks.com_acceleration, tasks.turn_acceleration, self._base_weights,
             tasks.joints, self._joint_weights, self._H, self._c,
         )  # fmt: skip
@@ -213,27 +278,21 @@ class WholeBodyController:
             self._jacobian, self._support, self._flat, tasks.stance, now.centres, now.drifts, tasks.feet,
             self.weights.swing, self._turn_weight, self._H, self._c,
         )  # fmt: skip
-        normals = np.ascontiguousarray(tasks.frames[:, :, 2])
+        normals, arms, frames, points = self._normals, self._arms, self._point_frames, self._points
+        kernels.place_points(
+            tasks.frames, self.point_foot, self._rotations, self._places, self._offsets, self._radii,
+            normals, arms, frames, points,
+        )  # fmt: skip
         stiffness, damping = self.baumgarte
         rows = 6 + kernels.contact_rows(
             self._jacobian, self._support, self._flat, tasks.stance, now.centres, now.twists, now.drifts,
-            -self._radii[:, None] * normals, tasks.gaps, normals, stiffness, damping,
-            self._E[6:], self._e[6:],
+            arms, tasks.gaps, normals, stiffness, damping, self._E[6:], self._e[6:],
         )  # fmt: skip
         self._E[:6] = self._mass_matrix[:6]
-        self._e[:6] = -self._nle[:6]
-        self._points = self._place_points(normals)
-        contact_jacobian(
-            self._jacobian, self._support, self.point_foot, self._points, tasks.frames[self.point_foot],
-            self._map.T,
-        )  # fmt: skip
+        self._e[:6] = self.outside - self._nle[:6]
+        self._touching = now.centres + arms
+        contact_jacobian(self._jacobian, self._support, self.point_foot, points, frames, self._rows)
         return rows
-
-    def _place_points(self, normals: FloatArray) -> FloatArray:
-        """Return where the contact points are: (p, 3)."""
-        foot = self.point_foot
-        arms = np.matmul(self._rotations[foot], self._offsets[:, :, None])[:, :, 0]
-        return np.asarray(self._places[foot] + arms - self._radii[foot, None] * normals[foot])
 
     def _eliminate(self, rows: int) -> bool:
         """Reduce the problem to the ground's force on the base; False for input that is not finite."""
@@ -244,46 +303,49 @@ class WholeBodyController:
             )
         ) and bool(np.isfinite(self._target).all())  # fmt: skip
 
-    def _share(self, tasks: Tasks, loose: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _share(self, tasks: Tasks) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return forces, torques and accelerations, the torques of loaded joints within their limits."""
         A = self._root.T @ self._map[:6]
         forces = self._distributor.solve(A, self._target, tasks.forces)
         self._status = self._distributor.status
         torques, accelerations = self._recover(forces)
-        if (~loose & (np.abs(torques) > self.limits)).any():
-            forces = self._within_limits(A, tasks, loose)
+        if exceeded(torques, self._range.middle, self._range.half, self._loose)[1] > 1.0:
+            forces = self._within_limits(A, tasks)
             self._status = self._limited.status
             torques, accelerations = self._recover(forces)
         return forces, torques, accelerations
 
     def _pin_torques(self, rows: int, over: BoolArray, torques: FloatArray) -> int:
         """Add constraints that hold torques at the limits that they exceed; return the number of rows."""
+        pinned = self._range.nearest(torques)
         for joint in np.flatnonzero(over):
             if rows == len(self._e):
                 break
             self._E[rows] = self._mass_matrix[6 + joint]
-            self._e[rows] = math.copysign(self.limits[joint], torques[joint]) - self._nle[6 + joint]
+            self._e[rows] = pinned[joint] - self._nle[6 + joint]
             rows += 1
         return rows
 
     def _recover(self, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the torques and accelerations that go with contact forces."""
-        ground = self._map @ forces.ravel()
-        accelerations = self._offset + self._gain @ ground[:6]
-        torques = self._mass_matrix[6:] @ accelerations + self._nle[6:] - ground[6:]
-        return torques, accelerations
+        return recover(self._rows, forces, self._offset, self._gain, self._mass_matrix, self._nle)
 
     def _set_stance(self, stance: BoolArray) -> None:
         """Tell the force distribution which points carry."""
         if (stance != self._stance).any():
             self._stance = stance.copy()
+            # joints that no contact force loads
+            self._loose = np.logical_not(self._support[stance][:, 6:].any(axis=0))
             self._distributor.set_active(stance[self.point_foot])
 
-    def _within_limits(self, A: FloatArray, tasks: Tasks, loose: BoolArray) -> FloatArray:
+    def _within_limits(self, A: FloatArray, tasks: Tasks) -> FloatArray:
         """Return the forces that respect the loaded joints' limits, as far as that is possible: (p, 3)."""
         slope = self._mass_matrix[6:] @ (self._gain @ self._map[:6]) - self._map[6:]
         offset = self._mass_matrix[6:] @ self._offset + self._nle[6:]
-        slope[loose], offset[loose] = 0.0, 0.0
+        slope[self._loose], offset[self._loose] = 0.0, 0.0
+        loaded = ~self._loose
+        offset[loaded] -= self._range.middle[loaded]
+        slope, offset = self._range.scale[:, None] * slope, self._range.scale * offset
         return self._limited.solve(
             A,
             self._target,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import cholesky, product, solve_columns, solve_lower
 from surefoot.numerics.points import point_jacobian
@@ -304,3 +304,35 @@ def eliminate(
         for i in range(6):
             gain[j, i] = X[j, i]
     return _reduce_cost(H, c, offset, gain, root, target)
+
+
+@kernel
+def place_points(
+    frames: FloatArray, foot: IntArray, rotations: FloatArray, places: FloatArray, offsets: FloatArray,
+    radii: FloatArray, normals: FloatArray, arms: FloatArray, point_frames: FloatArray, points: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the feet's normals and arms (n, 3), and frames (p, 3, 3) and places (p, 3) of the contact points.
+
+    Parameters
+    ----------
+    frames
+        (n, 3, 3) rotation_world_contact of each foot's ground.
+    foot
+        (p,) which foot carries each point.
+    rotations, places
+        (n, 3, 3), (n, 3) frames of the feet, world axes [m].
+    offsets, radii
+        (p, 3) of the points' centres in their foot's frame; (n,) of the feet's spheres [m].
+    """
+    for k in range(len(radii)):
+        for i in range(3):
+            normals[k, i] = frames[k, i, 2]
+            arms[k, i] = -radii[k] * frames[k, i, 2]
+    for j in range(len(foot)):
+        k = foot[j]
+        for i in range(3):
+            total = places[k, i] + arms[k, i]
+            for a in range(3):
+                total += rotations[k, i, a] * offsets[j, a]
+                point_frames[j, i, a] = frames[k, i, a]
+            points[j, i] = total

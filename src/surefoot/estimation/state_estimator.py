@@ -111,6 +111,8 @@ class StateEstimator:
     ----------
     health
         `Health`; what is lost stays lost until `reset`.
+    forces
+        (n, 3) estimated forces on the feet, world axes [N].
     """
 
     def __init__(
@@ -145,6 +147,7 @@ class StateEstimator:
         self.ground, self._stood = GroundBelief(ground, soles), np.zeros(len(robot.feet), dtype=bool)
         self._felt = np.zeros_like(self._stood)
         self.health = Health.GOOD
+        self.forces = np.zeros((len(self.ekf.robot.feet), 3))
         self._alone = self._unheard = 0.0
         self._first = True
 
@@ -158,7 +161,8 @@ class StateEstimator:
         q, v = ekf.state()
         if np.isfinite(q).all() and np.isfinite(v).all():
             detector.observe(q, v, ekf.normals)
-            self._felt = (detector.forces * ekf.normals).sum(axis=1) > self._least
+            self.forces = detector.forces
+            self._felt = (self.forces * ekf.normals).sum(axis=1) > self._least
         else:
             self.health = Health.DIVERGED
             self._felt[:] = False

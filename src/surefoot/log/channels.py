@@ -95,6 +95,7 @@ _TABLE = (
     Channel("q", ("nq",), "m, rad", "world", meaning="configuration, Pinocchio's order"),
     Channel("v", ("nv",), "m/s, rad/s", "base", meaning="velocity, Pinocchio's order"),
     Channel("torques", ("joints",), "N m", meaning="applied joint torques"),
+    Channel("torques_commanded", ("joints",), "N m", meaning="torques asked for, where motors give less"),
     Channel("forces", ("p", 3), "N", "contact", meaning="ground force on each contact point, as measured"),
     Channel("forces_commanded", ("p", 3), "N", "contact", meaning="forces that the controller asked for"),
     Channel("gaps", ("p",), "m", meaning="distance to the ground, negative in penetration"),
@@ -126,6 +127,9 @@ _TABLE = (
     Channel("v_estimated", ("nv",), "m/s, rad/s", "base", meaning="velocity as estimated, like v"),
     Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is told"),
     Channel("estimator_time", (), "s", meaning="wall time of the estimator's step"),
+    Channel("load_estimated", (4,), "kg, kg m", "base", meaning="unknown payload: mass, first moment"),
+    Channel("wrench_estimated", (6,), "N, N m", "world", meaning="other wrench from outside, about the base"),
+    Channel("stale", (), flag=True, meaning="whether joints were damped because no fresh state came"),
     Channel("controller_time", (), "s", meaning="wall time of the controller's step"),
 )
 CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _TABLE}

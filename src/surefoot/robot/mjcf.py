@@ -3,8 +3,9 @@
 MuJoCo is asked because defaults, includes, angles, references and inertias from shapes are its own language.
 A body's joints are put one after the other at their anchors; `ref` turns into the place of the joint, so that
 configurations are MuJoCo's own, but for the base's quaternion. Rotor inertia (armature), damping and
-friction of joints are left out, as for URDF files: joints are ideal torque sources. What would change how the
-robot rests (closed chains, springs, tendons that pull) is not left out but refused.
+friction of joints are noted, and left out of the dynamics as for URDF files: joints are ideal torque sources
+unless a world or a controller is given actuators (`surefoot.robot.rotors.joint_figures`). What would change
+how the robot rests (closed chains, springs, tendons that pull) is not left out but refused.
 """
 
 from __future__ import annotations
@@ -136,6 +137,7 @@ class _Builder:
         self.place: dict[int, tuple[int, Any]] = {0: (0, pinocchio.SE3.Identity())}
         self.frame: dict[int, int] = {}
         self.source: list[int] = []  # MuJoCo's addresses of our joints' configurations
+        self.joints: list[tuple[int, int]] = []  # our joints and MuJoCo's
 
     def build(self) -> MjcfRobot:
         """Return the robot."""
@@ -143,6 +145,7 @@ class _Builder:
         bodies = [b for b in range(1, compiled.nbody) if compiled.body_rootid[b] == self.root]
         for body in bodies:
             self._add(body)
+        self._tell()
         for body in bodies:
             self._name(body)
         mass = float(self.pin.computeTotalMass(self.model))
@@ -153,6 +156,17 @@ class _Builder:
             for k in range(compiled.nkey)
         }
         return MjcfRobot(self.model, self.collision, self.floating, poses)
+
+    def _tell(self) -> None:
+        """Note rotor inertia, damping and dry friction where ideal joints leave them out."""
+        told = (("rotorInertia", "dof_armature"), ("damping", "dof_damping"))
+        figures = (*told, ("upperDryFrictionLimit", "dof_frictionloss"))
+        for ours, theirs in figures:
+            values = np.array(getattr(self.model, ours))
+            for index, joint in self.joints:
+                dof = int(self.compiled.jnt_dofadr[joint])
+                values[self.model.joints[index].idx_v] = getattr(self.compiled, theirs)[dof]
+            setattr(self.model, ours, values)
 
     def _configuration(self, qpos: FloatArray) -> FloatArray:
         """Return MuJoCo's configuration in our order."""
@@ -206,6 +220,7 @@ class _Builder:
             np.array([float(low)]), np.array([float(high)]),
         )  # fmt: skip
         self.source.append(address)
+        self.joints.append((int(index), joint))
         return index, anchored.inverse()
 
     def _along(self, axis: FloatArray, short: str, long: str) -> Any:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ModelError
 from surefoot.robot.robot import Robot
+from surefoot.robot.sole_plane import sole_plane
 from surefoot.spatial import quaternion_from_rotation, rotation_from_quaternion, rotation_log
 from surefoot.terrain import FlatTerrain, Terrain
 
@@ -34,6 +37,36 @@ class _SeenFrom(Terrain):
         return self._terrain.normal(np.asarray(xy) + self._at)
 
 
+class _UnderSoles(Terrain):
+    """The planes on which soles lie that are put down at (n, 2) places; anywhere that of the nearest one."""
+
+    planar = False
+
+    def __init__(self, robot: Robot, terrain: Terrain, places: FloatArray) -> None:
+        self._places = places
+        normals, heights = [], []
+        for foot, xy in zip(robot.feet, places, strict=True):
+            corners = foot.centres - foot.centre if foot.flat else np.zeros((1, 3))
+            robot._forward(robot.nominal)
+            corners = corners @ robot.data.oMf[foot.frame].rotation.T
+            frame, height = sole_plane(terrain, corners, xy, 0.0)
+            normals.append(frame[:, 2])
+            heights.append(height)
+        self._normals, self._heights = np.array(normals), np.array(heights)
+
+    def _nearest(self, xy: ArrayLike) -> tuple[FloatArray, Any]:
+        at = np.asarray(xy, dtype=np.float64)
+        return at, np.argmin(np.linalg.norm(at[..., None, :] - self._places, axis=-1), axis=-1)
+
+    def height(self, xy: ArrayLike) -> FloatArray:
+        at, k = self._nearest(xy)
+        n, away = self._normals[k], at - self._places[k]
+        return np.asarray(self._heights[k] - (away * n[..., :2]).sum(axis=-1) / n[..., 2])
+
+    def normal(self, xy: ArrayLike) -> FloatArray:
+        return np.asarray(self._normals[self._nearest(xy)[1]])
+
+
 def place(
     robot: Robot,
     terrain: Terrain | None = None,
@@ -44,8 +77,9 @@ def place(
     """Return a configuration (nq,) [m, -, rad] that stands on the terrain about a place.
 
     The base takes the terrain's slope at that place (and stays level on flat feet, whose ankles take
-    up the slope), every contact sphere touches the ground, and the
-    centre of mass lies above the middle of the feet as gravity sees it (or as far that way as the
+    up the slope), every contact sphere touches the ground (soles lie on it as
+    `sole_plane` says, where it is no plane), and the centre of mass lies above the middle of the feet
+    as gravity sees it (or as far that way as the
     joints allow). Gauss-Newton on Pinocchio's
     Jacobians.
 
@@ -93,6 +127,8 @@ def _place(robot: Robot, ground: Terrain, start: FloatArray, share: float, tol: 
     start[2] += float(ground.height([0.0, 0.0]))
     start[3:7] = quaternion_from_rotation(rotation)
     anchors = robot.foot_positions(start)[:, :2]
+    if level and not ground.planar:
+        ground = _UnderSoles(robot, ground, anchors)
     offset = (1.0 - share) * (robot.com(start)[:2] - _support_middle(robot, ground, anchors))
     now = start.copy()
     worst = np.inf

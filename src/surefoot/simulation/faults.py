@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.control.controller import Command, RobotState
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation.world import World
@@ -30,6 +32,8 @@ class Faults:
         Name of a joint, and the share of its torque that is lost.
     strength
         Torque that every motor gives over the one asked for.
+    dropouts
+        (start, duration) of times in which the controller is told the state before them, again and again [s].
     """
 
     noise: float = 0.0
@@ -37,6 +41,7 @@ class Faults:
     weak_joint: str = ""
     torque_loss: float = 0.0
     strength: float = 1.0
+    dropouts: Sequence[tuple[float, float]] = ()
 
     def start(self, world: World, seed: int | None) -> ActiveFaults:
         """Return the faults at work in a world, their noise seeded.
@@ -55,8 +60,12 @@ class Faults:
                 raise ProblemError(unknown_name("joint", self.weak_joint, names))
             strength[names.index(self.weak_joint)] *= 1.0 - self.torque_loss
         late = round(real_number("delay", self.delay, low=0.0, high=1.0) / world.dt)
+        for start, duration in self.dropouts:
+            real_number("start of a dropout", start, low=0.0)
+            real_number("duration of a dropout", duration, low=0.0)
+        generator = np.random.default_rng([0 if seed is None else seed, 1])
         return ActiveFaults(
-            self.noise, strength, late, np.random.default_rng([0 if seed is None else seed, 1])
+            self.noise, strength, late, generator, world.robot.effort_limits, tuple(self.dropouts)
         )
 
 
@@ -68,9 +77,12 @@ class ActiveFaults:
     strength: FloatArray
     late: int
     generator: np.random.Generator
-    _queue: deque[FloatArray] = field(default_factory=deque)
+    effort: FloatArray
+    dropouts: tuple[tuple[float, float], ...] = ()
+    _queue: deque[Command] = field(default_factory=deque)
 
     def __post_init__(self) -> None:
+        self._reached: RobotState | None = None
         self.weak = bool((self.strength != 1.0).any())
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -90,11 +102,26 @@ class ActiveFaults:
         v[6:] += 0.2 * level * r.normal(size=len(v) - 6)
         return q, v
 
-    def act(self, torques: FloatArray) -> FloatArray:
-        """Return the torques (joints,) [N m] that the motors give: late and weakened."""
+    def heard(self, state: RobotState) -> RobotState:
+        """Return the state that reaches the controller: in a dropout the last one before it."""
+        if self._reached is not None and any(a <= state.time + 1e-9 < a + d for a, d in self.dropouts):
+            return self._reached
+        self._reached = state
+        return state
+
+    def act(self, command: Command, q: FloatArray, v: FloatArray) -> FloatArray:
+        """Return the torques (joints,) [N m] that the motors are to give: late and weakened.
+
+        A late command's joint targets are followed from the joints' state as it is, (nq,) q [rad] and (nv,) v
+        [rad/s]: drives know that without a delay.
+        """
         if self.late:
-            self._queue.append(torques)
-            torques = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()
+            self._queue.append(command)
+            command = self._queue[0] if len(self._queue) <= self.late else self._queue.popleft()
+        torques, joints = command.torques, len(self.strength)
+        if command.joint_targets is not None:
+            torques = command.joint_targets.torques(q[len(q) - joints :], v[len(v) - joints :])
+            torques = np.minimum(np.maximum(torques, -self.effort), self.effort)
         return torques * self.strength if self.weak else torques
 
 

@@ -1,36 +1,39 @@
 """A MuJoCo world made from the Pinocchio model itself, so that both engines hold the same robot.
 
 MuJoCo's own conventions stop in this file: quaternions (w, x, y, z), base velocity [linear in world
-axes; angular in base axes], contact frames with the normal first. Joints are ideal torque sources
-without friction or rotor inertia; only the feet's spheres touch the ground.
+axes; angular in base axes], contact frames with the normal first. By default joints are ideal torque sources
+without friction or rotor inertia, and only the feet's spheres touch the ground.
 """
 
 from __future__ import annotations
 
-import ctypes.util
-import os
-import sys
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
 from surefoot.contact.laws.soft import MujocoLaw
-from surefoot.errors import MissingExtra, ModelError, SimulationError
+from surefoot.control.actuators import Actuators
+from surefoot.errors import ModelError, SimulationError
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.simulation.actuated import equipped
+from surefoot.simulation.mujoco_actuators import fit_actuators
+from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
 from surefoot.simulation.mujoco_contacts import read_contacts
-from surefoot.simulation.mujoco_ground import add_shapes
+from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
 from surefoot.simulation.mujoco_links import LinkContacts, add_links
+from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
+from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
+from surefoot.simulation.mujoco_robot import robot_spec as robot_spec
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.rigid import chosen_geometry
 from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.spatial import (
-    quaternion_from_rotation,
     quaternion_wxyz,
-    quaternion_xyzw,
     rotation_from_quaternion,
 )
 from surefoot.stepping.bodies import finite_vector
@@ -41,43 +44,10 @@ CONTACT_TIME = 0.004
 """Time constant of MuJoCo's soft contact [s]: as stiff as a 1 ms step takes with a factor of two."""
 IMPEDANCE = (0.97, 0.99, 0.001, 0.5, 2.0)
 """MuJoCo's contact impedance (d_min, d_max, width, midpoint, power): close to rigid."""
-FRICTION_RATIO = 100.0
-"""MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
-
 HEAVIEST = 1e9
 """Largest payload [kg]: MuJoCo's numbers end at 1e10."""
-
-_AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
-
-
-def import_mujoco() -> Any:
-    """Return the mujoco module.
-
-    MuJoCo fixes how it draws when it is first imported. Without a screen, and unless MUJOCO_GL says
-    otherwise, it is told to draw through EGL or OSMesa if the system has one of them.
-
-    Raises
-    ------
-    MissingExtra
-        If it is not installed.
-    ModelError
-        If it does not load with the MUJOCO_GL of the environment.
-    """
-    if "mujoco" not in sys.modules and not {"MUJOCO_GL", "DISPLAY"} & os.environ.keys():
-        for name, library in (("egl", "EGL"), ("osmesa", "OSMesa")):
-            if ctypes.util.find_library(library):
-                os.environ["MUJOCO_GL"] = name
-                break
-    try:
-        import mujoco
-    except ModuleNotFoundError as error:
-        raise MissingExtra("mujoco", "sim") from error
-    except (ImportError, AttributeError, RuntimeError) as error:
-        wanted = os.environ.get("MUJOCO_GL", "")
-        raise ModelError(f"MuJoCo does not load with MUJOCO_GL={wanted!r}: {error}") from error
-    return mujoco
 
 
 class MujocoWorld:
@@ -93,10 +63,12 @@ class MujocoWorld:
         Friction of the ground [-].
     dt
         Length of a step [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
+    actuators
+        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
     solref, solimp
         MuJoCo's softness of the ground, in its own words (`surefoot.translate` has others): time constant and
         damping ratio [s, -], or minus stiffness and damping; (dmin, dmax, width, midpoint, power), width [m].
@@ -106,6 +78,8 @@ class MujocoWorld:
     ----------
     model, data
         MuJoCo's own.
+    applied
+        (joints,) torques that the motors gave in the last step [N m].
     ground_geoms, base_body
         Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
 
@@ -124,14 +98,19 @@ class MujocoWorld:
         payload: float = 0.0,
         *,
         collision: str | Geometry = "feet",
+        actuators: str | Actuators = "ideal",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         mujoco = import_mujoco()
+        robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
-        spec = robot_spec(robot, self.payload)
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
+        spec = robot_spec(robot, self.payload, self.payload_position)
+        fit_actuators(spec, robot, self.actuators)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         geometry = chosen_geometry(robot, collision)
         if geometry is not None:
@@ -145,21 +124,26 @@ class MujocoWorld:
         except ValueError as error:
             told = " ".join(str(error).split()).removeprefix("Error: ")
             raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
-        self.data = mujoco.MjData(self.model)
-        self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
         points = robot.contact_points
-        self.contact_foot, self._radii = points.foot, points.radii
-        geoms = [int(self.model.geom(f"foot:{n}").id) for n in points.names]  # numbered along the tree
-        self._geoms = np.array(geoms, dtype=np.int64)
-        self._bodies = np.array(self.model.geom_bodyid)[self._geoms]
-        self._roots = np.array(self.model.body_rootid)[self._bodies]
+        feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
         names = [self.model.geom(i).name for i in range(self.model.ngeom)]
         self.ground_geoms = [i for i, name in enumerate(names) if name.startswith("ground")]
-        self.base_body = int(self.model.body("base:0").id) if robot.floating else 0
-        self._links = None
-        if geometry is not None:
-            self._links = LinkContacts(mujoco, self.model, self._geoms, self.ground_geoms)
-        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(geoms)).reshape(-1, 3, 3)
+        self._take(feet, int(self.model.body("base:0").id) if robot.floating else 0, geometry is not None)
+
+    def _take(self, feet: IntArray, base: int, links: bool) -> None:
+        """Make data for the model, with (p,) geoms of the feet and the base's body; see `collision`."""
+        mujoco, robot = self._mujoco, self.robot
+        self.data = mujoco.MjData(self.model)
+        self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
+        self.applied = np.zeros(robot.joints)
+        points = robot.contact_points
+        self.contact_foot, self._radii = points.foot, points.radii
+        self._geoms = feet  # numbered along the tree
+        self._bodies = np.array(self.model.geom_bodyid)[feet]
+        self._roots = np.array(self.model.body_rootid)[self._bodies]
+        self.base_body = base
+        self._links = LinkContacts(mujoco, self.model, feet, self.ground_geoms) if links else None
+        self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(feet)).reshape(-1, 3, 3)
         self.reset(robot.nominal)
 
     @property
@@ -206,13 +190,25 @@ class MujocoWorld:
             in the state before the step.
         """
         data = self.data
-        data.qfrc_applied[self.robot.base_dof :] = finite_vector("torques", torques, self.robot.joints)
+        self._drive(finite_vector("torques", torques, self.robot.joints))
         if self.base_body:
             data.xfrc_applied[self.base_body, :3] = 0.0 if push is None else finite_vector("push", push, 3)
         self._before[0][:], self._before[1][:] = data.qpos, data.qvel
         self._mujoco.mj_step(self.model, data)
         if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
             raise self._lost()
+        self._driven()
+
+    def _drive(self, torques: FloatArray) -> None:
+        """Have the motors give (joints,) torques [N m] in the next step, as far as they can."""
+        first = self.robot.base_dof
+        if self.actuators is not None:
+            torques = self.actuators.given(torques, self.data.qvel[first:])
+        self.applied = torques
+        self.data.qfrc_applied[first:] = torques
+
+    def _driven(self) -> None:
+        """Note what the motors gave in the last step, where only the step tells."""
 
     def _lost(self) -> SimulationError:
         """Go back to the state before the last step and return the error that says what was lost."""
@@ -228,6 +224,8 @@ class MujocoWorld:
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""
         self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
+
+    set_point_friction = set_point_friction
 
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
@@ -254,59 +252,6 @@ class MujocoWorld:
     def touching(self) -> list[tuple[str, str]]:
         """Return the names of links, feet or ground that touched in the last step, without feet on ground."""
         return [] if self._links is None else self._links.names(self.data, self.model)
-
-
-def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
-    """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
-
-    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``.
-
-    Raises
-    ------
-    ModelError
-        If the robot has a joint that is neither revolute nor prismatic.
-    """
-    mujoco = import_mujoco()
-    spec, model = mujoco.MjSpec(), robot.model
-    spec.modelname = robot.name
-    spec.compiler.degree = False
-    option = spec.option
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
-    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
-    option.iterations, option.tolerance, option.impratio = 50, 1e-10, FRICTION_RATIO
-    option.gravity = np.array(model.gravity.linear)
-    bodies = {0: spec.worldbody}
-    for index in range(1, model.njoints):
-        name = str(model.names[index])
-        pose = model.jointPlacements[index]
-        body = bodies[int(model.parents[index])].add_body(
-            name="base:0" if robot.floating and index == 1 else f"joint:{name}",
-            pos=pose.translation,
-            quat=quaternion_wxyz(quaternion_from_rotation(pose.rotation)),
-        )
-        bodies[index] = body
-        _set_inertia(body, model.inertias[index])
-        _add_joint(mujoco, body, model, index, name)
-    if payload > 0.0:
-        load = bodies[1].add_body(name="payload")
-        load.explicitinertial, load.mass = True, payload
-        load.inertia = np.full(3, 1e-3 * payload)
-    points = robot.contact_points
-    for name, joint, place, radius in zip(
-        points.names, points.joints, points.places, points.radii, strict=True
-    ):
-        bodies[int(joint)].add_geom(
-            name=f"foot:{name}",
-            type=mujoco.mjtGeom.mjGEOM_SPHERE,
-            size=[radius, 0.0, 0.0],
-            pos=place,
-            contype=0,
-            conaffinity=1,
-            condim=3,
-            density=0.0,
-        )
-    return spec
 
 
 def add_ground(
@@ -338,48 +283,3 @@ def _surface(mu: float, solref: Sequence[float] | None, solimp: Sequence[float] 
         "solref": list(softness.solref),
         "solimp": list(softness.solimp),
     }
-
-
-def _set_inertia(body: Any, inertia: Any) -> None:
-    """Give an MjSpec body a Pinocchio inertia, through its principal axes."""
-    if inertia.mass <= 0.0:
-        return
-    moments, axes = np.linalg.eigh(inertia.inertia)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 0] *= -1.0
-    body.explicitinertial, body.mass = True, inertia.mass
-    body.ipos = inertia.lever
-    body.iquat = quaternion_wxyz(quaternion_from_rotation(axes))
-    body.inertia = np.maximum(moments, 1e-12)
-
-
-def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> None:
-    """Add the joint of a Pinocchio model to its MjSpec body."""
-    joint = model.joints[index]
-    kind = joint.shortname().removeprefix("JointModel")
-    if kind == "FreeFlyer":
-        body.add_freejoint(name=name)
-        return
-    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
-        revolute, axis = kind.startswith("R"), np.array(joint.extract().axis)
-    elif len(kind) == 2 and kind[0] in "RP" and kind[1] in _AXES:
-        revolute, axis = kind[0] == "R", np.array(_AXES[kind[1]])
-    else:
-        raise ModelError(f"joint {name} is a {kind}; the MuJoCo world takes revolute and prismatic joints")
-    low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
-    limited = np.isfinite([low, high]).all() and low < high
-    body.add_joint(
-        name=name,
-        type=mujoco.mjtJoint.mjJNT_HINGE if revolute else mujoco.mjtJoint.mjJNT_SLIDE,
-        axis=axis,
-        limited=mujoco.mjtLimited.mjLIMITED_TRUE if limited else mujoco.mjtLimited.mjLIMITED_FALSE,
-        range=[low, high] if limited else [0.0, 0.0],
-    )
-
-
-def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a MuJoCo state in Pinocchio's order: q (nq,) [m, -, rad], v (nv,) [m/s, rad/s]."""
-    q, v = qpos.copy(), qvel.copy()
-    q[3:7] = quaternion_xyzw(qpos[3:7])
-    v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]
-    return q, v

@@ -123,5 +123,11 @@ class LinkContacts:
     def names(self, data: Any, model: Any) -> list[tuple[str, str]]:
         """Return the names of what touches, pair by pair, without their kind."""
         pairs = data.contact.geom[self.others(data)].tolist()
-        first, second = ([model.geom(pair[k]).name.split(":", 1)[-1] for pair in pairs] for k in (0, 1))
+        first, second = ([_title(model, pair[k]) for pair in pairs] for k in (0, 1))
         return list(zip(first, second, strict=True))
+
+
+def _title(model: Any, geom: int) -> str:
+    """Return what a geom is called without its kind; its body's name if it has none."""
+    name = str(model.geom(geom).name).split(":", 1)[-1]
+    return name or str(model.body(int(model.geom_bodyid[geom])).name)

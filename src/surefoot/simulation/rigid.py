@@ -10,14 +10,18 @@ from collections.abc import Callable
 from typing import NamedTuple, Unpack
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
+from surefoot.control.actuators import Actuators
 from surefoot.errors import ProblemError, StiffContactWarning, unknown_name
 from surefoot.robot import Robot
+from surefoot.simulation.actuated import JointFriction, equipped
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping import State, Step, StepDerivative, StepOptions, Stepper, step_derivative
+from surefoot.stepping.bodies import finite_vector
 from surefoot.stepping.options import StepSettings
 from surefoot.terrain import Terrain
 
@@ -82,11 +86,13 @@ class RigidWorld:
         Friction of the ground [-]; None for that of a soft law, else 0.6.
     dt
         Length of a step [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     collision
         What may touch: "feet" on the ground alone, or "full", all of the robot's collision geometry with the
         ground and with itself; or a `Geometry` of `surefoot.collision`.
+    actuators
+        Its motors: "ideal", "real", or a value; see `surefoot.control.actuators`.
     **settings
         ``restitution``, ``stabilisation``, ``law``, ``solver``, ``tol``, ``integration`` and ``order`` of
         `surefoot.stepping.StepOptions`; a law of `surefoot.laws` makes the ground soft, None is rigid.
@@ -95,6 +101,8 @@ class RigidWorld:
     ----------
     stepper
         What takes the steps.
+    applied
+        (joints,) torques that the motors gave in the last step [N m].
     model
         Pinocchio's Model of what is simulated, the payload included.
     last
@@ -139,17 +147,27 @@ class RigidWorld:
         payload: float = 0.0,
         *,
         collision: str | Geometry = "feet",
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
+        actuators: str | Actuators = "ideal",
         **settings: Unpack[StepSettings],
     ) -> None:
+        self.actuators: Actuators | None = None
+        if actuators != "ideal":  # a body of `simulation.bodies` has no joints to ask about
+            robot, self.actuators = equipped(robot, actuators)
         options = StepOptions.of(dt, settings)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
-        self.stepper = Stepper(robot, terrain, options, payload, chosen_geometry(robot, collision))
+        self.stepper = Stepper(
+            robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
+        )
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
         self.model = self.stepper.bodies.model
         self.payload = payload if robot.floating else 0.0
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
         self.contact_foot = robot.contact_points.foot
         self._warned = False
+        self.applied = np.zeros(robot.joints)
+        self._friction = None if self.actuators is None else JointFriction(robot, self.actuators, self.dt)
         self.reset(robot.nominal)
         if options.integration == "explicit":
             self._check_step(self.stepper.stable_step(self._state))
@@ -193,6 +211,7 @@ class RigidWorld:
             Where the motion cannot be resolved or stops being finite. The world stays in the state before
             the step.
         """
+        torques = self._net(torques)
         self.last = step = self.stepper.step(self._state, torques, push, self.mu)
         given = (
             np.array(torques, dtype=np.float64),
@@ -206,6 +225,15 @@ class RigidWorld:
         if step.stable_step < self.stable_step:
             self.stable_step = step.stable_step
             self._check_step(step.stable_step)
+
+    def _net(self, torques: FloatArray) -> FloatArray:
+        """Return the torques that move the joints, of those asked for; note what the motors give."""
+        self.applied = torques
+        if self.actuators is None or self._friction is None:
+            return torques
+        speed = self._state.v[self.robot.base_dof :]
+        self.applied = self.actuators.given(finite_vector("torques", torques, self.robot.joints), speed)
+        return self.applied + self._friction.torques(speed)
 
     def _check_step(self, stable: float) -> None:
         """Warn once of an explicit step that is too long."""
@@ -260,18 +288,28 @@ class RigidWorld:
             out.append(Touch(body, other, float(step.gaps[k]), step.positions[k].copy(), normal, force))
         return out
 
+    def touching(self) -> list[tuple[str, str]]:
+        """Return names of bodies, feet or ground that touched in the last step, without feet on ground."""
+        feet = set(self.robot.foot_names)
+        pairs = [(touch.body, touch.other) for touch in self.touches()]
+        return [(a, b) for a, b in pairs if not (a in feet and b == "ground")]
+
     def derivative(self, smoothing: float = 0.0) -> StepDerivative:
         """Return the derivative of the last step, see `StepDerivative` and `stepping.step_derivative`.
 
         Raises
         ------
         ProblemError
-            Before the first step, with a soft law, and where more than feet may touch.
+            Before the first step, with a soft law, with actuators, and where more than feet may touch.
         NoSolution
             If the step's contact problem is not SOLVED.
         """
         if self.last is None:
             raise ProblemError("there is no step to differentiate before the first step")
+        if self.actuators is not None:
+            raise ProblemError(
+                'steps are differentiated with actuators="ideal", not with motors and friction'
+            )
         return step_derivative(self.stepper, *self._given, smoothing)
 
     def energy(self) -> float:

@@ -15,9 +15,15 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.log.channels import Channel
+from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
+from surefoot.simulation.ground_friction import GroundFriction
+from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
+from surefoot.simulation.outward import Outward
 from surefoot.simulation.scenario import Ice as Ice
+from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
@@ -77,9 +83,10 @@ def run(
     world.reset(q, v)
     faults = (scenario.faults or Faults()).start(world, scenario.seed)
     sensing = _sensing(world, scenario, faults)
-    recorder = _recorder(world, controller, sensing, scenario, folder)
+    ground = GroundFriction(world, scenario)
+    recorder = _recorder(world, controller, (*sensing.channels, *ground.channels), scenario, folder)
     limits = AT_LIMIT * world.robot.effort_limits
-    this = _Run(world, controller, scenario, tuple(observers), recorder, limits, faults, sensing)
+    this = _Run(world, controller, scenario, tuple(observers), recorder, limits, faults, sensing, ground)
     log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
     log.facts.update(softness_of(world, log))
     for observer in observers:
@@ -102,11 +109,11 @@ def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
 
 
 def _recorder(
-    world: World, controller: Controller, sensing: Sensing, scenario: Scenario, folder: Path | None
+    world: World, controller: Controller, more: tuple[Channel, ...], scenario: Scenario, folder: Path | None
 ) -> Recorder:
-    """Return a recorder for what every run has, and what controller and estimator add."""
+    """Return a recorder for what every run has, what its controller adds, and `more`."""
     robot = world.robot
-    taken = (*_SHARED, "other_forces", *(c.name for c in sensing.channels))
+    taken = (*_SHARED, "other_forces", "torques_commanded", *(c.name for c in more))
     clash = [c.name for c in controller.channels if c.name in taken]
     if clash:
         raise ProblemError(
@@ -117,19 +124,21 @@ def _recorder(
         **controller.facts,
         "robot": robot.name,
         "world": type(world).__name__,
+        "effort_limits": robot.effort_limits,
         **told_by(world),
         "dt": world.dt,
         "feet": list(robot.foot_names),
         "joints": list(robot.joint_names),
         "contact_foot": world.contact_foot,
         "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
-        "effort_limits": robot.effort_limits,
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
     }
     shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
-    channels = (*(CHANNELS[name] for name in shared), *controller.channels, *sensing.channels)
+    if getattr(world, "actuators", None) is not None:
+        shared = (*shared, "torques_commanded")
+    channels = (*(CHANNELS[name] for name in shared), *controller.channels, *more)
     return Recorder(
         scenario.steps(world.dt), channels, folder, facts,
         nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
@@ -149,16 +158,20 @@ class _Run:
     limits: FloatArray
     faults: ActiveFaults
     sensing: Sensing
+    ground: GroundFriction
 
     def __post_init__(self) -> None:
         self.stop = Stop(self.world)
+        self.touches = LinkTouches(self.world)
+        self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
 
         `height` is that of the base over the ground at the start [m].
         """
-        begin, recorder, told = clock.perf_counter(), self.recorder, {}
+        begin, recorder = clock.perf_counter(), self.recorder
+        told: dict[str, Any] = {}
         try:
             ending = self._loop(height)
         except (KeyboardInterrupt, SurefootError) as stop:
@@ -175,34 +188,35 @@ class _Run:
             raise
         if self.sensing.lost:
             told = {"error": self.sensing.lost, **told}
+        touched = self.touches.lines(self.world.dt)
+        told |= {"link_touches": touched} if touched else {}
         return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
     def _loop(self, height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
-        ice = sorted(scenario.ice, key=lambda change: change.start)
-        mu, feet, touch = scenario.mu, len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
-        world.set_friction(mu)
+        feet, touch = len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
         reading, command, stopped = world.contacts(), None, math.inf
         for k in range(scenario.steps(world.dt)):
             # what the world is like, and what the controller makes of it
             now = k * world.dt
-            while ice and now >= ice[0].start - 1e-9:
-                mu = ice.pop(0).mu
-                world.set_friction(mu)
+            self.ground.advance(now, reading)
             push = push_at(scenario.pushes, now)
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
+            state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
-            command = self._decide(state, command)
+            command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
             spent = clock.perf_counter() - start
             # the step
-            torques = faults.act(command.torques)
+            self._asked = faults.act(command, q, v)
+            world.step(self._asked, push)
+            torques = given_by(world, self._asked)
             sensing.acted(command, torques)
-            world.step(torques, push)
             reading = world.contacts()
+            self.touches.look(now, reading)
             # its row
-            self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
+            self._record(Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading))
             # whether it goes on
             if sensing.lost:
                 stopped = min(stopped, now)
@@ -232,6 +246,8 @@ class _Run:
         rows["normals"][i] = self.world.terrain.normal(reading.positions[:, :2])
         if reading.others is not None:
             rows["other_forces"][i] = reading.others
+        if "torques_commanded" in rows:
+            rows["torques_commanded"][i] = self._asked
         rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
         rows["attained"][i], rows["saturated"][i] = (
             command.attained,
@@ -241,7 +257,7 @@ class _Run:
         own = command.rows()
         if self.recorder.count == 0:
             _check_rows(own, self.controller)
-        for name, value in (*own.items(), *self.sensing.rows().items()):
+        for name, value in (*own.items(), *self.sensing.rows().items(), *self.ground.rows().items()):
             rows[name][i] = value
         self.recorder.count += 1
         for observer in self.observers:

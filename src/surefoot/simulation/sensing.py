@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
 from surefoot.control.standstill import Standstill
 from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
@@ -33,18 +34,21 @@ class Sensing(Protocol):
         What it adds to the log; `rows` gives the values.
     lost
         Why it cannot tell the state any longer; empty while it can.
+    heard
+        (joints,) torques that the motors say they gave last [N m]; None before the first.
     """
 
     channels: tuple[Channel, ...] = ()
     lost: str = ""
+    heard: FloatArray | None = None
 
     def state(self, q: FloatArray, v: FloatArray, time: float, contact: BoolArray) -> RobotState:
         """Return what the controller is told at a true state, with (n,) the feet that truly touch."""
         ...
 
     def acted(self, command: Command, torques: FloatArray) -> None:
-        """Learn what followed: the command, and the (joints,) torques that the motors give [N m]."""
-        return
+        """Learn what followed: the command, and the (joints,) torques that the motors gave [N m]."""
+        self.heard = torques
 
     def rows(self) -> Mapping[str, Any]:
         """Return the values of its channels at this step."""
@@ -91,6 +95,7 @@ class EstimatedState(Sensing):
         ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
         late = model.imu.latency, model.encoders.latency
         self.estimator = StateEstimator(ekf, latency=late)
+        self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._foot = np.asarray(world.contact_foot)
         self._standing: BoolArray | None = None
         self._warm_up(robot.nominal)
@@ -120,7 +125,7 @@ class EstimatedState(Sensing):
         touching = estimator.decide(felt)
         estimate = estimator.update(touching, self._standing)
         self._spent = spent + clock.perf_counter() - start
-        self._told = RobotState(*estimate, time, touching)
+        self._told = RobotState(*estimate, time, touching, forces=estimator.forces)
         if estimator.health is not Health.GOOD and not self.lost:
             self.lost = f"the state estimate was lost at {time:.3f} s: {estimator.health}"
         return self._told
@@ -133,7 +138,10 @@ class EstimatedState(Sensing):
         planned = command.rows().get("planned", pushing)
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(planned, dtype=bool))
-        self.estimator.applied(self.sensors.torques(torques))
+        self.heard = heard = self.sensors.torques(torques)
+        if self._actuators is not None:  # currents tell what the motors give, the gears' friction included
+            heard = heard - self._actuators.losses(self._told.v[6:])
+        self.estimator.applied(heard)
         self._spent += clock.perf_counter() - start
 
     def rows(self) -> Mapping[str, Any]:

@@ -11,11 +11,14 @@ from surefoot.audit.laws import LOADED_SHARE
 from surefoot.audit.motion import foot_forces, tilt_angles
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.viz.ranges import at_least, mark_worst, most_of
 from surefoot.viz.shapes import runs_of
 from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, draw_columns, new_axis, new_figure, save
 
 MOST_POINTS = 4000
 """Longest series that is drawn; longer ones are thinned."""
+LEAST_MOVE, LEAST_TURN = 1.0, 0.1
+"""Least range of the base's motion in a plot [mm], [deg]: less is still standing."""
 
 
 def thinned(count: int) -> slice:
@@ -33,7 +36,7 @@ def draw_normal_forces(log: Log, path: Path) -> Path:
     axis.axhline(share, color=INK, lw=0.9, ls="--", label=f"m g / {len(log.facts['feet'])} = {share:.1f} N")
     # the first millisecond's impact must not squash the rest
     top = max(1.3 * share, 1.1 * float(np.percentile(forces[..., 2], 99.8)))
-    axis.set_ylim(min(0.0, forces[..., 2].min()), top)
+    most_of(axis, log["time"], forces[..., 2], min(0.0, float(forces[..., 2].min())), top, "N")
     mark_events(axis, log)
     axis.legend(ncols=3, fontsize=8, loc="best")
     return save(figure, path)
@@ -73,7 +76,9 @@ def draw_base(log: Log, path: Path) -> Path:
     figure, axes = new_figure(2, 1, size=(8.0, 4.6), sharex=True)
     thin = thinned(len(log))
     time = log["time"][thin]
-    draw_columns(axes[0, 0], time, 1e3 * (log["q"][thin, :3] - log["q"][0, :3]), "xyz")
+    moved = 1e3 * (log["q"][thin, :3] - log["q"][0, :3])
+    draw_columns(axes[0, 0], time, moved, "xyz")
+    at_least(axes[0, 0], moved, LEAST_MOVE)
     axes[0, 0].set_ylabel("base moved [mm]")
     axes[0, 0].legend(ncols=3, fontsize=8)
     R = rotation_from_quaternion(log["q"][thin, 3:7])
@@ -81,7 +86,9 @@ def draw_base(log: Log, path: Path) -> Path:
     skew = 0.5 * (turn - np.swapaxes(turn, 1, 2))
     axial = np.degrees(skew[:, [2, 0, 1], [1, 2, 0]])  # sin(angle) times the axis of each turn
     draw_columns(axes[1, 0], time, axial, ("roll", "pitch", "yaw"))
-    axes[1, 0].plot(time, np.degrees(tilt_angles(log["q"])[thin]), color=MUTED, lw=0.8, ls=":", label="angle")
+    tilt = np.degrees(tilt_angles(log["q"])[thin])
+    axes[1, 0].plot(time, tilt, color=MUTED, lw=0.8, ls=":", label="angle")
+    at_least(axes[1, 0], np.column_stack([axial, tilt]), LEAST_TURN)
     axes[1, 0].set(xlabel="time [s]", ylabel="base turned [deg]")
     axes[1, 0].legend(ncols=4, fontsize=8)
     for axis in axes[:, 0]:
@@ -91,14 +98,15 @@ def draw_base(log: Log, path: Path) -> Path:
 
 
 def draw_torques(log: Log, path: Path) -> Path:
-    """Draw the joint torques as shares of their limits, one line per joint, a colour per limb."""
+    """Draw the joint torques as shares of their limits: the hardest worked joint in the range of all."""
     limits = np.asarray(log.facts["effort_limits"], dtype=np.float64)
     title = "Joint torques against the effort limits"
     figure, axis = new_axis((8.0, 3.4), title, xlabel="time [s]", ylabel="torque [% of limit]")
     thin = thinned(len(log))
     share = 100.0 * log["torques"][thin] / limits
-    worst = int(np.abs(log["torques"] / limits).max(axis=0).argmax())
-    axis.plot(log["time"][thin], share, lw=0.7, alpha=0.6, color=MUTED)
+    row, worst = np.unravel_index(int(np.abs(log["torques"] / limits).argmax()), log["torques"].shape)
+    low, high = share.min(axis=1), share.max(axis=1)
+    axis.fill_between(log["time"][thin], low, high, color=MUTED, alpha=0.25, lw=0, label="all joints")
     name = log.facts["joints"][worst]
     axis.plot(log["time"][thin], share[:, worst], lw=1.6, color=FOOT_COLOURS[1], label=name, zorder=3)
     top = max(25.0, 1.15 * float(np.abs(share).max(initial=0.0)))
@@ -108,7 +116,9 @@ def draw_torques(log: Log, path: Path) -> Path:
             axis.axhline(limit, color=BAD, lw=0.9, ls="--")
     axis.set_ylim(-top, top)
     mark_events(axis, log)
-    axis.legend(fontsize=8, title="hardest worked joint", title_fontsize=8)
+    most = 100.0 * float(log["torques"][row, worst] / limits[worst])
+    mark_worst(axis, float(log["time"][row]), most, f"{abs(most):.0f} %")
+    axis.legend(fontsize=8, ncols=2, loc="upper left")
     return save(figure, path)
 
 

@@ -1,4 +1,4 @@
-"""A film of a logged run: the robot drawn by MuJoCo, with its contact forces as arrows.
+"""Pictures of a logged run: the robot drawn by MuJoCo, with its contact forces as arrows; `film` joins them.
 
 The physics is long over when this runs: configurations and forces are read from the log. Rendering
 needs an OpenGL that works without a screen (EGL or OSMesa); `render_frames` says in one line why not.
@@ -6,25 +6,24 @@ needs an OpenGL that works without a screen (EGL or OSMesa); `render_frames` say
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra, SurefootError
+from surefoot.errors import SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import add_ground, import_mujoco, robot_spec
-from surefoot.simulation.observers import Observer
-from surefoot.spatial import GRAVITY, quaternion_wxyz
+from surefoot.spatial import quaternion_wxyz
 from surefoot.terrain import Terrain
+from surefoot.terrain.shapes import Box
 from surefoot.viz.meshes import add_meshes
 from surefoot.viz.shapes import cone_rim
 
-WIDTH, HEIGHT, RATE = 640, 480, 25
+WIDTH, HEIGHT = 1280, 720
 ARROW_LENGTH = 1.2
 """Length of an arrow that carries the whole weight, in base heights."""
 FORCE_COLOUR, WANTED_COLOUR, PUSH_COLOUR = (
@@ -40,6 +39,7 @@ POINT_SIZE = 0.012
 """Radius of the ball that stands for a foot without one [m]."""
 _WIDER: dict[tuple[float, ...], float] = {WANTED_COLOUR: 1.6, BONE_COLOUR: 5.0}
 CONE_COLOUR = (0.11, 0.42, 0.66, 0.55)
+EDGE_COLOUR = (0.35, 0.33, 0.3, 1.0)
 
 Arrow: TypeAlias = tuple[FloatArray, FloatArray, tuple[float, ...]]
 """Start and vector in world axes [m], colour (red, green, blue, opacity)."""
@@ -61,6 +61,11 @@ class Renderer:
     fine
         Whether to draw shadows and smooth edges, at ten times the cost.
 
+    Attributes
+    ----------
+    size
+        Height of the base, which arrows and the camera go by [m].
+
     Raises
     ------
     RenderError
@@ -71,15 +76,7 @@ class Renderer:
         self, robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, fine: bool = False
     ) -> None:
         mujoco = self._mujoco = import_mujoco()
-        spec = robot_spec(robot)
-        add_ground(spec, terrain, 1.0)
-        add_meshes(spec, robot)
-        _add_light(mujoco, spec, width, height, 8 if fine else 0)
-        spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
-        for geom in spec.geoms:  # a foot that is a point is drawn as a small ball
-            if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE and geom.size[0] <= 0.0:
-                geom.size[0] = POINT_SIZE
-        spec.compiler.boundmass = spec.compiler.boundinertia = LIGHTEST  # links without mass are drawn, too
+        spec = drawn_spec(robot, terrain, width, height, 8 if fine else 0)
         self.robot = robot
         try:
             self.model = spec.compile()
@@ -97,8 +94,8 @@ class Renderer:
         scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
         scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = int(fine)
         self._camera = mujoco.MjvCamera()
-        self._size = float(robot.nominal[2]) if robot.floating else 0.5
-        self._camera.distance = 4.2 * self._size
+        self.size = float(robot.nominal[2]) if robot.floating else 0.5
+        self._camera.distance = 4.2 * self.size
         self._camera.azimuth, self._camera.elevation = 140.0, -14.0
 
     def frame(self, q: FloatArray, arrows: list[Arrow], lines: Sequence[Arrow] = ()) -> Any:
@@ -108,13 +105,25 @@ class Renderer:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
         self._mujoco.mj_forward(self.model, self.data)
         middle = q[:3] if self.robot.floating else self.data.xpos[1:].mean(axis=0)
-        self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self._size]
+        self._camera.lookat[:] = middle - [0.0, 0.0, 0.45 * self.size]
         self._renderer.update_scene(self.data, self._camera)
         bones = [(a.copy(), b - a, BONE_COLOUR) for a, b in self._bones]
         for line, drawn in ((False, arrows), (True, [*lines, *bones])):
             for start, vector, colour in drawn:
                 self._arrow(start, vector, colour, line)
         return self._renderer.render()
+
+    def pixels(self, place: FloatArray) -> FloatArray:
+        """Return where a (3,) place [m] is in the last frame: (2,) to the right and down [pixels]."""
+        left, right = self._renderer.scene.camera
+        eye = 0.5 * (np.array(left.pos) + np.array(right.pos))
+        ahead, up = np.array(left.forward, dtype=np.float64), np.array(left.up, dtype=np.float64)
+        view = np.asarray(place) - eye
+        depth = max(float(view @ ahead), 1e-6)
+        share = float(left.frustum_near) / (depth * float(left.frustum_top))  # half a picture's height is one
+        half = 0.5 * self._renderer.height
+        x, y = share * float(view @ np.cross(ahead, up)), share * float(view @ up)
+        return np.array([0.5 * self._renderer.width + half * x, half * (1.0 - y)])
 
     def _skeleton(self) -> list[tuple[FloatArray, FloatArray]]:
         """Return where the ends of bones are, as views of MuJoCo's places: of links without meshes."""
@@ -131,11 +140,11 @@ class Renderer:
         self, start: FloatArray, vector: FloatArray, colour: tuple[float, ...], line: bool = False
     ) -> None:
         scene, mujoco = self._renderer.scene, self._mujoco
-        if scene.ngeom >= scene.maxgeom or float(np.linalg.norm(vector)) < 1e-3 * self._size:
+        if scene.ngeom >= scene.maxgeom or float(np.linalg.norm(vector)) < 1e-3 * self.size:
             return
         geom = scene.geoms[scene.ngeom]
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE if line else mujoco.mjtGeom.mjGEOM_ARROW
-        width = (0.0045 if line else 0.03) * _WIDER.get(colour, 1.0) * self._size
+        width = (0.0045 if line else 0.03) * _WIDER.get(colour, 1.0) * self.size
         shade = np.array(colour, np.float32)
         mujoco.mjv_initGeom(geom, kind, np.zeros(3), np.zeros(3), np.eye(3).ravel(), shade)
         length = 1.0 if line else 2.0  # MuJoCo draws an arrow half as long as its connector
@@ -145,6 +154,30 @@ class Renderer:
     def close(self) -> None:
         """Free the OpenGL context."""
         self._renderer.close()
+
+
+def drawn_spec(
+    robot: Robot, terrain: Terrain, width: int = WIDTH, height: int = HEIGHT, samples: int = 0
+) -> Any:
+    """Return an MjSpec of a robot with its meshes on its terrain, in light: to be drawn, not simulated.
+
+    Parameters
+    ----------
+    robot, terrain
+        Who and on what.
+    width, height, samples
+        Of pictures that are drawn off screen: size [pixels], and samples of each pixel.
+    """
+    mujoco, spec = import_mujoco(), robot_spec(robot)
+    add_ground(spec, terrain, 1.0)
+    add_meshes(spec, robot)
+    _add_light(mujoco, spec, width, height, samples)
+    spec.stat.extent = 3.0  # what is drawn lies between 0.01 and 50 times this from the camera [m]
+    for geom in spec.geoms:  # a foot that is a point is drawn as a small ball
+        if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE and geom.size[0] <= 0.0:
+            geom.size[0] = POINT_SIZE
+    spec.compiler.boundmass = spec.compiler.boundinertia = LIGHTEST  # links without mass are drawn, too
+    return spec
 
 
 def _add_light(mujoco: Any, spec: Any, width: int, height: int, samples: int) -> None:
@@ -181,12 +214,17 @@ def log_arrows(log: Log, step: int, terrain: Terrain, scale: float) -> list[Arro
         frame = terrain.frame(place[:2])
         wanted, measured = log["forces_commanded"][step, k], log["forces"][step, k]
         arrows.append((place, scale * frame @ measured, FORCE_COLOUR))
-        if np.linalg.norm(wanted - measured) > 0.15 * np.linalg.norm(wanted):
+        if wanted_differs(wanted, measured):
             arrows.append((place, scale * frame @ wanted, WANTED_COLOUR))
     push = log["push"][step]
     if np.any(push):
         arrows.append((log["q"][step, :3] - 2.0 * scale * push, 2.0 * scale * push, PUSH_COLOUR))
     return arrows
+
+
+def wanted_differs(wanted: FloatArray, measured: FloatArray) -> Any:
+    """Return whether commanded forces (..., 3) are so far from measured ones that both are drawn: (...)."""
+    return np.linalg.norm(wanted - measured, axis=-1) > 0.15 * np.linalg.norm(wanted, axis=-1)
 
 
 def cone_lines(log: Log, step: int, terrain: Terrain, height: float, rays: int = 24) -> list[Arrow]:
@@ -202,83 +240,12 @@ def cone_lines(log: Log, step: int, terrain: Terrain, height: float, rays: int =
     return lines
 
 
-def frames_of(log: Log, robot: Robot, terrain: Terrain, rate: int = RATE) -> Iterator[Any]:
-    """Yield the pictures of a log at `rate` frames per second of simulated time.
-
-    Raises
-    ------
-    RenderError
-        Before the first frame, if there is no OpenGL.
-    """
-    renderer = Renderer(robot, terrain)
-    try:
-        every = 1.0 / (rate * float(log.facts["dt"]))
-        scale = ARROW_LENGTH * renderer._size / (robot.mass * GRAVITY)
-        for k in range(int(len(log) / every)):
-            step = int(k * every)
-            yield renderer.frame(log["q"][step], log_arrows(log, step, terrain, scale))
-    finally:
-        renderer.close()
-
-
-def write_video(
-    log: Log,
-    robot: Robot,
-    terrain: Terrain,
-    path: Path,
-    rate: int = RATE,
-    progress: Callable[[float], None] | None = None,
-) -> Path:
-    """Write a film of a log as .mp4 and return its path; `progress` is told the share done.
-
-    Raises
-    ------
-    RenderError
-        If there is no OpenGL, or the film cannot be written.
-    MissingExtra
-        If imageio with its ffmpeg is not installed.
-    """
-    try:
-        import imageio.v2 as imageio
-        import imageio_ffmpeg  # noqa: F401
-    except ImportError as error:
-        raise MissingExtra("imageio-ffmpeg", "sim") from error
-    total = max(1, int(len(log) * float(log.facts["dt"]) * rate))
-    writer = None
-    try:
-        for k, picture in enumerate(frames_of(log, robot, terrain, rate)):
-            if writer is None:
-                writer = imageio.get_writer(path, fps=rate, quality=7, macro_block_size=8)
-            writer.append_data(picture)
-            if progress is not None:
-                progress((k + 1) / total)
-    except OSError as error:
-        raise RenderError(f"no video: {error}") from error
-    finally:
-        if writer is not None:
-            writer.close()
-    return path
-
-
-class Film(Observer):
-    """Films a run when it has ended.
-
-    Parameters
-    ----------
-    path
-        Of the new .mp4.
-    robot, terrain
-        Who is filmed on what.
-
-    Raises
-    ------
-    RenderError, MissingExtra
-        At the end of the run; see `write_video`.
-    """
-
-    def __init__(self, path: Path, robot: Robot, terrain: Terrain) -> None:
-        self._path, self._robot, self._terrain = path, robot, terrain
-
-    def end(self, log: Log) -> None:
-        """Write the film."""
-        write_video(log, self._robot, self._terrain, self._path)
+def edge_lines(terrain: Terrain) -> list[Arrow]:
+    """Return the upper edges of the ground's boxes, so that steps can be told apart."""
+    lines: list[Arrow] = []
+    for shape in terrain.shapes():
+        if isinstance(shape, Box):
+            x, y, z = 0.5 * shape.size
+            corners = shape.centre + np.array([[x, y, z], [x, -y, z], [-x, -y, z], [-x, y, z], [x, y, z]])
+            lines += [(a, b - a, EDGE_COLOUR) for a, b in pairwise(corners)]
+    return lines

@@ -12,6 +12,7 @@ from surefoot.audit import contact_use
 from surefoot.audit.motion import foot_forces, heading_velocity, touching
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
+from surefoot.terrain import read_terrain
 from surefoot.viz.plots import (
     MOST_POINTS,
     draw_cone_use,
@@ -21,8 +22,9 @@ from surefoot.viz.plots import (
     mark_events,
     thinned,
 )
+from surefoot.viz.ranges import mark_worst, most_of
 from surefoot.viz.shapes import runs_of
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, save
+from surefoot.viz.style import BAD, FOOT_COLOURS, GROUND, INK, MUTED, draw_columns, new_axis, new_figure, save
 
 FOOTFALL_SPAN = 3.0
 """Length of the footfall diagram [s]: the end of the run."""
@@ -40,7 +42,8 @@ def draw_velocity(log: Log, path: Path) -> Path:
         low, high = np.percentile(measured[:, k], [0.2, 99.8])
         wanted = log["command"][:, k]
         limits = min(low, wanted.min()) - 0.3 * span, max(high, wanted.max()) + 0.3 * span
-        axis.set(ylabel=label, ylim=limits)
+        axis.set_ylabel(label)
+        most_of(axis, log["time"], measured[:, k], *limits)
         mark_events(axis, log)
     axes[0, 0].legend(ncols=2, fontsize=8)
     axes[2, 0].set_xlabel("time [s]")
@@ -79,8 +82,13 @@ def draw_cone_time(log: Log, path: Path) -> Path:
     time = log["time"][: count * every : every]
     draw_columns(axis, time, blocks, log.facts["feet"], lw=0.7, alpha=0.8)
     axis.axhline(1.0, color=BAD, lw=0.9, ls="--")
-    axis.set_ylim(0.0, 1.1)
+    top = float(use.max(initial=0.0))
+    axis.set_ylim(0.0, max(1.1, 1.05 * min(top, 1.5)))
     mark_events(axis, log)
+    if top > 0.0:
+        row = int(np.argmax(use.max(axis=1)))
+        foot = log.facts["feet"][int(np.argmax(use[row]))]
+        mark_worst(axis, float(log["time"][row]), min(top, 1.5), f"{foot} {100.0 * top:.0f} %")
     axis.legend(ncols=4, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     return save(figure, path)
 
@@ -98,9 +106,26 @@ def draw_path(log: Log, path: Path) -> Path:
             axis.scatter(place[:, 0], place[:, row], s=6, color=FOOT_COLOURS[k % 8], lw=0)
         axis.set_ylabel(label)
         axis.set_aspect("equal", adjustable="datalim")
+    _draw_ground(axes[1, 0], log)
     axes[1, 0].set_xlabel("x [m]")
     axes[0, 0].set_title("Path of the base and footfalls, from above and from the side")
     return save(figure, path)
+
+
+def _draw_ground(axis: Any, log: Log) -> None:
+    """Draw the ground below the base's path, where the log says which it is."""
+    if not log.facts.get("terrain"):
+        return
+    path = log["q"][thinned(len(log)), :2]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(path[:, 0]))) != 0)
+    if len(turns) > len(path) // 4:  # it marks time: there is no side view of a way
+        return
+    way, feet = path[np.argsort(path[:, 0])], log["contact_positions"][thinned(len(log)), :, 0]
+    x = np.linspace(min(feet.min(), way[0, 0]), max(feet.max(), way[-1, 0]), 600)
+    beside = np.interp(x, *way.T)
+    z = read_terrain(str(log.facts["terrain"])).height(np.column_stack([x, beside]))
+    axis.fill_between(x, z, z.min() - 0.05, color=GROUND, lw=0, zorder=0)
+    axis.plot(x, z, color=MUTED, lw=0.9, zorder=1)
 
 
 def draw_walk(log: Log, folder: Path) -> list[Path]:

@@ -1,0 +1,63 @@
+"""The stacks by name, one line each, and which of them can run here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.stacks.peer import Peer
+from benchmarks.stacks.stack import Stack, Surefoot
+from surefoot.errors import ProblemError, unknown_name
+
+PEERS = {
+    "go2-convex-mpc": Peer("go2-convex-mpc", "go2-convex-mpc", "go2_convex_mpc.py", ("go2",)),
+    "quadruped-pympc": Peer("quadruped-pympc", "Quadruped-PyMPC", "quadruped_pympc.py", ("go2",)),
+}
+"""Stacks that run from a user's checkout."""
+NAMES = ("surefoot", *PEERS)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The stacks that run, and why others do not."""
+
+    stacks: tuple[Stack, ...]
+    absent: dict[str, str]
+
+
+def choose_stacks(names: Sequence[str] | None, checkouts: Mapping[str, Path | None]) -> Chosen:
+    """Return the named stacks, or all that are here.
+
+    Parameters
+    ----------
+    names
+        None for all.
+    checkouts
+        Folders of peers; None for what the environment says.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name, or a named stack that is not here.
+    """
+    present: list[Stack] = []
+    absent: dict[str, str] = {}
+    for name in names or NAMES:
+        if name not in NAMES:
+            raise ProblemError(unknown_name("stack", name, NAMES))
+        stack = _made(name, checkouts.get(name))
+        why = stack.missing()
+        if why and names:
+            raise ProblemError(f"--stack {name}: {why}")
+        if why:
+            absent[name] = why
+        else:
+            present.append(stack)
+    return Chosen(tuple(present), absent)
+
+
+def _made(name: str, checkout: Path | None) -> Stack:
+    if name == "surefoot":
+        return Surefoot()
+    return PEERS[name].at(checkout)

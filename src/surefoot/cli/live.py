@@ -1,0 +1,49 @@
+"""`--view`: a window that shows a walk while it goes, steered by keys and gamepads."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from surefoot.errors import ProblemError
+
+View: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--view",
+        help="Show the walk in a window, in real time; arrows or WASD, Q, E, space and a gamepad steer it.",
+    ),
+]
+
+
+def check(planner: str) -> None:
+    """Refuse, before any work, what cannot be shown or steered.
+
+    Raises
+    ------
+    ProblemError
+        Without a screen, or for a planner whose command cannot be changed on the way.
+    """
+    from surefoot.viz.window import check_display
+
+    if planner != "convex":
+        raise ProblemError(f"--view steers --planner convex, got {planner}")
+    check_display()
+
+
+def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
+    """Return the observers of a walk that is shown."""
+    from surefoot.simulation.joystick import Joystick, find_joysticks
+    from surefoot.simulation.live import Live, Steering
+    from surefoot.viz.window import Window
+
+    walker = controller
+    while not hasattr(walker, "steer") and hasattr(
+        walker, "controller"
+    ):  # what is around it passes states on
+        walker = walker.controller
+    if not hasattr(walker, "steer"):
+        raise ProblemError(f"--view steers a walk, and {type(walker).__name__} takes no other command")
+    steering = Steering(walker.steer, walker.command.at(0.0))
+    return [Live(Window(robot, terrain), steering, [Joystick(path) for path in find_joysticks()])]

@@ -1,0 +1,152 @@
+"""Where a biped steps: first as the divergent motion at touchdown asks, later as the command does."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.biped.footsteps import Footstep, StepGeometry, stances, touching
+from surefoot.control.biped.soles import Soles
+from surefoot.control.gait import Gait
+from surefoot.control.swing import swing_motion
+from surefoot.control.walking_body import BodyPlan
+
+
+@dataclass(frozen=True)
+class StepPlanner:
+    """Chooses footsteps for the wanted motion of a body; arrays have a row per foot.
+
+    Attributes
+    ----------
+    gait
+        When feet stand.
+    geometry
+        What steps are like.
+    sides
+        (2,) 1 for the left foot, -1 for the right one.
+    capture
+        Share of the divergence at touchdown that moves the coming foothold; the rest goes where the wanted
+        body would put it.
+    """
+
+    gait: Gait
+    geometry: StepGeometry
+    sides: FloatArray
+    capture: float
+
+    @property
+    def step_time(self) -> float:
+        """Time from touchdown to touchdown [s]."""
+        return 0.5 * self.gait.period
+
+    def foothold(
+        self, k: int, body: BodyPlan, left: float, place: FloatArray, support: FloatArray
+    ) -> tuple[FloatArray, float]:
+        """Return place (2,) [m] and heading [rad] of the landing of a foot.
+
+        Parameters
+        ----------
+        k
+            Which foot.
+        body
+            The wanted motion.
+        left
+            Time until touchdown [s].
+        place
+            (2,) where the divergent motion then asks it to be [m].
+        support
+            (2,) where the other foot stands [m].
+        """
+        yaw, middle, _ = body.places(np.array([left]))
+        heading, side, g = float(yaw[0]), float(self.sides[k]), self.geometry
+        stride = body.velocity[:2] * self.step_time
+        nominal = middle[0, :2] + _turn(heading) @ (0.5 * stride + np.array([0.0, 0.5 * side * g.width]))
+        wanted = (1.0 - self.capture) * nominal + self.capture * place
+        toes = heading + 0.5 * self.step_time * float(body.velocity[2])
+        return g.within_reach(wanted, support, heading, side), toes
+
+    def ahead(
+        self, soles: Soles, toes: list[float], body: BodyPlan, clock: float, time: float
+    ) -> list[Footstep]:
+        """Return the stances of now and of the `time` ahead [s], those of now first.
+
+        `toes` are the headings of the feet [rad], `clock` is the gait's time [s]. After the coming foothold
+        steps follow the wanted velocity.
+        """
+        feet, later, steps = soles.feet, [], []
+        for k in range(2):
+            spans = stances(self.gait, k, clock, time)
+            if feet.carrying[k]:
+                if not spans or spans[0][0] > clock:  # landed early
+                    spans = [(clock, spans[0][1] if spans else math.inf), *spans[1:]]
+                steps.append(Footstep(k, *spans[0], feet.ground[k, :2].copy(), toes[k]))
+                spans = spans[1:]
+            later += [(begin, end, k) for begin, end in spans]
+        flying = {k for k in range(2) if not feet.carrying[k]}
+        last = max(steps, key=lambda one: one.begin, default=None)
+        stride, rate = body.velocity[:2] * self.step_time, float(body.velocity[2])
+        for begin, end, k in sorted(later):
+            yaw = body.yaw + rate * (begin - clock)
+            if k in flying or last is None:
+                flying.discard(k)
+                place = feet.target[k, :2].copy()
+            else:
+                place = last.place + _turn(yaw) @ (
+                    stride + np.array([0.0, self.sides[k] * self.geometry.width])
+                )
+            last = Footstep(k, begin, end, place, yaw + 0.5 * self.step_time * rate)
+            steps.append(last)
+        return steps
+
+    def corners(self, soles: Soles, steps: list[Footstep], times: FloatArray) -> tuple[BoolArray, FloatArray]:
+        """Return which corners of the soles stand at (t,) times [s]: (t, p), and where: (t, p, 3) [m].
+
+        The first of the times is now: there the feet stand as they do.
+        """
+        feet, foot = soles.feet, soles.point_foot
+        on, which = touching(steps, times, 2)
+        on[0] = feet.carrying
+        standing = int(feet.carrying.sum())  # so many of the steps are those of now
+        spots = [
+            soles.corners[foot == one.foot] if i < standing else soles.spread(one.foot, one.place, one.yaw)
+            for i, one in enumerate(steps)
+        ]
+        places = np.tile(soles.corners, (len(times), 1, 1))
+        for t, row in enumerate(which):
+            for k, i in enumerate(row):
+                if i >= 0:
+                    places[t, foot == k] = spots[i]
+        return np.asarray(on[:, foot]), places
+
+
+def foot_speeds(soles: Soles, steps: list[Footstep], times: FloatArray, clearance: float) -> FloatArray:
+    """Return the velocities of the feet at (t,) times of the gait's clock [s]: (t, 2, 3) [m/s], world axes.
+
+    Standing feet rest; flying ones go to their next footstep, later ones `clearance` [m] high.
+    """
+    feet = soles.feet
+    out = np.zeros((len(times), 2, 3))
+    for k in range(2):
+        own = [one for one in steps if one.foot == k]
+        lifted, start = times[0], feet.start[k]
+        if not feet.carrying[k]:
+            lifted = times[0] - float(feet.share[k] * feet.duration[k])
+        for one in own:
+            flight = one.begin - lifted
+            goal = feet.target[k] if one is own[0] else np.array([*one.place, start[2]])
+            apex = float(feet.apex[k]) if one is own[0] else max(start[2], goal[2]) + clearance
+            if math.isfinite(flight) and flight > 1e-3:
+                for t in np.flatnonzero((times >= lifted) & (times < one.begin)):
+                    share = (float(times[t]) - lifted) / flight
+                    out[t, k] = swing_motion(start, goal, apex, share, flight, feet.descent)[1]
+            lifted, start = one.end, goal
+    return out
+
+
+def _turn(yaw: float) -> FloatArray:
+    """Return the (2, 2) rotation by an angle [rad]."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([[c, -s], [s, c]])

@@ -1,0 +1,357 @@
+"""The walking controller of bipeds on flat feet: footsteps, pendulum preview, convex MPC, whole-body control.
+
+Each millisecond: which soles stand, where the other one should be, the motion that the last plan predicts for
+now, and the torques that give it. Each `plan_interval`, and whenever a foot lifts or lands, the MPC plans the
+forces at the corners of the soles again. Its reference is the pendulum over the footsteps ahead; where the
+coming foot lands follows the divergent motion that the MPC predicts for the touchdown.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.contact import Status
+from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
+from surefoot.control.biped.leg_momentum import LegMomentum
+from surefoot.control.biped.pendulum import PendulumPreview
+from surefoot.control.biped.posture import Posture
+from surefoot.control.biped.settings import BipedSettings
+from surefoot.control.biped.soles import Soles
+from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
+from surefoot.control.controller import Controller, RobotState
+from surefoot.control.damping import computable
+from surefoot.control.gait import Gait
+from surefoot.control.gait_library import named_gait
+from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcPlan
+from surefoot.control.walking import WalkCommand
+from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
+from surefoot.control.walking_feet import DESCENT
+from surefoot.control.walking_kernels import slope_frames
+from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
+from surefoot.errors import ModelError, ProblemError
+from surefoot.log.channels import CHANNELS
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
+from surefoot.terrain import FlatTerrain, Terrain
+
+PERIOD = 2.0 * math.pi / 1.96
+"""Length of a cycle of the gait, in units of sqrt(h / g)."""
+
+
+class BipedController(Controller):
+    """Walks a robot on two flat feet; call `step` at a fixed rate.
+
+    Parameters
+    ----------
+    robot
+        With a floating base and two flat feet, which are level and point ahead in its nominal pose.
+    command
+        Wanted velocity over time; slowed to what is possible, see `notes`.
+    gait
+        A name, or a gait for two feet.
+    terrain
+        The ground that the controller believes in; None for flat.
+    settings
+        See `BipedSettings`.
+    dt
+        Time between steps [s].
+
+    Attributes
+    ----------
+    notes
+        What was changed in the command, one line each.
+
+    Raises
+    ------
+    ModelError
+        If the robot has no two flat feet, or a fixed base.
+    ProblemError
+        If the gait does not fit its feet.
+    """
+
+    channels = tuple(CHANNELS[name] for name in ("planned", "command"))
+
+    def __init__(
+        self,
+        robot: Robot,
+        command: VelocityCommand,
+        gait: str | Gait = "walk",
+        terrain: Terrain | None = None,
+        settings: BipedSettings | None = None,
+        dt: float = 1e-3,
+    ) -> None:
+        if not robot.floating or len(robot.feet) != 2 or not all(f.flat for f in robot.feet):
+            raise ModelError(f"{robot.name} cannot walk here: it needs a free base and two flat feet")
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
+        self.settings = settings or BipedSettings()
+        self.terrain = FlatTerrain() if terrain is None else terrain
+        self._measure()
+        if isinstance(gait, str):
+            gait = named_gait(gait, 2, period=PERIOD * math.sqrt(self._height / GRAVITY))
+        if gait.feet != 2:
+            raise ProblemError(f"the gait is for {gait.feet} feet, {robot.name} has 2")
+        self.schedule = gait
+        sides = np.sign(robot.foot_positions(robot.nominal)[:, 1])
+        self.steps = StepPlanner(gait, self._geometry, sides, self.settings.capture)
+        self._mpc_dt = gait.period / self.settings.mpc_steps
+        self._interval = min(self.settings.plan_interval, self._mpc_dt)
+        self.command, self.notes = self._limited(command)
+        self._set_controllers()
+
+    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
+        reach, radius = 0.25 * self._height, 0.5 * self._geometry.width
+        return limit_command(command, reach, self.steps.step_time, self._height, radius)
+
+    def steer(self, velocity: ArrayLike) -> FloatArray:
+        """Take another velocity (3,) from now on; see `WalkingController.steer`."""
+        wanted = finite_array("velocity", velocity, (3,))
+        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
+        return self.command.at(0.0)
+
+    def _measure(self) -> None:
+        """Read mass, inertia, height and foot places off the robot's nominal pose."""
+        import pinocchio
+
+        robot = self.robot
+        q, data = robot.nominal, robot.model.createData()
+        pinocchio.ccrba(robot.model, data, q, np.zeros(robot.model.nv))
+        self._inertia = np.array(data.Ig.inertia)
+        self._upright = rotation_from_quaternion(q[3:7])
+        com, centres = robot.com(q), robot.foot_positions(q)
+        radii = robot.contact_points.foot_radii
+        self._height = float(com[2] - (centres[:, 2] - radii).mean())
+        self._omega = math.sqrt(GRAVITY / self._height)
+        width = float(abs(centres[0, 1] - centres[1, 1]))
+        sole = max(foot.size[1] for foot in robot.feet)
+        self._geometry = StepGeometry(
+            width, min(1.5 * sole, 0.9 * width), width + 0.45 * self._height, 0.65 * self._height
+        )
+        self._start = self.settings.start / self._omega
+
+    def _set_controllers(self) -> None:
+        """Make the MPC and the whole-body controller."""
+        s, weight, points = self.settings, self._mass_weight(), self.robot.contact_points
+        mu = s.mu * s.friction_share
+        low, high = s.normal_min * weight, s.normal_max * weight
+        self.mpc = ConvexMpc(
+            self.robot.mass, self._inertia, len(points), s.horizon, self._mpc_dt, mu, low, high, s.mpc
+        )
+        self.whole_body = WholeBodyController(
+            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._omega), None, s.actuators
+        )
+        fine = self._mpc_dt / 2
+        self._preview = PendulumPreview(
+            self._omega, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
+        )
+        self._middles = fine * (np.arange(self._preview.steps, dtype=np.float64) + 0.5)
+        most = s.arm_swing / self._height
+        share = LegMomentum(self.robot, Posture(self.robot, 1.0, most).swing).balancing()
+        self._posture = Posture(self.robot, s.joint_stiffness * self._omega, min(share, 1.0) * most)
+        self._legs = LegMomentum(self.robot, self._posture.swing)
+        self._unit_spin = np.linalg.inv(self._inertia)
+        self._body_gain = (s.body_stiffness * self._omega) ** 2, 2.0 * s.body_stiffness * self._omega
+        self._swing_gain = (s.swing_stiffness * self._omega) ** 2, 2.0 * s.swing_stiffness * self._omega
+        self._point_foot = points.foot
+        self._level = np.zeros(2)
+        self.facts = {
+            "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
+            "gait": self.schedule.name, "notes": list(self.notes),
+        }  # fmt: skip
+        self.reset()
+
+    def _mass_weight(self) -> float:
+        return self.robot.mass * GRAVITY
+
+    def reset(self) -> None:
+        """Forget the past: the next step begins a walk from where the robot stands."""
+        self.mpc.reset()
+        self.whole_body.reset()
+        self.soles: Soles | None = None
+        self._planned_at = -math.inf
+        self._plan: MpcPlan | None = None
+        self._last: WalkCommand | None = None
+
+    def step(self, state: RobotState) -> WalkCommand:
+        """Return the command for a state; where no foot feels, the gait's plan is taken for the contacts.
+
+        Never raises on a hard instance; see `WholeBodyCommand.feasible`. A state that is not finite, or too
+        large to compute with, gets a command that slows the joints, and changes nothing else.
+        """
+        if not computable(state.q, state.v):
+            return self._blind(state.v)
+        now = self.whole_body.update(state.q, state.v)
+        turned = self.whole_body.foot_rotations
+        if self.soles is None:
+            self._begin(now, turned)
+        assert self.soles is not None
+        feet, time = self.soles.feet, state.time
+        clock = time - self._start
+        felt = feet.planned.copy() if state.contact is None else state.contact
+        changed = clock >= 0.0 and self.soles.update(clock, felt, now.centres, turned)
+        self.body.advance(self._wish(clock), now.com, self.dt)
+        due = time - self._planned_at >= self._interval - 0.5 * self.dt
+        if due or changed:
+            self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
+            self._aim(clock, time)
+            self._replan(now, clock, time)
+        body = self.whole_body.solve(self._tasks(now, clock, time, state))
+        assert self._plan is not None
+        self._last = WalkCommand(
+            body.torques, body.forces, feet.carrying[self._point_foot], body.feasible, body.status,
+            feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
+            self._plan.status,
+            accelerations=body.accelerations,
+        )  # fmt: skip
+        return self._last
+
+    def _blind(self, v: FloatArray) -> WalkCommand:
+        """Return the command for a state that is not finite."""
+        body, n = self.whole_body.damping(v), len(self._point_foot)
+        last = self._last or WalkCommand(
+            body.torques, body.forces, np.ones(n, dtype=bool), False, body.status, np.ones(2, dtype=bool),
+            np.tile(np.eye(3), (2, 1, 1)), np.zeros(3), np.zeros((2, 3)), Status.INVALID,
+        )  # fmt: skip
+        return replace(
+            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+            accelerations=None,
+        )  # fmt: skip
+
+    def _begin(self, now: Kinematics, turned: FloatArray) -> None:
+        """Start from where the robot stands."""
+        clearance = self.settings.clearance * self._height
+        descent = DESCENT * math.sqrt(GRAVITY * self._height)
+        self.soles = Soles(
+            self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned.copy()
+        )
+        ahead = now.rotation @ self._upright.T[:, 0]
+        self.body = BodyPlan(self._height, now.com.copy(), math.atan2(ahead[1], ahead[0]))
+        self.body.position[:2] = now.centres[:, :2].mean(axis=0)
+        self.body.fit_ground(self.soles.corners, math.inf)
+
+    def _wish(self, clock: float) -> FloatArray:
+        """Return the wanted velocity: none before the gait begins."""
+        return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
+
+    def _aim(self, clock: float, time: float) -> None:
+        """Choose where feet in the air land."""
+        assert self.soles is not None
+        feet = self.soles.feet
+        for k in np.flatnonzero(~feet.carrying & ~feet.planned):
+            left = max(self.schedule.phase(int(k), clock)[2] - clock, 0.0)
+            divergent = self._divergence(time + left - self._planned_at)
+            place, support = divergent - self._offsets[k], feet.ground[1 - k, :2]
+            self.soles.aim(int(k), *self.steps.foothold(int(k), self.body, left, place, support))
+
+    def _divergence(self, after: float) -> FloatArray:
+        """Return the divergent motion that the last plan predicts for a time after it was made: (2,) [m]."""
+        plan = self._plan
+        assert plan is not None
+        at = min(max(after / self._mpc_dt, 0.0), float(self.settings.horizon))
+        i = min(int(at), self.settings.horizon - 1)
+        share = at - i
+        place = (1.0 - share) * plan.position[i] + share * plan.position[i + 1]
+        speed = (1.0 - share) * plan.linear_velocity[i] + share * plan.linear_velocity[i + 1]
+        return np.asarray((place + speed / self._omega)[:2])
+
+    def _replan(self, now: Kinematics, clock: float, time: float) -> None:
+        """Run the MPC for the footsteps from now on."""
+        soles = self.soles
+        assert soles is not None
+        N, dt = self.settings.horizon, self._mpc_dt
+        toes = [soles.heading(r, k) for k, r in enumerate(self.whole_body.foot_rotations)]
+        steps = self.steps.ahead(soles, toes, self.body, clock, self.settings.preview)
+        reference = self._reference(now, steps, clock)
+        middles = clock + dt * (np.arange(N, dtype=np.float64) + 0.5)
+        contacts, places = self.steps.corners(soles, steps, middles)
+        spin = now.angular_velocity + self._leg_spin[0]
+        state = BodyState(now.rotation @ self._upright.T, now.com, now.com_velocity, spin)
+        self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
+        self._plan = self.mpc.solve(state, reference, places, contacts, soles.feet.frames[self._point_foot])
+        self._planned_at, self._from = time, now
+
+    def _reference(self, now: Kinematics, steps: list[Footstep], clock: float) -> BodyReference:
+        """Return the reference: the pendulum over the footsteps, upright along the heading.
+
+        The legs' angular momentum is put down to the body as if it turned by itself: the spin and the turn
+        that it would have with that momentum are added to its reference (and the spin to its state), and
+        the pressure that gives the momentum to the pendulum's.
+        """
+        N, dt, body = self.settings.horizon, self._mpc_dt, self.body
+        pressure = pressure_path(steps, clock + self._middles)
+        flow = self._preview.motion(now.com[:2], pressure)[1][::2]
+        times = dt * np.arange(len(flow), dtype=np.float64)
+        yaw = body.yaw + body.velocity[2] * times
+        assert self.soles is not None
+        speeds = foot_speeds(self.soles, steps, clock + times, self.settings.clearance * self._height)
+        momentum = self._legs.momentum(speeds, np.column_stack([flow, flow @ body.slope]), yaw)
+        gained = np.repeat(np.diff(momentum, axis=0), 2, axis=0)[:, :2] / (dt * self.robot.mass * GRAVITY)
+        pressure += np.column_stack([gained[:, 1], -gained[:, 0]])
+        xy, flow = self._preview.motion(now.com[:2], pressure)
+        self._note_offsets(steps, clock, pressure)
+        place, speed = np.empty((N + 1, 3)), np.zeros((N + 1, 3))
+        place[:, :2], speed[:, :2] = xy[: 2 * N + 1 : 2], flow[: 2 * N + 1 : 2]
+        place[:, 2] = body.position[2] + (place[:, :2] - body.position[:2]) @ body.slope
+        speed[:, 2] = speed[:, :2] @ body.slope
+        rotation = slope_frames(yaw[: N + 1], np.zeros(2))
+        inverse = rotation @ self._unit_spin @ rotation.transpose(0, 2, 1)
+        self._leg_spin = np.einsum("tij,tj->ti", inverse, momentum[: N + 1])
+        turned = np.zeros((N + 1, 3))
+        turned[1:] = np.cumsum(0.5 * dt * (self._leg_spin[1:] + self._leg_spin[:-1]), axis=0)
+        spin = self._leg_spin + np.array([0.0, 0.0, body.velocity[2]])
+        return BodyReference(_turned(rotation, turned), place, speed, spin)
+
+    def _note_offsets(self, steps: list[Footstep], clock: float, pressure: FloatArray) -> None:
+        """Note where the divergent motion is over the next landing of each foot, when it lands."""
+        ahead = self._preview.divergent(pressure)
+        self._offsets = np.zeros((2, 2))
+        for one in reversed(steps):
+            at = (one.begin - clock) / self._preview.dt
+            if 0.0 < at < self._preview.steps:
+                i = int(at)
+                xi = ahead[i] + (at - i) * (ahead[i + 1] - ahead[i])
+                self._offsets[one.foot] = xi - one.place
+
+    def _tasks(self, now: Kinematics, clock: float, time: float, state: RobotState) -> Tasks:
+        """Return the whole-body tasks: the plan's motion now, feedback on it, feet in the air, posture."""
+        soles, plan, begin = self.soles, self._plan, self._from
+        assert soles is not None
+        assert plan is not None
+        feet, t, dt = soles.feet, time - self._planned_at, self._mpc_dt
+        acceleration = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
+        turning = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
+        turning -= (self._leg_spin[1] - self._leg_spin[0]) / dt
+        kp, kd = self._body_gain
+        miss = begin.com + t * begin.com_velocity + 0.5 * t * t * acceleration - now.com
+        com = acceleration + kp * miss + kd * (begin.com_velocity + t * acceleration - now.com_velocity)
+        turned = rotation_log(now.rotation @ begin.rotation.T) if t > 0.0 else np.zeros(3)
+        spin = begin.angular_velocity
+        turn = turning + kp * (t * spin + 0.5 * t * t * turning - turned)
+        turn += kd * (spin + t * turning - now.angular_velocity)
+        wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
+        ks, ds = self._swing_gain
+        for k in np.flatnonzero(~feet.carrying):
+            goal, spin, change = soles.turning(int(k))
+            off = rotation_log(goal @ self.whole_body.foot_rotations[k].T)
+            wanted[k, 3:] = change + ks * off + ds * (spin - now.twists[k, 3:])
+        c, s = math.cos(self.body.yaw), math.sin(self.body.yaw)
+        apart = (now.centres[0] - now.centres[1], now.twists[0] - now.twists[1])
+        lead, rate_of_lead = (c * float(a[0]) + s * float(a[1]) for a in apart)
+        joints = self._posture.accelerations(state.q, state.v, lead, rate_of_lead)
+        return Tasks(
+            feet.carrying, com, turn, wanted, joints, plan.first, feet.frames, self._level
+        )  # fmt: skip
+
+
+def _turned(rotations: FloatArray, turns: FloatArray) -> FloatArray:
+    """Return (t, 3, 3) rotations turned by (t, 3) rotation vectors, world axes [rad]."""
+    angles = np.linalg.norm(turns, axis=1)
+    out = rotations.copy()
+    for k in np.flatnonzero(angles > 1e-9):
+        out[k] = rotation_about(turns[k] / angles[k], float(angles[k])) @ rotations[k]
+    return out

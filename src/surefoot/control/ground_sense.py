@@ -1,0 +1,103 @@
+"""How a walk on ground that is only believed differs from one on known ground: it feels its way.
+
+Feet that strike an edge are lifted over it, late ones are sent down faster, and the gait waits for a foot
+that has not found the ground while all others stand: a trot that lifted two more would have one foot left.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import cast
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.controller import RobotState
+from surefoot.control.stumble import sort_touches
+from surefoot.control.terrain_knowledge import GroundBelief
+from surefoot.control.walking_feet import SEARCH_SPEED, Feet
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
+
+LONGEST_WAIT = 1.5
+"""Longest time that the gait waits for a foot, over sqrt(h / g)."""
+
+
+class GroundSense:
+    """Feeds a belief about the ground, and reacts to what contradicts it.
+
+    Parameters
+    ----------
+    belief
+        The ground that the controller plans on.
+    weight, height
+        m g [N], and of the centre of mass [m].
+    clearance
+        Of a swing over known ground [m].
+    dt
+        Time between steps [s].
+    """
+
+    def __init__(
+        self, belief: GroundBelief, weight: float, height: float, clearance: float, dt: float
+    ) -> None:
+        self.belief, self.dt = belief, dt
+        self._weight, self._height, self._clearance = weight, height, clearance
+        self._longest = LONGEST_WAIT * math.sqrt(height / GRAVITY)
+        self._fastest = SEARCH_SPEED * math.sqrt(GRAVITY * height)
+        self._waited = 0.0
+
+    def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
+        """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
+        self._waited = 0.0
+        self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
+
+    def feel(
+        self, state: RobotState, feet: Feet, felt: BoolArray, clock: float, centres: FloatArray
+    ) -> BoolArray:
+        """Return which feet feel the ground, (n,); those that have struck an edge begin their swing anew.
+
+        Parameters
+        ----------
+        state, feet
+            At this step.
+        felt
+            (n,) which feet feel anything.
+        clock
+            On the schedule [s].
+        centres
+            (n, 3) where the feet are [m].
+        """
+        feet.fastest = self._fastest
+        if state.forces is None or feet.carrying.all():
+            return felt
+        speeds = feet.motions(clock)[:, 1]
+        ground, struck = sort_touches(feet, felt, state.forces, speeds, self._weight)
+        for k in np.flatnonzero(struck).tolist():
+            self.belief.stumbled(state.time)
+            feet.interrupt(k, clock, centres[k])
+        return ground
+
+    def learn(self, state: RobotState, feet: Feet, centres: FloatArray) -> None:
+        """Tell the belief where the feet are, and hold the gait while one of them looks for the ground.
+
+        `centres` (n, 3) is where the feet are [m].
+        """
+        soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]
+        self.belief.observe(state, feet.ground, feet.carrying, feet.late & ~feet.carrying, soles)
+        feet.clearance = self._clearance + self.belief.lift
+        overdue = feet.overdue()
+        if not overdue.any():
+            self._waited = 0.0
+        elif self._waited < self._longest and (feet.carrying | overdue).all():
+            self._waited += self.dt
+            feet.wait += self.dt
+
+
+def ground_sense(
+    terrain: Terrain, weight: float, height: float, clearance: float, dt: float
+) -> GroundSense | None:
+    """Return what feeds a terrain that learns, None for one that is known; parameters of `GroundSense`."""
+    if not terrain.learns:
+        return None
+    return GroundSense(cast(GroundBelief, terrain), weight, height, clearance, dt)

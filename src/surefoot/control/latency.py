@@ -1,0 +1,150 @@
+"""A controller whose commands take effect late: it acts on the state that it expects by then.
+
+A command that is computed from the state at t and acts from t + δ on meets the state at t + δ. Until then the
+commands of the last δ act, whose accelerations are known to whoever commanded them::
+
+    v(t + δ) = v + Σ a_k dt,      q(t + δ) = q ⊕ (v δ + Σ a_k dt (δ - s_k))
+
+with s_k the middle of the step in which a_k acts: a Smith predictor [1]_ whose model is the plan.
+
+The delay is told, or measured: the torques that the motors report are those that were commanded δ ago. A
+state that is older than it should be, by its own time, is carried on by its age as well.
+
+References
+----------
+.. [1] O. J. M. Smith, "Closer control of loops with dead time", Chemical Engineering Progress 53, 1957.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.damping import computable
+from surefoot.robot import Robot
+
+LONGEST = 0.03
+"""Longest delay that is looked for [s]."""
+MEMORY = 0.1
+"""Time over which reported and commanded torques are compared [s]."""
+EVIDENCE = 4.0
+"""How many times better another delay must fit than the one believed so far before it is believed."""
+
+
+class DelayMeter:
+    """Measures after how many steps commanded torques are reported by the motors.
+
+    Parameters
+    ----------
+    joints
+        Number of joints.
+    dt
+        Time between steps [s].
+    """
+
+    def __init__(self, joints: int, dt: float) -> None:
+        self._count = round(LONGEST / dt) + 1
+        self._keep = float(np.exp(-dt / MEMORY))
+        self._joints = joints
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past; the delay is none until something else is seen."""
+        self.steps = 0
+        self._asked = np.zeros((self._count, self._joints))
+        self._misfit = np.zeros(self._count)
+        self._seen = 0
+
+    def commanded(self, torques: FloatArray) -> None:
+        """Note (joints,) torques that were commanded in this step [N m]."""
+        self._asked[1:] = self._asked[:-1]
+        self._asked[0] = np.nan_to_num(torques)
+        self._seen += 1
+
+    def reported(self, torques: FloatArray) -> int:
+        """Return the delay in steps, after (joints,) torques that the motors say they gave last [N m]."""
+        if self._seen and np.isfinite(torques).all():
+            miss = self._asked - torques
+            self._misfit *= self._keep
+            self._misfit += np.einsum("ij,ij->i", miss, miss)
+            best = int(np.argmin(self._misfit[: self._seen]))
+            if EVIDENCE * self._misfit[best] < self._misfit[self.steps]:
+                self.steps = best
+        return self.steps
+
+
+class LatencyCompensation(Controller):
+    """A controller that acts on the state to come; see the module.
+
+    Parameters
+    ----------
+    controller
+        Whose commands tell their `accelerations`; those that do not count as zero.
+    robot
+        Whose state.
+    dt
+        Time between steps [s].
+    delay
+        Between a state and its torques [s]; None to measure it.
+
+    Raises
+    ------
+    ProblemError
+        For a delay that is negative or longer than `LONGEST`.
+    """
+
+    def __init__(self, controller: Controller, robot: Robot, dt: float, delay: float | None = None) -> None:
+        self.controller, self.robot, self.dt = controller, robot, real_number("dt", dt, low=1e-6)
+        self._told = None if delay is None else round(real_number("delay", delay, low=0.0, high=LONGEST) / dt)
+        self.channels, self.facts = controller.channels, controller.facts
+        self.meter = DelayMeter(robot.joints, dt)
+        self._past: deque[FloatArray] = deque(maxlen=round(LONGEST / dt) + 1)
+        self._now: float | None = None
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self.controller.reset()
+        self.meter.reset()
+        self._past.clear()
+        self._now = None
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that the controller's step may call."""
+        self.controller.warm_up(state)
+
+    @property
+    def steps(self) -> int:
+        """The delay that it allows for, in steps."""
+        return self.meter.steps if self._told is None else self._told
+
+    def step(self, state: RobotState) -> Command:
+        """Return the command for the state when it will act."""
+        self._now = state.time if self._now is None else self._now + self.dt
+        if self._told is None and state.torques is not None:
+            self.meter.reported(state.torques)
+        command = self.controller.step(self.ahead(state))
+        told = command.accelerations
+        self._past.appendleft(np.zeros(self.robot.model.nv) if told is None else told)
+        self.meter.commanded(command.torques)
+        return command
+
+    def ahead(self, state: RobotState) -> RobotState:
+        """Return the state in which a command for this one will act."""
+        age = 0 if self._now is None else max(round((self._now - state.time) / self.dt), 0)
+        steps = min(self.steps + age, len(self._past))
+        if steps == 0 or not computable(state.q, state.v):
+            return state
+        import pinocchio
+
+        accelerations = np.array([self._past[k] for k in range(steps - 1, -1, -1)])  # the first acts now
+        delay, dt = steps * self.dt, self.dt
+        left = delay - dt * (np.arange(steps) + 0.5)
+        move = delay * state.v + dt * (left @ accelerations)
+        q = np.asarray(pinocchio.integrate(self.robot.model, state.q, move))
+        v = state.v + dt * accelerations.sum(axis=0)
+        if not computable(q, v):
+            return state
+        return state._replace(q=q, v=v, time=state.time + delay)

@@ -1,0 +1,74 @@
+"""Which controller walks a robot: by its feet."""
+
+from __future__ import annotations
+
+from surefoot.control.actuators import Actuators
+from surefoot.control.controller import Controller
+from surefoot.control.gait import ContactSchedule, Gait
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.errors import ProblemError
+from surefoot.robot import Robot
+from surefoot.terrain import Terrain
+
+
+def default_gait(robot: Robot) -> str:
+    """Return the name of the gait that a robot walks with unless told otherwise: trot, on two feet walk."""
+    return "walk" if len(robot.feet) == 2 else "trot"
+
+
+def walking_controller(
+    robot: Robot,
+    command: VelocityCommand,
+    gait: str | ContactSchedule | None = None,
+    terrain: Terrain | None = None,
+    mu: float = 0.6,
+    actuators: Actuators | None = None,
+    dt: float = 1e-3,
+    *,
+    watch_friction: bool = False,
+) -> Controller:
+    """Return the controller that walks a robot with its default settings.
+
+    Two flat feet are walked by `BipedController`, point feet by `WalkingController`.
+
+    Parameters
+    ----------
+    robot
+        With a floating base.
+    command
+        Wanted velocity over time.
+    gait
+        A name, or a schedule for the robot's feet; None for `default_gait`.
+    terrain
+        The ground that the controller believes in; None for flat.
+    mu
+        Friction that it believes in [-].
+    actuators
+        What it knows of the motors; None for ideal ones.
+    dt
+        Time between its steps [s].
+    watch_friction
+        Whether it believes in less friction where its feet slide; point feet only.
+
+    Raises
+    ------
+    ModelError
+        If the robot cannot walk.
+    ProblemError
+        If the gait does not fit the robot's feet, or two flat feet should find out terrain or friction.
+    """
+    chosen = default_gait(robot) if gait is None else gait
+    if len(robot.feet) == 2 and all(foot.flat for foot in robot.feet):
+        from surefoot.control.biped.settings import BipedSettings
+        from surefoot.control.biped.walking import BipedController
+
+        if not isinstance(chosen, (str, Gait)):
+            raise ProblemError("two flat feet walk with a gait that repeats, not with a list of modes")
+        if watch_friction or (terrain is not None and terrain.learns):
+            raise ProblemError(f"{robot.name} has flat feet: terrain and friction must be told it")
+        biped = BipedSettings(mu=mu, actuators=actuators)
+        return BipedController(robot, command, chosen, terrain, biped, dt)
+    from surefoot.control.walking import WalkingController, WalkSettings
+
+    settings = WalkSettings(mu=mu, watch_friction=watch_friction, actuators=actuators)
+    return WalkingController(robot, command, chosen, terrain, settings, dt)

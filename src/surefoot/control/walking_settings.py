@@ -1,0 +1,97 @@
+"""How a robot walks, and what its walking controller asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.contact import Status
+from surefoot.control.actuators import Actuators
+from surefoot.control.controller import Command
+from surefoot.control.load_adaptation import LoadSettings
+from surefoot.control.mpc import MpcWeights
+from surefoot.control.whole_body import Weights
+
+
+@dataclass(frozen=True)
+class WalkSettings:
+    """How a robot walks; the defaults suit every robot.
+
+    Attributes
+    ----------
+    mu
+        Friction that the controller believes in.
+    watch_friction
+        Whether it believes in less where its feet slide, and slows; see `surefoot.control.grip`.
+    friction_share
+        Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
+    start
+        Time to stand before the gait begins [s].
+    clearance
+        Height of the swing over the ground, as a share of the height of the centre of mass.
+    horizon
+        Steps of the MPC.
+    steps_per_period
+        MPC steps in a cycle of the gait.
+    plan_interval
+        Longest time between plans [s].
+    body_stiffness, swing_stiffness
+        Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
+    normal_min, normal_max
+        Bounds on a carrying foot's normal force, as shares of m g.
+    load
+        What is made of an unknown payload and external wrench; None to observe none.
+    actuators
+        The motors that it believes to command; None for ideal ones.
+    """
+
+    mu: float = 0.6
+    watch_friction: bool = False
+    friction_share: float = 0.9
+    start: float = 0.3
+    clearance: float = 0.22
+    horizon: int = 10
+    steps_per_period: int = 14
+    plan_interval: float = 0.02
+    body_stiffness: float = 2.0
+    swing_stiffness: float = 8.0
+    normal_min: float = 0.02
+    normal_max: float = 1.5
+    load: LoadSettings | None = field(default_factory=LoadSettings)
+    mpc: MpcWeights = field(default_factory=MpcWeights)
+    whole_body: Weights = field(default_factory=Weights)
+    actuators: Actuators | None = None
+
+
+@dataclass(frozen=True)
+class WalkCommand(Command):
+    """What the walking controller asks for at one step.
+
+    Attributes
+    ----------
+    planned
+        (n,) which feet the gait wants on the ground; `active` are those that push.
+    frames
+        (n, 3, 3) rotation_world_contact in which the forces are given.
+    wanted
+        (3,) velocity command after limits and ramp: forward, left, yaw rate.
+    targets
+        (n, 3) where feet in the air will touch, or last did.
+    plan_status
+        How the last MPC ended.
+    load
+        Values of the channels of `LoadAdaptation`.
+    """
+
+    planned: BoolArray
+    frames: FloatArray
+    wanted: FloatArray
+    targets: FloatArray
+    plan_status: Status
+    load: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def rows(self) -> dict[str, Any]:
+        """Return which feet are planned on the ground, the wanted velocity, what is observed of a load."""
+        return {"planned": self.planned, "command": self.wanted, **self.load}

@@ -1,0 +1,112 @@
+"""What happens when no fresh state comes: after a while the joints are damped, and that is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, real_number
+from surefoot.control.controller import Command, Controller, JointTargets, RobotState
+from surefoot.log.channels import CHANNELS
+from surefoot.robot import Robot
+from surefoot.spatial import GRAVITY
+
+PATIENCE = 0.02
+"""Age of a state from which it is stale [s]."""
+DAMPING_TIME = 0.1
+"""Damping of a joint over m g h [s/rad], h the height of the base: a leg gives way slowly."""
+LARGEST_DAMPING = 0.2
+"""Share of a joint's speed that damping may take away in a step: more would shake light legs."""
+
+
+@dataclass(frozen=True)
+class WatchedCommand(Command):
+    """A controller's command, and whether the state was too old for one.
+
+    Attributes
+    ----------
+    stale
+        Whether the joints are damped because no fresh state came.
+    told
+        The values of the controller's own channels.
+    """
+
+    stale: bool
+    told: Mapping[str, Any]
+
+    def rows(self) -> dict[str, Any]:
+        """Return the controller's rows, and `stale`."""
+        return {**self.told, "stale": self.stale}
+
+
+class Watchdog(Controller):
+    """A controller that is not asked with a state which is too old; the outermost of several.
+
+    States tell when they were true. Older than `patience`, they are of no use: joints with controllers
+    of their own are damped (kp = 0, v_des = 0), and get no torque otherwise. The first fresh state
+    ends that.
+
+    Parameters
+    ----------
+    controller
+        Who commands.
+    robot
+        Whose joints.
+    dt
+        Time between calls of `step` [s].
+    patience
+        Age of a state from which it is stale [s].
+    """
+
+    def __init__(self, controller: Controller, robot: Robot, dt: float, patience: float = PATIENCE) -> None:
+        import pinocchio
+
+        self.controller, self.dt = controller, real_number("dt", dt, low=1e-6)
+        self.patience = real_number("patience", patience, low=0.0)
+        self.channels, self.facts = (*controller.channels, CHANNELS["stale"]), controller.facts
+        height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
+        inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
+        none = np.zeros(robot.joints)
+        damping: FloatArray = np.minimum(
+            DAMPING_TIME * robot.mass * GRAVITY * height, LARGEST_DAMPING * inertia[robot.base_dof :] / dt
+        )
+        self._damp = JointTargets(none, none, none, damping, none)
+        self._forget()
+
+    def _forget(self) -> None:
+        self._last: Command | None = None
+        self._now: float | None = None
+
+    def reset(self) -> None:
+        """Forget the past: the next step's state is fresh."""
+        self.controller.reset()
+        self._forget()
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that the controller's step may call."""
+        self.controller.warm_up(state)
+
+    def step(self, state: RobotState) -> WatchedCommand:
+        """Return the controller's command, or damping if the state is too old."""
+        self._now = state.time if self._now is None else self._now + self.dt
+        age = self._now - state.time
+        stale = self._last is not None and not age <= self.patience + 0.5 * self.dt
+        if not stale or self._last is None:
+            self._last = self.controller.step(state)
+        return self._watched(self._last, stale)
+
+    def _watched(self, command: Command, stale: bool) -> WatchedCommand:
+        """Return a command with what the watchdog says."""
+        own = WatchedCommand(
+            command.torques, command.forces, command.active, command.attained, command.status, stale,
+            command.rows(), accelerations=command.accelerations, joint_targets=command.joint_targets,
+        )  # fmt: skip
+        if not stale:
+            return own
+        return replace(
+            own, torques=np.zeros_like(own.torques), forces=np.zeros_like(own.forces),
+            active=np.zeros_like(own.active), attained=False, accelerations=None, joint_targets=self._damp,
+        )  # fmt: skip

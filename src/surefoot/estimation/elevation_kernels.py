@@ -1,0 +1,118 @@
+"""Compiled loops of the height map: fusing points, filling what is unknown, reading between cells."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.kernels import kernel
+
+REACH = 5
+"""Unknown cells go by the lowest of the nearest ring with a known one, within so many cells."""
+
+
+@kernel
+def fuse_points(
+    heights: FloatArray,
+    variances: FloatArray,
+    corner: FloatArray,
+    spacing: float,
+    points: FloatArray,
+    spread: FloatArray,
+    gate: float,
+    doubt: float,
+) -> None:
+    """Fuse (k, 3) points with variances (k,) into heights and variances (m, m), one after another.
+
+    A point within `gate` standard deviations of its cell is averaged in, as a scalar Kalman filter does;
+    another adds `doubt` times its squared distance to the cell's variance, and is taken once that lets it in.
+    """
+    count = heights.shape[0]
+    for k in range(points.shape[0]):
+        if not (math.isfinite(points[k, 0]) and math.isfinite(points[k, 1]) and math.isfinite(points[k, 2])):
+            continue
+        i = math.floor((points[k, 0] - corner[0]) / spacing + 0.5)
+        j = math.floor((points[k, 1] - corner[1]) / spacing + 0.5)
+        if i < 0 or j < 0 or i >= count or j >= count:
+            continue
+        z, r, p = points[k, 2], spread[k], variances[i, j]
+        if p == np.inf:
+            heights[i, j], variances[i, j] = z, r
+            continue
+        miss = z - heights[i, j]
+        if miss * miss > gate * gate * (p + r):
+            p += doubt * miss * miss
+            variances[i, j] = p
+            if miss * miss > gate * gate * (p + r):
+                continue
+        gain = p / (p + r)
+        heights[i, j] += gain * miss
+        variances[i, j] = (1.0 - gain) * p
+
+
+@kernel
+def fill_unknown(
+    heights: FloatArray,
+    variances: FloatArray,
+    level: float,
+    slope_x: float,
+    slope_y: float,
+    filled: FloatArray,
+) -> None:
+    """Write the heights that are believed (m, m): medians of 3 x 3 known cells, guesses where none is known.
+
+    `level` is the guessed plane's height at the first cell, `slope_x` and `slope_y` its rise per cell [m];
+    next to known cells the guess is that plane through the one that lies lowest above or below it.
+    """
+    count = heights.shape[0]
+    near = np.empty(9)
+    for i in range(count):
+        for j in range(count):
+            if variances[i, j] == np.inf:
+                lowest = np.inf
+                for reach in range(1, REACH + 1):
+                    for a in range(max(i - reach, 0), min(i + reach + 1, count)):
+                        inner = abs(a - i) < reach
+                        for b in range(max(j - reach, 0), min(j + reach + 1, count)):
+                            if inner and abs(b - j) < reach:
+                                continue
+                            if variances[a, b] != np.inf:
+                                lowest = min(lowest, heights[a, b] - slope_x * a - slope_y * b)
+                    if lowest < np.inf:
+                        break
+                filled[i, j] = (level if lowest == np.inf else lowest) + slope_x * i + slope_y * j
+                continue
+            known = 0
+            for a in range(max(i - 1, 0), min(i + 2, count)):
+                for b in range(max(j - 1, 0), min(j + 2, count)):
+                    if variances[a, b] != np.inf:
+                        h = heights[a, b]
+                        c = known  # insertion into the sorted ones so far
+                        while c > 0 and near[c - 1] > h:
+                            near[c] = near[c - 1]
+                            c -= 1
+                        near[c] = h
+                        known += 1
+            half = known // 2
+            filled[i, j] = near[half] if known % 2 == 1 else 0.5 * (near[half - 1] + near[half])
+
+
+@kernel
+def bilinear(filled: FloatArray, corner: FloatArray, spacing: float, xy: FloatArray) -> FloatArray:
+    """Return heights (k,) at (k, 2) places between the cells of (m, m) heights; level beyond the border."""
+    count = filled.shape[0]
+    out = np.empty(xy.shape[0])
+    for k in range(xy.shape[0]):
+        x = min(max((xy[k, 0] - corner[0]) / spacing, 0.0), count - 1.0)
+        y = min(max((xy[k, 1] - corner[1]) / spacing, 0.0), count - 1.0)
+        if not (x >= 0.0 and y >= 0.0):  # a place that is not a number
+            out[k] = math.nan
+            continue
+        i, j = min(int(x), count - 2), min(int(y), count - 2)
+        u, w = x - i, y - j
+        low = filled[i, j] + w * (filled[i, j + 1] - filled[i, j])
+        high = filled[i + 1, j] + w * (filled[i + 1, j + 1] - filled[i + 1, j])
+        out[k] = low + u * (high - low)
+    return out

@@ -1,0 +1,77 @@
+"""Worlds whose robots have actuators: what every such world does alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.control.actuators import Actuators, actuators_of
+from surefoot.robot import Robot
+from surefoot.robot.rotors import with_rotors
+
+HOLD = 0.5
+"""Share of a joint's momentum that its friction may take away in a step: all of it would chatter."""
+
+
+def equipped(robot: Robot, actuators: str | Actuators) -> tuple[Robot, Actuators | None]:
+    """Return the robot with the rotors of its actuators, and these; the robot itself and None for ideal ones.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name, or a value that does not fit the robot.
+    """
+    chosen = actuators_of(robot, actuators)
+    return (robot, None) if chosen is None else (with_rotors(robot, chosen.armature), chosen)
+
+
+def given_by(world: Any, torques: FloatArray) -> FloatArray:
+    """Return the (joints,) torques [N m] that a world's motors gave last; those asked for if it has none."""
+    return np.asarray(getattr(world, "applied", torques))
+
+
+def facts_of(world: Any) -> dict[str, Any]:
+    """Return what a log says about a world's motors: speed limits, name and curve."""
+    out: dict[str, Any] = {"speed_limits": world.robot.speed_limits}
+    actuators: Actuators | None = getattr(world, "actuators", None)
+    if actuators is not None:
+        limits = actuators.limits
+        out |= {"actuators": actuators.name, "speed_limits": limits.speed, "effort_limits": limits.effort}
+        out |= {"motor_knee": limits.knee, "motor_driving": limits.driving, "armature": actuators.armature}
+        out |= {"viscous_friction": actuators.damping, "dry_friction": actuators.friction}
+    return out
+
+
+class JointFriction:
+    """Damping and dry friction as torques for a world that takes explicit ones.
+
+    Dry friction is that of a joint faster than a creep speed, friction dt / (`HOLD` I), and proportional to
+    the speed below it; I is the inertia that a free joint feels in the nominal pose, rotors included. With
+    rotors of the Go2's that is 0.01 rad/s at 1 ms.
+
+    Parameters
+    ----------
+    robot
+        With its rotors, see `with_rotors`.
+    actuators
+        What rubs.
+    dt
+        Length of a step [s].
+    """
+
+    def __init__(self, robot: Robot, actuators: Actuators, dt: float) -> None:
+        import pinocchio
+
+        M = np.triu(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
+        M = M + np.triu(M, 1).T
+        inertia = 1.0 / np.diag(np.linalg.inv(M))[robot.base_dof :]
+        self._damping = actuators.damping / (1.0 + actuators.damping * dt / (HOLD * inertia))
+        self._friction = actuators.friction
+        self._creep = np.maximum(actuators.friction * dt / (HOLD * inertia), 1e-9)
+
+    def torques(self, speed: FloatArray) -> FloatArray:
+        """Return the torques (joints,) on joints of (joints,) speeds, against the motion [N m]."""
+        dry = np.minimum(np.maximum(speed / self._creep, -1.0), 1.0)
+        return np.asarray(-self._damping * speed - self._friction * dry)

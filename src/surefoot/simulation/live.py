@@ -1,0 +1,190 @@
+"""A run that is watched and steered while it goes: paced to real time, commanded by keys or a gamepad.
+
+Who shows it is a `View`; `surefoot.viz.window` has one. What is steered is a controller with a method
+`steer`, which limits and ramps the velocity as any other (`WalkingController.steer`).
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.log import Log
+from surefoot.simulation.joystick import Joystick, JoystickEvent, outside_dead_zone
+from surefoot.simulation.observers import Moment, Observer
+
+STEPS = (0.1, 0.1, 0.2)
+"""What a key changes: forward, left [m/s], yaw rate [rad/s]."""
+FULL_STICK = (1.0, 0.5, 1.5)
+"""What a stick at its end asks for: forward, left [m/s], yaw rate [rad/s]."""
+STOP_KEY = 32
+"""The space bar."""
+KEYS: dict[int, tuple[int, int]] = {
+    265: (0, 1), ord("W"): (0, 1), 264: (0, -1), ord("S"): (0, -1),
+    263: (2, 1), ord("A"): (2, 1), 262: (2, -1), ord("D"): (2, -1), ord("Q"): (1, 1), ord("E"): (1, -1),
+}  # fmt: skip
+"""Key in GLFW's numbers (up, down, left, right are 265, 264, 263, 262) -> (component, direction)."""
+AXES: dict[int, tuple[int, int]] = {1: (0, -1), 0: (1, -1), 3: (2, -1)}
+"""Axis of a gamepad -> (component, direction): left stick to walk, right stick to turn."""
+STOP_BUTTON = 0
+LATE = 0.25
+"""A run that is later than this does not catch up: what was lost is lost [s]."""
+RATE = 60.0
+"""Pictures, and looks at keys and gamepads, per second."""
+
+
+class Steering:
+    """The velocity that keys and sticks ask for.
+
+    Parameters
+    ----------
+    steer
+        Takes a velocity (3,) and returns what is left of it within the limits.
+    start
+        (3,) velocity at first: forward, left [m/s], yaw rate [rad/s].
+    """
+
+    def __init__(self, steer: Callable[[FloatArray], FloatArray], start: Sequence[float]) -> None:
+        self._steer = steer
+        self.velocity = np.array(start, dtype=np.float64)
+
+    def press(self, key: int) -> bool:
+        """Take a key in GLFW's numbers; return whether it means something."""
+        if key == STOP_KEY:
+            self._ask(np.zeros(3))
+            return True
+        if key not in KEYS:
+            return False
+        component, direction = KEYS[key]
+        wanted = self.velocity.copy()
+        wanted[component] = round(wanted[component] + direction * STEPS[component], 6)
+        self._ask(wanted)
+        return True
+
+    def handle(self, event: JoystickEvent) -> bool:
+        """Take what happened on a gamepad; return whether it means something.
+
+        How sticks stand at first means nothing: some rest at an end.
+        """
+        if event.initial:
+            return False
+        if not event.axis:
+            if event.number == STOP_BUTTON and event.value > 0.0:
+                self._ask(np.zeros(3))
+                return True
+            return False
+        if event.number not in AXES:
+            return False
+        component, direction = AXES[event.number]
+        wanted = self.velocity.copy()
+        wanted[component] = direction * outside_dead_zone(event.value) * FULL_STICK[component]
+        self._ask(wanted + 0.0)  # no minus zero
+        return True
+
+    def _ask(self, wanted: FloatArray) -> None:
+        """Ask for a velocity, and go on from what is granted."""
+        self.velocity = np.array(self._steer(wanted))
+
+
+class Pacer:
+    """Lets simulated time pass no faster than real time.
+
+    Parameters
+    ----------
+    speed
+        Simulated over real time.
+    now, sleep
+        The clock, and what waits [s].
+    """
+
+    def __init__(
+        self,
+        speed: float = 1.0,
+        now: Callable[[], float] = clock.perf_counter,
+        sleep: Callable[[float], None] = clock.sleep,
+    ) -> None:
+        self._speed, self._now, self._sleep = speed, now, sleep
+        self._start = math.nan
+
+    def wait(self, time: float) -> float:
+        """Wait until a simulated time is due and return how late it is [s], 0 if it was waited for."""
+        if math.isnan(self._start):
+            self._start = self._now() - time / self._speed
+        ahead = self._start + time / self._speed - self._now()
+        if ahead > 0.0:
+            self._sleep(ahead)
+            return 0.0
+        if -ahead > LATE:
+            self._start -= ahead  # behind: go on from here
+        return -ahead
+
+
+class View(Protocol):
+    """Shows a run."""
+
+    def open(self, press: Callable[[int], object]) -> None:
+        """Begin to show; `press` is called with every key in GLFW's numbers, from any thread."""
+
+    def show(self, q: FloatArray, velocity: FloatArray) -> bool:
+        """Show (nq,) q [m, -, rad] and the velocity that is asked for; return False once it was closed."""
+        ...
+
+    def close(self) -> None:
+        """Stop showing."""
+
+
+class Live(Observer):
+    """Shows a run while it goes, and lets it be steered; closing the view ends the run as Ctrl-C does.
+
+    Parameters
+    ----------
+    view
+        What shows it; opened here.
+    steering
+        What keys and sticks do.
+    joysticks
+        Gamepads, closed in the end.
+    pacer
+        Keeps the time.
+    """
+
+    def __init__(
+        self, view: View, steering: Steering, joysticks: Sequence[Joystick] = (), pacer: Pacer | None = None
+    ) -> None:
+        self._view, self._steering, self._joysticks = view, steering, joysticks
+        self._pacer = pacer or Pacer()
+        self._keys: deque[int] = deque()
+        self._next = -math.inf
+        view.open(self._keys.append)
+
+    def step(self, moment: Moment) -> None:
+        """Wait for the time of a step; now and then show it and look at what is asked for.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            Once the view was closed.
+        """
+        if moment.time < self._next:
+            return
+        self._next = moment.time + 1.0 / RATE - 1e-9
+        while self._keys:
+            self._steering.press(self._keys.popleft())
+        for joystick in self._joysticks:
+            for event in joystick.events():
+                self._steering.handle(event)
+        if not self._view.show(moment.q, self._steering.velocity):
+            raise KeyboardInterrupt
+        self._pacer.wait(moment.time)
+
+    def end(self, log: Log) -> None:
+        """Close what was opened."""
+        for joystick in self._joysticks:
+            joystick.close()
+        self._view.close()

@@ -1,0 +1,139 @@
+"""MuJoCo's module, and a robot's Pinocchio model as its MjSpec."""
+
+from __future__ import annotations
+
+import ctypes.util
+import os
+import sys
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import MissingExtra, ModelError
+from surefoot.robot import Robot
+from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
+
+FRICTION_RATIO = 100.0
+"""MuJoCo's impratio: friction much stiffer than the normal, so that a sticking foot hardly creeps."""
+_AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
+
+
+def import_mujoco() -> Any:
+    """Return the mujoco module.
+
+    MuJoCo fixes how it draws when it is first imported. Without a screen, and unless MUJOCO_GL says
+    otherwise, it is told to draw through EGL or OSMesa if the system has one of them.
+
+    Raises
+    ------
+    MissingExtra
+        If it is not installed.
+    ModelError
+        If it does not load with the MUJOCO_GL of the environment.
+    """
+    if "mujoco" not in sys.modules and not {"MUJOCO_GL", "DISPLAY"} & os.environ.keys():
+        for name, library in (("egl", "EGL"), ("osmesa", "OSMesa")):
+            if ctypes.util.find_library(library):
+                os.environ["MUJOCO_GL"] = name
+                break
+    try:
+        import mujoco
+    except ModuleNotFoundError as error:
+        raise MissingExtra("mujoco", "sim") from error
+    except (ImportError, AttributeError, RuntimeError) as error:
+        wanted = os.environ.get("MUJOCO_GL", "")
+        raise ModelError(f"MuJoCo does not load with MUJOCO_GL={wanted!r}: {error}") from error
+    return mujoco
+
+
+def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray | None = None) -> Any:
+    """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
+
+    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``. The payload
+    [kg] sits at (3,) base axes [m].
+
+    Raises
+    ------
+    ModelError
+        If the robot has a joint that is neither revolute nor prismatic.
+    """
+    mujoco = import_mujoco()
+    spec, model = mujoco.MjSpec(), robot.model
+    spec.modelname = robot.name
+    spec.compiler.degree = False
+    option = spec.option
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.iterations, option.tolerance, option.impratio = 50, 1e-10, FRICTION_RATIO
+    option.gravity = np.array(model.gravity.linear)
+    bodies = {0: spec.worldbody}
+    for index in range(1, model.njoints):
+        name = str(model.names[index])
+        pose = model.jointPlacements[index]
+        body = bodies[int(model.parents[index])].add_body(
+            name="base:0" if robot.floating and index == 1 else f"joint:{name}",
+            pos=pose.translation,
+            quat=quaternion_wxyz(quaternion_from_rotation(pose.rotation)),
+        )
+        bodies[index] = body
+        _set_inertia(body, model.inertias[index])
+        _add_joint(mujoco, body, model, index, name)
+    if payload > 0.0:
+        place = [0.0] * 3 if payload_position is None else payload_position
+        load = bodies[1].add_body(name="payload", pos=place)
+        load.explicitinertial, load.mass, load.ipos = True, payload, np.zeros(3)
+        load.inertia = np.full(3, 1e-3 * payload)
+    points = robot.contact_points
+    for name, joint, place, radius in zip(
+        points.names, points.joints, points.places, points.radii, strict=True
+    ):
+        bodies[int(joint)].add_geom(
+            name=f"foot:{name}",
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[radius, 0.0, 0.0],
+            pos=place,
+            contype=0,
+            conaffinity=1,
+            condim=3,
+            density=0.0,
+        )
+    return spec
+
+
+def _set_inertia(body: Any, inertia: Any) -> None:
+    """Give an MjSpec body a Pinocchio inertia, through its principal axes."""
+    if inertia.mass <= 0.0:
+        return
+    moments, axes = np.linalg.eigh(inertia.inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    body.explicitinertial, body.mass = True, inertia.mass
+    body.ipos = inertia.lever
+    body.iquat = quaternion_wxyz(quaternion_from_rotation(axes))
+    body.inertia = np.maximum(moments, 1e-12)
+
+
+def _add_joint(mujoco: Any, body: Any, model: Any, index: int, name: str) -> None:
+    """Add the joint of a Pinocchio model to its MjSpec body."""
+    joint = model.joints[index]
+    kind = joint.shortname().removeprefix("JointModel")
+    if kind == "FreeFlyer":
+        body.add_freejoint(name=name)
+        return
+    if kind in ("RevoluteUnaligned", "PrismaticUnaligned"):
+        revolute, axis = kind.startswith("R"), np.array(joint.extract().axis)
+    elif len(kind) == 2 and kind[0] in "RP" and kind[1] in _AXES:
+        revolute, axis = kind[0] == "R", np.array(_AXES[kind[1]])
+    else:
+        raise ModelError(f"joint {name} is a {kind}; the MuJoCo world takes revolute and prismatic joints")
+    low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+    limited = np.isfinite([low, high]).all() and low < high
+    body.add_joint(
+        name=name,
+        type=mujoco.mjtJoint.mjJNT_HINGE if revolute else mujoco.mjtJoint.mjJNT_SLIDE,
+        axis=axis,
+        limited=mujoco.mjtLimited.mjLIMITED_TRUE if limited else mujoco.mjtLimited.mjLIMITED_FALSE,
+        range=[low, high] if limited else [0.0, 0.0],
+    )

@@ -1,0 +1,216 @@
+"""A film of a logged run: forces inside their friction cones, slips, pushes, a clock and a legend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.errors import MissingExtra
+from surefoot.log import Log
+from surefoot.robot import Robot
+from surefoot.simulation.observers import Observer
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import Terrain
+from surefoot.viz.overlay import Entry, Overlay
+from surefoot.viz.shapes import cone_rim
+from surefoot.viz.video import (
+    ARROW_LENGTH,
+    CONE_COLOUR,
+    FORCE_COLOUR,
+    PUSH_COLOUR,
+    WANTED_COLOUR,
+    Arrow,
+    Renderer,
+    RenderError,
+    edge_lines,
+    log_arrows,
+    wanted_differs,
+)
+
+WIDTH, HEIGHT, RATE = 1280, 720, 25
+SLIP_COLOUR = (0.55, 0.0, 0.1, 1.0)
+SLIDING = 0.02
+"""A loaded foot that moves faster along the ground leaves a mark [m/s]."""
+RIM = 20
+"""Sides of the polygon that stands for a cone's rim."""
+_STEP = 1e-3
+"""Height of marks over the ground [m]."""
+
+
+class FilmScene:
+    """What is drawn of a log besides the robot, frame by frame.
+
+    Parameters
+    ----------
+    log
+        Of a run, with its contacts.
+    terrain
+        The ground.
+    scale
+        Length of a newton [m/N].
+    """
+
+    def __init__(self, log: Log, terrain: Terrain, scale: float) -> None:
+        self.log, self.terrain, self.scale = log, terrain, scale
+        self.edges = edge_lines(terrain)
+        self._slides = self._sliding()
+        self._marks: list[Arrow] = []
+        self._last = 0
+
+    def _sliding(self) -> BoolArray:
+        """Return which contacts slide under load at each step: (T, p)."""
+        log = self.log
+        if "contact_velocities" not in log:
+            return np.zeros(log["forces"].shape[:2], dtype=bool)
+        fast = np.linalg.norm(log["contact_velocities"][:, :, :2], axis=-1) > SLIDING
+        return np.asarray(fast & (log["forces"][:, :, 2] > 0.0))
+
+    def legend(self) -> list[Entry]:
+        """Return what the legend has to tell: only what happens in this log."""
+        log = self.log
+        entries = [
+            Entry("arrow", FORCE_COLOUR, "force of the ground"),
+            Entry("cone", CONE_COLOUR, "friction cone, up to its normal part"),
+        ]
+        if wanted_differs(log["forces_commanded"], log["forces"]).any():
+            entries.append(Entry("arrow", WANTED_COLOUR, "commanded, where it is another"))
+        if np.any(log["push"]):
+            largest = float(np.linalg.norm(log["push"], axis=-1).max())
+            entries.append(Entry("arrow", PUSH_COLOUR, f"push, up to {largest:.0f} N"))
+        if self._slides.any():
+            entries.append(Entry("line", SLIP_COLOUR, "slip"))
+        return entries
+
+    def arrows(self, step: int) -> list[Arrow]:
+        """Return the forces of a step, without the push."""
+        arrows = log_arrows(self.log, step, self.terrain, self.scale)
+        return [arrow for arrow in arrows if arrow[2] != PUSH_COLOUR]
+
+    def lines(self, step: int) -> list[Arrow]:
+        """Return cones whose rims hold the forces' tips, the slips up to a step, and the ground's edges."""
+        return [*self._cones(step), *self._slips(step), *self.edges]
+
+    def _cones(self, step: int) -> list[Arrow]:
+        log = self.log
+        lines: list[Arrow] = []
+        mu = float(log["mu"][step])
+        for place, force in zip(log["contact_positions"][step], log["forces"][step], strict=True):
+            if force[2] > 0.0:
+                rim = cone_rim(mu, self.scale * float(force[2]), self.terrain.frame(place[:2]), RIM)
+                lines += [(place + a, b - a, CONE_COLOUR) for a, b in pairwise(rim)]
+                lines += [(place, edge, CONE_COLOUR) for edge in rim[:-1:4]]
+        return lines
+
+    def _slips(self, step: int) -> list[Arrow]:
+        """Return the marks of all slides up to a step; steps are asked for in their order."""
+        places = self.log["contact_positions"]
+        for k in np.flatnonzero(self._slides[self._last : step + 1].any(axis=0)):
+            rows = self._last + np.flatnonzero(self._slides[self._last : step + 1, k])
+            up = _STEP * self.terrain.frame(places[rows[0], k, :2])[:, 2]
+            self._marks.append(
+                (places[rows[0], k] + up, places[rows[-1], k] - places[rows[0], k], SLIP_COLOUR)
+            )
+        self._last = step
+        return self._marks
+
+    def push(self, step: int) -> list[tuple[FloatArray, FloatArray]]:
+        """Return start and tip (3,) of the push's arrow, if there is one: its tip is at the base [m]."""
+        push = self.log["push"][step]
+        if not np.any(push):
+            return []
+        tip = self.log["q"][step, :3]
+        return [(tip - 2.0 * self.scale * push, tip)]
+
+
+def frames_of(
+    log: Log, robot: Robot, terrain: Terrain, rate: float = RATE, size: tuple[int, int] = (WIDTH, HEIGHT)
+) -> Iterator[Any]:
+    """Yield the pictures of a log, (height, width, 3), at `rate` frames per second of simulated time.
+
+    Raises
+    ------
+    RenderError
+        Before the first frame, if there is no OpenGL.
+    """
+    renderer = Renderer(robot, terrain, *size)
+    try:
+        dt = float(log.facts["dt"])
+        every = 1.0 / (rate * dt)
+        scene = FilmScene(log, terrain, ARROW_LENGTH * renderer.size / (robot.mass * GRAVITY))
+        title = f"{robot.name}, ground of friction {float(log['mu'][0]):.2g}"
+        overlay = Overlay(*size, title, scene.legend())
+        for k in range(int(len(log) / every)):
+            step = int(k * every)
+            picture = renderer.frame(log["q"][step], scene.arrows(step), scene.lines(step))
+            flat = [(renderer.pixels(a), renderer.pixels(b)) for a, b in scene.push(step)]
+            yield overlay.over(picture, float(log["time"][step]), flat, PUSH_COLOUR)
+    finally:
+        renderer.close()
+
+
+def write_video(
+    log: Log,
+    robot: Robot,
+    terrain: Terrain,
+    path: Path,
+    rate: int = RATE,
+    progress: Callable[[float], None] | None = None,
+) -> Path:
+    """Write a film of a log as .mp4 and return its path; `progress` is told the share done.
+
+    Raises
+    ------
+    RenderError
+        If there is no OpenGL, or the film cannot be written.
+    MissingExtra
+        If imageio with its ffmpeg is not installed.
+    """
+    try:
+        import imageio.v2 as imageio
+        import imageio_ffmpeg  # noqa: F401
+    except ImportError as error:
+        raise MissingExtra("imageio-ffmpeg", "sim") from error
+    total = max(1, int(len(log) * float(log.facts["dt"]) * rate))
+    writer = None
+    try:
+        for k, picture in enumerate(frames_of(log, robot, terrain, rate)):
+            if writer is None:
+                writer = imageio.get_writer(path, fps=rate, quality=7, macro_block_size=8)
+            writer.append_data(picture)
+            if progress is not None:
+                progress((k + 1) / total)
+    except OSError as error:
+        raise RenderError(f"no video: {error}") from error
+    finally:
+        if writer is not None:
+            writer.close()
+    return path
+
+
+class Film(Observer):
+    """Films a run when it has ended.
+
+    Parameters
+    ----------
+    path
+        Of the new .mp4.
+    robot, terrain
+        Who is filmed on what.
+
+    Raises
+    ------
+    RenderError, MissingExtra
+        At the end of the run; see `write_video`.
+    """
+
+    def __init__(self, path: Path, robot: Robot, terrain: Terrain) -> None:
+        self._path, self._robot, self._terrain = path, robot, terrain
+
+    def end(self, log: Log) -> None:
+        """Write the film."""
+        write_video(log, self._robot, self._terrain, self._path)

@@ -1,0 +1,163 @@
+"""Stacks in a process of their own: what goes to and fro, and what happens when one ends."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.stacks import peer as peers
+from benchmarks.stacks.peer import Peer, PeerController
+from benchmarks.stacks.pins import PINS, Pin, commit_of
+from benchmarks.stacks.setting import IDEAL
+from benchmarks.stacks.stack import Job
+from benchmarks.stacks.stacks import PEERS
+from benchmarks.stacks.tasks import TASKS
+from benchmarks.stacks.trial import carry_out
+from surefoot.control.controller import RobotState
+from surefoot.errors import SurefootError
+from surefoot.robot import load_robot, place
+from surefoot.terrain import FlatTerrain, SlopeTerrain
+
+STANDS = """
+    import json, os, sys, time
+    channel = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    print("a peer may print")
+    import numpy as np
+    told = json.loads(sys.stdin.buffer.readline())
+    assert os.path.isdir(sys.argv[1]) and os.path.isfile(told["urdf"]["file"])
+    goal = np.array(told["q"][7:])
+    channel.write((json.dumps({"dt": 0.002, "period": 0.5, "joints": goal.tolist()}) + "\\n").encode())
+    channel.flush()
+    while len(raw := sys.stdin.buffer.read(8 * 45)) == 8 * 45:
+        request = np.frombuffer(raw)
+        q, v = request[4:23], request[23:41]
+        torques = 60.0 * (goal - q[7:]) - 2.0 * v[6:] + 0.0 * request[0]
+        forces = np.tile([1.0, 2.0, 10.0], 4)
+        EXTRA
+        stance = [1.0, 1.0, 1.0, 0.0]
+        answer = np.concatenate([torques, forces, stance, [1e-3]])
+        channel.write(answer.tobytes())
+        channel.flush()
+"""
+
+
+@pytest.fixture
+def peer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Peer:
+    """A peer that stands."""
+    monkeypatch.setitem(PINS, "stander", Pin("https://example.org/stander", "0" * 40, "STANDER", "numpy"))
+    return make(tmp_path, "")
+
+
+def make(folder: Path, extra: str) -> Peer:
+    program = folder / "stander.py"
+    program.write_text(textwrap.dedent(STANDS.replace("EXTRA", extra)))
+    return Peer("stander", "a stander", str(program), ("go2",)).at(folder)
+
+
+def job(slope: float = 0.0) -> Job:
+    ground = SlopeTerrain(slope) if slope else FlatTerrain()
+    return Job(load_robot("go2"), (0.4, 0.0, 0.0), ground, 0.6)
+
+
+def test_torques_are_held_between_the_times_when_the_peer_is_due(peer: Peer) -> None:
+    task = job()
+    robot = task.robot
+    controller = peer.controller(task)
+    try:
+        v = np.zeros(18)
+        v[6:] = 0.1
+        first = controller.step(RobotState(robot.nominal, v, 0.0))
+        held = controller.step(RobotState(robot.nominal, 0.0 * v, 0.001))
+        after = controller.step(RobotState(robot.nominal, 0.0 * v, 0.002))
+        assert first.torques == pytest.approx(-0.2 * np.ones(12))
+        assert held.torques == pytest.approx(first.torques)
+        assert after.torques == pytest.approx(np.zeros(12))
+        assert controller.cpu == [1e-3, 0.0, 1e-3]
+        assert first.active.tolist() == [True, True, True, False]
+        assert first.forces[0] == pytest.approx([1.0, 2.0, 10.0])
+        assert first.forces[3] == pytest.approx([0.0, 0.0, 0.0]), "a foot in the air pushes nothing"
+        assert controller.step(RobotState(robot.nominal, v, 5.0)).rows()["command"] == pytest.approx(
+            [0.4, 0, 0]
+        )
+    finally:
+        controller.close()
+
+
+def test_forces_are_told_in_the_frames_of_the_ground(peer: Peer) -> None:
+    task = job(20.0)
+    controller = peer.controller(task)
+    try:
+        found = controller.step(RobotState(task.robot.nominal, np.zeros(18))).forces[0]
+    finally:
+        controller.close()
+    frame = task.terrain.frame([0.0, 0.0])
+    assert frame @ found == pytest.approx([1.0, 2.0, 10.0])
+    assert found[2] == pytest.approx(np.array([1.0, 2.0, 10.0]) @ task.terrain.normal([0.0, 0.0]))
+
+
+def test_a_trial_with_a_peer(peer: Peer) -> None:
+    found = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
+    assert found.outcome == "done"
+    assert found.faults(TASKS["speed-0.2"], (0.2, 0.0, 0.0))[0] == "off course", "it only stands"
+    assert found.measures.slip < 0.01
+    assert found.step_us == pytest.approx(500.0)
+    assert found.real_time < 2.0, "the peer's own CPU time counts"
+
+
+@pytest.mark.parametrize(
+    ("extra", "said"),
+    [
+        ("if request[0] > 0.01: raise ValueError('no such foot')", "ended: ValueError: no such foot"),
+        ("torques = torques * (np.nan if request[0] > 0.01 else 1.0)", "that are not finite"),
+    ],
+)
+def test_a_peer_that_fails_ends_its_trial(peer: Peer, tmp_path: Path, extra: str, said: str) -> None:
+    found = carry_out(make(tmp_path, extra), TASKS["speed-0.2"], 0, IDEAL)
+    assert found.outcome == "invalid"
+    assert said in found.why
+
+
+def test_a_peer_that_does_not_start(peer: Peer, tmp_path: Path) -> None:
+    Path(peer.program).write_text("import nothing_like_it\n")
+    with pytest.raises(SurefootError, match="did not start: ModuleNotFoundError"):
+        PeerController(peer, job())
+    refused = carry_out(peer, TASKS["speed-0.2"], 0, IDEAL)
+    assert (refused.outcome, refused.duration) == ("refused", 0.0)
+
+
+def test_which_version_was_measured(tmp_path: Path, peer: Peer) -> None:
+    assert peer.version() == f"https://example.org/stander of no known commit, written for {'0' * 40}"
+    assert commit_of(tmp_path) == ""
+    assert peer.walks("go2")
+    assert not peer.walks("g1")
+    assert peer.at(tmp_path / "none").missing().endswith("wanted: a checkout of https://example.org/stander")
+
+
+def test_the_adapters_are_there_and_pinned() -> None:
+    for name, stack in PEERS.items():
+        assert (peers.PROGRAMS / stack.program).is_file()
+        assert len(PINS[name].commit) == 40
+
+
+@pytest.mark.parametrize("name", sorted(PEERS))
+def test_a_real_peer_where_there_is_one(name: str) -> None:
+    if not os.environ.get(PINS[name].variable):
+        pytest.skip(f"{PINS[name].variable} names no checkout of {PINS[name].url}")
+    stack = PEERS[name].at(None)
+    task = job()
+    controller = stack.controller(task)
+    try:
+        assert controller.posture is not None
+        q = place(task.robot, q=controller.posture)
+        state = RobotState(q, np.zeros(18), 0.0, np.ones(4, dtype=bool))
+        command = controller.step(state)
+        weight = task.robot.mass * 9.81
+        assert 0.5 * weight < command.forces[:, 2].sum() < 2.0 * weight
+        assert (np.abs(command.torques) <= 0.9 * task.robot.effort_limits + 1e-9).all()
+    finally:
+        controller.close()

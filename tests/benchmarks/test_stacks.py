@@ -1,0 +1,360 @@
+"""The bench of walking stacks: what it measures, how it judges and counts, what it keeps when interrupted."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.stacks import bench as benches
+from benchmarks.stacks.bench import TRIALS, Bench, measure
+from benchmarks.stacks.judging import Trial
+from benchmarks.stacks.measures import Measures, cost_of_transport, outside_cones, stance_slides
+from benchmarks.stacks.setting import HARD, IDEAL, Setting, true_robot
+from benchmarks.stacks.stack import START, Surefoot, ramp_time, ramped
+from benchmarks.stacks.stacks import choose_stacks
+from benchmarks.stacks.table import fastest_held, rows
+from benchmarks.stacks.tasks import LADDER, QUADRUPEDS, TASKS, Bound, choose_tasks
+from benchmarks.stacks.trial import PHASES, Variation, asked_velocity, hip_height, push_time, start
+from surefoot.cli.main import main
+from surefoot.control.walking_body import BodyPlan
+from surefoot.errors import ProblemError
+from surefoot.log import CHANNELS, Log
+from surefoot.robot import load_robot
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import SlopeTerrain
+
+GOOD = Measures(
+    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
+)  # fmt: skip
+
+
+def trial(task: str = "speed-0.5", seed: int = 0, outcome: str = "done", **changed: Any) -> Trial:
+    return Trial("surefoot", task, seed, outcome, "", replace(GOOD, **changed), 150.0, 300.0, 2.0, 8.0)
+
+
+def test_there_is_a_task_for_all_that_has_to_hold() -> None:
+    must = {name for name, task in TASKS.items() if task.must}
+    assert {f"speed-{v:g}" for v in LADDER} | {f"robot-{name}" for name in QUADRUPEDS} <= must
+    assert {"payload-off-centre", "ice", "stairs-up", "stairs-down", "slope-up", "delay", "estimate"} <= must
+    assert sum(name.startswith("push-") for name in must) == 8
+    assert sum(name.startswith("g1-push-") for name in must) == 4
+    assert {"g1-0", "g1-0.3", "g1-0.6", "g1-turn", "g1-slope-up", "g1-rough", "real-time"} <= must
+    pushes = [TASKS[name].push for name in must if name.startswith("push-")]
+    assert all(math.hypot(*push) == pytest.approx(150.0) for push in pushes if push is not None)
+
+
+def test_names_of_tasks() -> None:
+    assert len(choose_tasks(None)) == len(TASKS)
+    assert [task.name for task in choose_tasks(["g1-slope-", "ice"])] == [
+        "g1-slope-up",
+        "g1-slope-down",
+        "ice",
+    ]
+    with pytest.raises(ProblemError, match="unknown task 'moon'"):
+        choose_tasks(["moon"])
+
+
+def test_the_ramp_is_that_of_the_controllers() -> None:
+    asked, height, dt = (1.2, -0.3, 0.8), 0.3, 1e-3
+    body = BodyPlan(height, np.zeros(3), 0.0)
+    for k in range(2000):
+        if k * dt >= START:
+            body.advance(np.array(asked), np.zeros(3), dt)
+        assert ramped(asked, (k + 1) * dt, height) == pytest.approx(body.velocity, abs=2.5e-3)
+    assert ramped(asked, ramp_time(asked, height), height) == pytest.approx(asked)
+    assert np.abs(ramped(asked, ramp_time(asked, height) - 0.01, height) - asked).max() > 1e-3
+
+
+def test_a_heavier_robot_with_a_load() -> None:
+    robot = load_robot("go2")
+    heavy = true_robot(robot, 1.05, 5.0, (0.1, 0.08, 0.08))
+    assert heavy.mass == pytest.approx(1.05 * robot.mass + 5.0)
+    base = robot.nominal[:3] + np.array([0.1, 0.08, 0.08])  # level, so its axes are the world's
+    com = (1.05 * robot.mass * robot.com() + 5.0 * base) / heavy.mass
+    assert heavy.com() == pytest.approx(com, abs=1e-9)
+    assert robot.mass == pytest.approx(16.085), "the documented one stays as it is"
+    inertia = np.asarray(heavy.model.inertias[2].inertia)
+    assert inertia == pytest.approx(1.05 * np.asarray(robot.model.inertias[2].inertia))
+
+
+def test_hips_and_speeds_of_other_quadrupeds() -> None:
+    robot = load_robot("anymal_c")
+    assert hip_height(robot) == pytest.approx(robot.nominal[2], abs=0.02)
+    speed = asked_velocity(TASKS["robot-anymal_c"])[0]
+    assert speed == pytest.approx(0.5 * math.sqrt(GRAVITY * hip_height(robot)), abs=1e-3)
+
+
+def test_a_start_moves_the_base_and_leaves_the_feet() -> None:
+    robot, ground = load_robot("go2"), SlopeTerrain(15.0)
+    still = replace(Variation.drawn(3), place=(0.0, 0.0), lean=(0.0, 0.0))
+    q0, q1 = start(robot, ground, None, still), start(robot, ground, None, Variation.drawn(3))
+    assert robot.foot_positions(q1) == pytest.approx(robot.foot_positions(q0), abs=2e-5)
+    assert q1[:2] - q0[:2] == pytest.approx(Variation.drawn(3).place)
+    assert np.abs(q1[3:7] - q0[3:7]).max() > 1e-3
+    posture = robot.nominal.copy()
+    posture[7:] = np.tile([0.0, 0.9, -1.8], 4)
+    assert start(robot, ground, posture, still)[2] < q0[2] - 0.03
+
+
+def test_pushes_come_in_the_phase_of_the_seed() -> None:
+    seeds = [Variation.drawn(seed) for seed in range(2 * PHASES)]
+    assert [vary.phase for vary in seeds] == [0.0, 0.25, 0.5, 0.75] * 2
+    controller: Any = SimpleNamespace(gait_start=0.3, gait_period=0.42)
+    for vary in seeds:
+        time = push_time(controller, vary.phase)
+        assert 2.5 - 1e-9 <= time < 2.5 + 0.42
+        assert ((time - 0.3) / 0.42 - vary.phase) % 1.0 == pytest.approx(0.0, abs=2e-3) or (
+            (time - 0.3) / 0.42 - vary.phase
+        ) % 1.0 == pytest.approx(1.0, abs=2e-3)
+    assert max(abs(vary.mass - 1.0) for vary in seeds) <= 0.05
+    assert len({vary.mass for vary in seeds}) == len(seeds)
+
+
+def synthetic(**arrays: Any) -> Log:
+    """Return a log of one contact that weighs 10 N, at 1 ms."""
+    T = len(next(iter(arrays.values())))
+    full: dict[str, Any] = {
+        "time": 1e-3 * np.arange(T),
+        "q": np.zeros((T, 8)),
+        "v": np.zeros((T, 7)),
+    } | arrays
+    facts = {"dt": 1e-3, "mass": 10.0 / GRAVITY, "contact_foot": [0], "feet": ["foot"]}
+    return Log(full, facts, {name: CHANNELS[name] for name in full})
+
+
+def test_slides_of_stances_against_adding_up_one_by_one() -> None:
+    random, T = np.random.default_rng(5), 4000
+    loaded = np.repeat(random.random(40) < 0.5, 100)
+    loaded[150:160] = False  # a bounce
+    forces = np.zeros((T, 1, 3))
+    forces[:, 0, 2] = np.where(loaded, 5.0, 0.0)
+    velocity = random.normal(scale=0.2, size=(T, 1, 3)).cumsum(axis=0) * 0.05
+    longest, place, free = 0.0, None, 99
+    for k in range(T):
+        if not loaded[k]:
+            free += 1
+            continue
+        if place is None or free > 20:
+            place = -1e-3 * velocity[k, 0, :2]  # the row of the touchdown counts for nothing
+        free = 0
+        place = place + 1e-3 * velocity[k, 0, :2]
+        longest = max(longest, float(np.linalg.norm(place)))
+    found = stance_slides(synthetic(forces=forces, contact_velocities=velocity))
+    assert found == pytest.approx([longest], rel=1e-9)
+    assert longest > 0.01
+
+
+def test_cost_of_transport_of_a_known_motion() -> None:
+    T = 1001
+    q, v, torques = np.zeros((T, 8)), np.zeros((T, 7)), np.zeros((T, 1))
+    q[:, 0] = np.linspace(0.0, 2.0, T)
+    v[:, 6], torques[:, 0] = 3.0, np.where(np.arange(T) < 500, 4.0, -4.0)  # braking is no income
+    log = synthetic(q=q, v=v, torques=torques)
+    assert cost_of_transport(log, 10.0) == pytest.approx(500 * 1e-3 * 12.0 / (10.0 * 2.0))
+    assert math.isnan(cost_of_transport(synthetic(q=q * 0.0, v=v, torques=torques), 10.0))
+
+
+def test_cones_are_those_of_the_ground() -> None:
+    forces = np.array([[[3.0, 4.0, 10.0]], [[3.0, 4.0, 10.2]], [[0.0, 0.0, 0.0]], [[0.1, 0.0, 0.0]]])
+    log = synthetic(forces_commanded=forces, mu=np.full(4, 0.495))
+    assert outside_cones(log, 0.01).tolist() == [True, False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("changed", "fault"),
+    [
+        ({"outcome": "fell"}, "fell"),
+        ({"laws": ("penetration of 1.50 mm (limit 1)",)}, "law: penetration"),
+        ({"velocity_error": 0.11}, "off course"),
+        ({"heading": -16.0}, "off course"),
+        ({"turn_error": 0.11}, "off course"),
+        ({"velocity_error": math.nan}, "off course"),
+    ],
+)
+def test_what_is_not_survived(changed: dict[str, Any], fault: str) -> None:
+    asked = TASKS["speed-0.5"].asked
+    one = trial(**changed)
+    assert not one.survived(asked)
+    assert one.faults(TASKS["speed-0.5"], asked)[0] == fault
+
+
+def test_held_is_survived_within_the_bounds() -> None:
+    task = TASKS["speed-0.5"]
+    assert trial().held(task, task.asked)
+    for changed in (
+        {"slip": 0.011},
+        {"velocity_error": 0.021},
+        {"speed_use": 1.01},
+        {"torque_use": math.nan},
+    ):
+        one = trial(**changed)
+        assert one.survived(task.asked)
+        assert not one.held(task, task.asked)
+        assert [bound.measure for bound in one.missed(task)] == list(changed)
+    slow = TASKS["real-time"]
+    assert [str(bound) for bound in trial("real-time").missed(slow)] == ["real_time >= 4"]
+    assert Bound("slip", 0.01).kept(0.01)
+
+
+def test_rows_count_and_have_intervals() -> None:
+    group = [trial(seed=k) for k in range(19)] + [trial(seed=19, outcome="fell")]
+    (row,) = rows(group)
+    assert (row.trials, row.falls, row.survived, row.held, row.holds) == (20, 1, 19, 19, True)
+    assert (row.upright, row.on_course, row.lawful) == (19, 19, 19)
+    # Wilson's interval of 19 of 20, from its definition: the roots of (p - x)² = z² x (1 - x) / n
+    a, b, c = 1 + 1.959964**2 / 20, -(2 * 0.95 + 1.959964**2 / 20), 0.95**2
+    root = math.sqrt(b * b - 4 * a * c)
+    assert row.survival.low == pytest.approx((-b - root) / (2 * a), abs=1e-6)
+    assert row.survival.high == pytest.approx((-b + root) / (2 * a), abs=1e-6)
+    assert row.faults == {"fell": 1}
+    assert (row.slip, row.step_us, row.real_time) == (0.001, 150.0, 2.0)
+    (soft,) = rows([trial(laws=("penetration of 1.3 mm (limit 1)",)), trial(heading=20.0)])
+    assert (soft.upright, soft.on_course, soft.lawful, soft.survived) == (2, 1, 1, 0)
+    (worse,) = rows([*group[:18], trial(seed=18, slip=0.02), trial(seed=19, slip=0.03)])
+    assert (worse.survived, worse.held, worse.holds, worse.slip) == (20, 18, False, 0.03)
+
+
+def test_the_ladder_ends_where_it_is_broken() -> None:
+    found = rows([trial("speed-0.2"), trial("speed-0.8"), trial("speed-0.5", slip=0.02)])
+    assert fastest_held(found) == {"surefoot": 0.2}
+
+
+class Still:
+    """A stack that is never asked: its trials are made up."""
+
+    name, title = "surefoot", "still"
+
+    def missing(self) -> str:
+        return ""
+
+    def walks(self, robot: str) -> bool:
+        return robot == "go2"
+
+    def version(self) -> str:
+        return "1"
+
+    def controller(self, job: Any) -> Any:
+        raise AssertionError
+
+
+def made_up(stack: Any, task: Any, seed: int, setting: Setting) -> Trial:
+    return trial(task.name, seed, laws=(), estimate_drift=math.nan)
+
+
+def small(seeds: int = 3, setting: Setting = HARD) -> Bench:
+    return Bench((Still(),), choose_tasks(["ice", "delay", "g1-0"]), seeds, setting)
+
+
+def test_an_interrupted_bench_goes_on_where_it_was(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    done: list[tuple[str, int]] = []
+
+    def stop_at_four(stack: Any, task: Any, seed: int, setting: Setting) -> Trial:
+        if len(done) == 4:
+            raise KeyboardInterrupt
+        done.append((task.name, seed))
+        return made_up(stack, task, seed, setting)
+
+    monkeypatch.setattr(benches, "carry_out", stop_at_four)
+    first = measure(small(), tmp_path)
+    assert done == [("ice", 0), ("delay", 0), ("ice", 1), ("delay", 1)], "G1 is not for this stack"
+    assert len(first) == 4
+    with (tmp_path / TRIALS).open("a") as file:
+        file.write('{"stack": "surefoot", "ta')  # killed while it wrote
+    told: list[tuple[int, int]] = []
+    monkeypatch.setattr(benches, "carry_out", made_up)
+    both = measure(small(), tmp_path, tell=lambda one, k, n: told.append((k, n)))
+    assert told == [(5, 6), (6, 6)]
+    assert [(t.task, t.seed) for t in both] == [(name, k) for k in range(3) for name in ("ice", "delay")]
+    again = measure(small(), tmp_path, tell=lambda *_: pytest.fail("all trials are kept"))
+    assert [t.as_dict() | {"measures": 0} for t in again] == [t.as_dict() | {"measures": 0} for t in both]
+    assert all(math.isnan(t.measures.estimate_drift) for t in again)
+
+
+def test_what_other_processes_have_begun_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    begun = threading.Event()
+
+    def slow(stack: Any, task: Any, seed: int, setting: Setting) -> Trial:
+        if seed == 1:
+            begun.set()
+            time.sleep(0.2)
+        return made_up(stack, task, seed, setting)
+
+    def interrupted(futures: Any) -> Any:
+        for future in as_completed(futures):
+            yield future
+            if begun.wait(5.0):
+                monkeypatch.setattr(benches, "as_completed", as_completed)
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(benches, "carry_out", slow)
+    monkeypatch.setattr(benches, "as_completed", interrupted)
+    monkeypatch.setattr(benches, "ProcessPoolExecutor", lambda count, initializer: ThreadPoolExecutor(1))
+    found = measure(small(5), tmp_path, workers=2)
+    assert [(t.task, t.seed) for t in found] == [("ice", 0), ("delay", 0), ("ice", 1)]
+    assert len((tmp_path / TRIALS).read_text().splitlines()) == 4
+
+
+def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(benches, "carry_out", made_up)
+    measure(small(1), tmp_path)
+    with pytest.raises(ProblemError, match=r"measured with another setting: .*inekf.*truth"):
+        measure(small(1, IDEAL), tmp_path)
+    (tmp_path / TRIALS).write_text("nonsense\n")
+    with pytest.raises(ProblemError, match="is no file of trials"):
+        measure(small(1), tmp_path)
+
+
+def test_words_that_are_none(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("SUREFOOT_GO2_CONVEX_MPC", raising=False)
+    for words, said in (
+        (["--stack", "moon"], "unknown stack 'moon'"),
+        (["--task", "moon"], "unknown task 'moon'"),
+        (["--estimator", "moon"], "unknown estimator 'moon'"),
+        (["--stack", "go2-convex-mpc"], "set --go2-convex-mpc or SUREFOOT_GO2_CONVEX_MPC to a checkout of"),
+        (["--resume", "/nowhere"], "no trials.jsonl there"),
+    ):
+        assert main(["bench", "stacks", *words]) == 2
+        found = capsys.readouterr()
+        assert said in found.err
+        assert (found.out, found.err.count("\n")) == ("", 1)
+
+
+def test_absent_peers_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("SUREFOOT_GO2_CONVEX_MPC", "SUREFOOT_QUADRUPED_PYMPC"):
+        monkeypatch.delenv(name, raising=False)
+    chosen = choose_stacks(None, {})
+    assert [stack.name for stack in chosen.stacks] == ["surefoot"]
+    assert isinstance(chosen.stacks[0], Surefoot)
+    assert "checkout of https://github.com/iit-DLSLab/Quadruped-PyMPC" in chosen.absent["quadruped-pympc"]
+
+
+def test_a_real_trial_from_the_command_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = ["bench", "stacks", "--stack", "surefoot", "--task", "speed-0.2", "--seeds", "1", "--ideal"]
+    assert main([*words, "--json", "--out", str(tmp_path)]) == 0
+    record = json.loads(capsys.readouterr().out)
+    (row,) = record["rows"]
+    assert (row["task"], row["held"], row["holds"], record["complete"]) == ("speed-0.2", 1, True, True)
+    assert row["forward"] == pytest.approx(0.2, abs=0.01)
+    assert 0.1 < row["cost_of_transport"] < 1.0
+    assert 10.0 < row["step_us"] < row["step_p99_us"]
+    assert row["hits"] is None, "feet alone touch in the kind world"
+    assert record["setting"] == {"estimator": "truth", "actuators": "ideal", "collision": "feet"}
+    (folder,) = tmp_path.iterdir()
+    assert len((folder / TRIALS).read_text().splitlines()) == 2
+    assert main([*words, "--resume", str(folder)]) == 0
+    assert "speed-0.2*" in capsys.readouterr().out
+
+
+def test_rungs_rise() -> None:
+    assert all(a < b for a, b in pairwise(LADDER))

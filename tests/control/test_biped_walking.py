@@ -1,0 +1,46 @@
+"""Walking on two flat feet in MuJoCo, judged by the audit."""
+
+from __future__ import annotations
+
+import pytest
+
+from surefoot.audit import audit_log, summarise_walk
+from surefoot.control.biped.walking import BipedController
+from surefoot.control.walkers import default_gait, walking_controller
+from surefoot.control.walking import WalkingController
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.errors import ModelError, ProblemError
+from surefoot.robot import load_robot
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Scenario
+from surefoot.terrain import FlatTerrain
+
+pytest.importorskip("mujoco")
+
+
+@pytest.mark.parametrize(("name", "speed"), [("g1", 0.3), ("talos", 0.0)])
+def test_humanoids_walk_lawfully(name: str, speed: float) -> None:
+    from surefoot.simulation.mujoco import MujocoWorld
+
+    robot = load_robot(name)
+    controller = walking_controller(robot, VelocityCommand.constant(speed))
+    log = run(MujocoWorld(robot, FlatTerrain(), 0.6), controller, Scenario(4.0, 0.6, seed=1))
+    summary = summarise_walk(log)
+    assert summary.outcome == "walked"
+    assert summary.velocity.within
+    assert summary.tilt_max_deg < 2.0
+    assert summary.commanded_cone_excess < 1e-6
+    assert audit_log(log).lawful
+    swings = (~log["planned"]).any(axis=0)
+    assert swings.all()
+
+
+def test_the_controller_follows_from_the_feet() -> None:
+    still = VelocityCommand.constant(0.0)
+    assert isinstance(walking_controller(load_robot("talos"), still), BipedController)
+    assert isinstance(walking_controller(load_robot("bolt"), still), WalkingController)
+    assert default_gait(load_robot("go2")) == "trot"
+    with pytest.raises(ModelError, match="two flat feet"):
+        BipedController(load_robot("bolt"), still)
+    with pytest.raises(ProblemError, match="valid names: stand, walk"):
+        walking_controller(load_robot("talos"), still, "trot")

@@ -1,0 +1,127 @@
+"""The compiled pieces of the walking controller against plain NumPy and SciPy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from surefoot.control import walking_kernels as kernels
+from surefoot.control.foothold import raibert, step_place
+from surefoot.control.swing import swing_motion
+
+SEEDS = range(4)
+
+
+def turned(vectors: np.ndarray, yaw: float) -> np.ndarray:
+    """Return (..., 2) vectors turned by a heading."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return vectors @ np.array([[c, s], [-s, c]])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_body_is_led_back_to_its_motion(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    motion, now, t = rng.normal(size=(5, 3)), rng.normal(size=(3, 3)), 0.02
+    start, end = Rotation.random(2, rng=rng)
+    com, turn = kernels.follow(motion, start.as_matrix(), t, now, end.as_matrix(), 7.0, 3.0)
+    place, v, spin, a, b = motion
+    miss = place + t * v + 0.5 * t**2 * a - now[0]
+    assert com == pytest.approx(a + 7.0 * miss + 3.0 * (v + t * a - now[1]), abs=1e-12)
+    miss = t * spin + 0.5 * t**2 * b - (end * start.inv()).as_rotvec()
+    assert turn == pytest.approx(b + 7.0 * miss + 3.0 * (spin + t * b - now[2]), abs=1e-9)
+
+
+def test_a_plan_made_now_asks_for_no_turn_back() -> None:
+    R = Rotation.random(rng=np.random.default_rng(0)).as_matrix()
+    _, turn = kernels.follow(np.zeros((5, 3)), np.eye(3), 0.0, np.zeros((3, 3)), R, 7.0, 3.0)
+    assert turn == pytest.approx(np.zeros(3), abs=0.0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_steady_body_moves_along_chords_of_its_arc(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    position, velocity, slope, yaw = rng.normal(size=3), rng.normal(size=3), rng.normal(size=2), 0.7
+    times = np.array([0.0, 0.1, 0.4])
+    headings, places, flow = kernels.cruise(position, yaw, velocity, slope, times)
+    assert headings == pytest.approx(yaw + velocity[2] * times)
+    for t, heading, place, v in zip(times, headings, places, flow, strict=True):
+        move = turned(velocity[:2], yaw + 0.5 * velocity[2] * t) * t
+        assert place == pytest.approx(position + np.array([*move, move @ slope]))
+        along = turned(velocity[:2], heading)
+        assert v == pytest.approx([*along, along @ slope])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_plane_is_that_of_least_squares(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    places, about, damping = rng.normal(size=(4, 3)), rng.normal(size=2), 1e-2
+    rows = np.column_stack([np.ones(4), places[:, :2] - about])
+    rows = np.vstack([rows, np.sqrt(damping) * np.eye(3)[1:]])
+    wanted = np.linalg.lstsq(rows, np.append(places[:, 2], [0.0, 0.0]))[0]
+    assert kernels.plane_through(places, about, damping) == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("fastest", [math.inf, 0.06])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
+    rng = np.random.default_rng(seed)
+    ends, centres, twists = rng.normal(size=(2, 3, 3)), rng.normal(size=(3, 3)), rng.normal(size=(3, 6))
+    timing = np.array([[2.0, 0.3, 0.2, 0.1, -1.0], [2.0, 1.2, 0.2, 0.1, 0.04], [2.0, 0.5, 0.2, 0.1, -1.0]])
+    flying = np.array([True, True, False])
+    out = kernels.swing_accelerations(flying, ends, timing, centres, twists, 0.1, 3.0, fastest, 400.0, 40.0)
+    for k in range(3):
+        apex, share, duration, lift, late = timing[k]
+        path = swing_motion(ends[0, k], ends[1, k], apex, share, duration, 0.1, lift)
+        if late >= 0.0:
+            ramp = min(late, fastest / 3.0)  # then on at the largest speed
+            path[:, 2] -= [1.5 * ramp**2 + 3.0 * ramp * (late - ramp), 3.0 * ramp, 3.0 * (ramp == late)]
+        assert kernels.swing_paths(flying, ends, timing, 0.1, 3.0, fastest)[k] == pytest.approx(
+            path * flying[k]
+        )
+        wanted = path[2] + 400.0 * (path[0] - centres[k]) + 40.0 * (path[1] - twists[k, :3])
+        assert out[k, :3] == pytest.approx(wanted * flying[k])
+    assert (out[:, 3:] == 0.0).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_feet_stand_where_they_are_until_they_have_flown(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    contacts = np.array([[1, 1, 0], [0, 1, 1], [1, 1, 0], [1, 1, 1]], dtype=bool)
+    carrying = contacts[0]
+    stands, target, com = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rng.normal(size=(5, 3))
+    frames, radii = Rotation.random(3, rng=rng).as_matrix(), np.array([0.02, 0.03, 0.04])
+    yaw, offsets = rng.normal(size=5), rng.normal(size=(3, 3))
+    arms = kernels.turned_arms(offsets, yaw)
+    assert arms == pytest.approx(np.array([turned(offsets[:, :2], a) for a in yaw]))
+    ground, middle, slope = 0.3, rng.normal(size=3), rng.normal(size=2)
+    out = kernels.stance_places(
+        contacts, carrying, stands, target, frames, radii, com, arms, 1, ground, middle, slope
+    )
+
+    def coming(i: int, k: int) -> np.ndarray:
+        xy = com[i + 1, :2] + arms[i + 1, k]
+        return np.array([*xy, ground + (xy - middle[:2]) @ slope])
+
+    landing = target[2] - radii[2] * frames[2, :, 2]
+    wanted = np.array(
+        [
+            [stands[0], stands[1], landing],
+            [stands[0], stands[1], landing],
+            [coming(2, 0), stands[1], landing],
+            [coming(2, 0), stands[1], coming(3, 2)],
+        ]
+    )
+    assert out == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.8])
+def test_a_step_goes_where_raibert_puts_it_about_the_coming_hip(turn: float) -> None:
+    com, v, arm = np.array([0.1, 0.2, 0.3]), np.array([0.5, -0.1, 0.0]), np.array([0.2, 0.15, -0.3])
+    wanted, left, yaw = np.array([0.6, 0.1, turn]), 0.12, 0.4
+    flow, hip = turned(wanted[:2], yaw + turn * left), turned(arm[:2], yaw + turn * left)
+    place = raibert(com[:2] + left * flow + hip, v[:2], flow, turn, 0.3, 0.2)
+    place = place + 0.1 * turn * np.array([-hip[1], hip[0]])
+    assert step_place(com, v, arm, yaw, wanted, left, 0.3, 0.2) == pytest.approx(place)

@@ -1,0 +1,95 @@
+"""Films: what the legend tells, where things are in a picture, marks of slips, edges of the ground."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.errors import SurefootError
+from surefoot.viz.film import SLIP_COLOUR, FilmScene
+from surefoot.viz.overlay import Entry, Overlay
+from surefoot.viz.video import BONE_COLOUR, CONE_COLOUR, PUSH_COLOUR, Renderer, edge_lines
+
+STEPS = 30
+
+
+def made(slides: bool = False, pushed: bool = False) -> sf.Log:
+    """Return a log of a robot that stands on one point, which may slide, and may be pushed."""
+    forces = np.tile([[3.0, 0.0, 100.0]], (STEPS, 1, 1))
+    velocity = np.zeros((STEPS, 1, 3))
+    places = np.zeros((STEPS, 1, 3))
+    if slides:
+        velocity[10:20, 0, 0] = 0.5
+        places[:, 0, 0] = 0.01 * np.cumsum(velocity[:, 0, 0])
+    push = np.zeros((STEPS, 3))
+    push[5:] = [30.0 * pushed, 0.0, 0.0]
+    q = np.zeros((STEPS, 19))
+    channels = {
+        "time": 0.01 * np.arange(STEPS), "forces": forces, "forces_commanded": forces, "push": push, "q": q,
+        "contact_positions": places, "contact_velocities": velocity, "mu": np.full(STEPS, 0.5),
+    }  # fmt: skip
+    return sf.Log(channels, {"dt": 0.01})
+
+
+def test_the_legend_tells_only_what_happens() -> None:
+    flat = sf.FlatTerrain()
+    plain = [entry.words for entry in FilmScene(made(), flat, 0.01).legend()]
+    assert plain == ["force of the ground", "friction cone, up to its normal part"]
+    all_of_it = [entry.words for entry in FilmScene(made(True, True), flat, 0.01).legend()]
+    assert all_of_it == [*plain, "push, up to 30 N", "slip"]
+
+
+def test_a_slip_leaves_a_mark_where_it_happened() -> None:
+    scene = FilmScene(made(slides=True), sf.FlatTerrain(), 0.01)
+    assert all(colour != SLIP_COLOUR for _, _, colour in scene.lines(5))
+    scene.lines(14)
+    marks = [(start, way) for start, way, colour in scene.lines(29) if colour == SLIP_COLOUR]
+    assert sum(float(way[0]) for _, way in marks) == pytest.approx(0.04, abs=0.011)  # 0.05 m, in two pieces
+    assert all(0.0 < start[2] < 0.01 for start, _ in marks)
+
+
+def test_the_cone_is_as_high_as_the_normal_force() -> None:
+    rim = [
+        start
+        for start, _, colour in FilmScene(made(), sf.FlatTerrain(), 0.002).lines(0)
+        if colour == CONE_COLOUR
+    ]
+    highest = max(float(start[2]) for start in rim)
+    assert highest == pytest.approx(0.2)
+    assert max(float(np.hypot(*start[:2])) for start in rim) == pytest.approx(0.1)
+
+
+def test_steps_have_edges_and_planes_have_none() -> None:
+    assert edge_lines(sf.FlatTerrain()) == []
+    heights = {round(float(start[2]), 6) for start, _, _ in edge_lines(sf.StairsTerrain(0.1, 0.3))}
+    assert {0.1, 0.2} <= heights
+
+
+def test_a_place_in_the_world_has_its_pixel() -> None:
+    robot = sf.load_robot("go2")
+    try:
+        renderer = Renderer(robot, sf.FlatTerrain(), 320, 180)
+    except SurefootError as error:
+        pytest.skip(str(error))
+    q = sf.place(robot)
+    place = q[:3] + np.array([0.0, 0.0, 0.3])
+    without = renderer.frame(q, []).astype(int)
+    ball = renderer.frame(
+        q, [], [(place - [0.0, 0.0, 0.01], np.array([0.0, 0.0, 0.02]), BONE_COLOUR)]
+    ).astype(int)
+    seen = np.argwhere(np.abs(ball - without).sum(axis=2) > 30)
+    x, y = renderer.pixels(place)
+    renderer.close()
+    assert seen.mean(axis=0) == pytest.approx([y, x], abs=2.0)
+
+
+def test_an_arrow_over_a_picture_hides_nothing_else() -> None:
+    overlay = Overlay(320, 180, "title", [Entry("arrow", PUSH_COLOUR, "push")])
+    blank = np.full((180, 320, 3), 128, dtype=np.uint8)
+    bare = overlay.over(blank, 1.0, [], PUSH_COLOUR)
+    drawn = overlay.over(blank, 1.0, [(np.array([100.0, 90.0]), np.array([200.0, 90.0]))], PUSH_COLOUR)
+    changed = np.argwhere((bare != drawn).any(axis=2))
+    assert changed.min(axis=0) == pytest.approx([90, 100], abs=8)
+    assert changed.max(axis=0) == pytest.approx([90, 200], abs=8)
+    assert (bare[60:150, 30:290] == 128).all()

@@ -1,0 +1,99 @@
+"""The window of live runs: one line without a screen, and what is told to MuJoCo's viewer."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from surefoot.cli.main import main
+from surefoot.errors import ProblemError
+from surefoot.robot import load_robot
+from surefoot.spatial import quaternion_from_rotation, rotation_about
+from surefoot.terrain import FlatTerrain
+from surefoot.viz.window import Window, check_display
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="other systems need no DISPLAY")
+def test_without_a_screen_it_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert main(["walk", "go2", "--view"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert "needs a screen: neither DISPLAY nor WAYLAND_DISPLAY is set" in said.err
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="X11 alone looks for a display by name")
+def test_a_screen_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":7919")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(ProblemError, match="--view cannot open a window"):
+        check_display()
+
+
+def test_a_planner_that_cannot_be_steered(capsys: Any) -> None:
+    assert main(["walk", "go2", "--view", "--planner", "contact-implicit"]) == 2
+    assert "--view steers --planner convex, got contact-implicit" in capsys.readouterr().err
+
+
+class Handle:
+    """What MuJoCo's viewer gives back."""
+
+    def __init__(self) -> None:
+        self.cam, self.running, self.synced = SimpleNamespace(), True, 0
+        self.texts: tuple[Any, ...] = ()
+
+    def is_running(self) -> bool:
+        return self.running
+
+    def lock(self) -> Any:
+        return nullcontext()
+
+    def set_texts(self, texts: tuple[Any, ...]) -> None:
+        self.texts = texts
+
+    def sync(self) -> None:
+        self.synced += 1
+
+    def close(self) -> None:
+        self.running = False
+
+
+def test_what_the_viewer_is_told() -> None:
+    robot, handle, told = load_robot("go2"), Handle(), {}
+
+    def launch(model: Any, data: Any, **options: Any) -> Handle:
+        told.update(options)
+        return handle
+
+    window = Window(robot, FlatTerrain(), launch)
+    keys: list[int] = []
+    window.open(keys.append)
+    told["key_callback"](265)
+    assert keys == [265]
+    assert window.model.body(handle.cam.trackbodyid).name == "base:0"
+    q = robot.nominal.copy()
+    q[:3] = (1.0, 2.0, 0.4)
+    q[3:7] = quaternion_from_rotation(rotation_about(np.array([0.0, 0.0, 1.0]), 0.5))
+    assert window.show(q, np.array([0.3, 0.0, -0.2]))
+    assert window.data.body("base:0").xpos == pytest.approx([1.0, 2.0, 0.4])
+    assert window.data.body("base:0").xmat.reshape(3, 3)[:2, 0] == pytest.approx([np.cos(0.5), np.sin(0.5)])
+    assert (handle.synced, handle.texts[2]) == (1, "0.3 m/s forward, 0.0 left, -0.2 rad/s")
+    handle.running = False
+    assert not window.show(q, np.zeros(3))
+    window.close()
+
+
+def test_a_process_that_may_not_open_windows() -> None:
+    def launch(*_: Any, **__: Any) -> Handle:
+        raise RuntimeError("`launch_passive` requires that the Python script be run under `mjpython`")
+
+    window = Window(load_robot("go2"), FlatTerrain(), launch)
+    with pytest.raises(ProblemError, match=r"cannot open a window: .*mjpython"):
+        window.open(print)
