@@ -199,6 +199,9 @@ class StateEstimator:
         meant = contact if standing is None else contact & standing
         for k in np.flatnonzero(meant & ~self._stood):
             self.ground.stood(int(k), self.detector.points[k])
+            plane = self.ground.normal()
+            if plane is not None:
+                self.ekf.normals[k] = plane
         self._stood = meant
         if self.health is not Health.DIVERGED:
             used = self.ekf.update(self._reading.positions, self._reading.speeds, meant)
