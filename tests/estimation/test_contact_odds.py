@@ -94,6 +94,8 @@ def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
     mapped, felt = GroundBelief(slope, feet), GroundBelief(None, feet)
     np.testing.assert_allclose(mapped.heights(places), slope.height(places[:, :2]))
     np.testing.assert_allclose(felt.heights(places), slope.height(places[:, :2]), atol=1e-12)
+    assert mapped.normal() is None
+    np.testing.assert_allclose(felt.normal(), slope.normal(places[0, :2]), atol=1e-12)
     for k in range(4):
         felt.stood(k, feet[k] + [0.0, 0.0, 0.1])
     np.testing.assert_allclose(felt.heights(places), slope.height(places[:, :2]) + 0.1, atol=1e-12)

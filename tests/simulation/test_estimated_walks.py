@@ -85,6 +85,15 @@ def test_false_touches_do_not_stop_a_leg_in_its_swing() -> None:
     assert (log["contact_estimated"] & high).sum() / high.sum() < 1e-3
 
 
+def test_a_slope_is_felt_without_a_map() -> None:
+    """Feet that roll on what is taken for level drift by 3 % of the way."""
+    _, summary = walk(speed=0.4, terrain=SlopeTerrain(15.0), sensors=replace(ORDINARY, heights=False))
+    assert summary.success
+    assert summary.estimate is not None
+    assert summary.estimate.drift_share is not None
+    assert summary.estimate.drift_share < 0.01
+
+
 def test_a_heavy_robot_whose_feet_bounce_stays_level() -> None:
     """HyQ's feet rebound at 1.2 m/s: a force alone finds them 50 ms late, and it leans by 30 degrees."""
     _, summary = walk(speed=1.21, robot_name="hyq", duration=5.0)
@@ -121,9 +130,10 @@ def test_a_robot_with_a_broken_accelerometer_stops_and_says_so() -> None:
 
 
 def test_a_robot_that_is_thrown_over_fell_and_says_that_it_was_lost_before() -> None:
-    log, summary = walk(pushes=(Push(1.0, (0.0, 0.0, 600.0), 0.3),), duration=3.0)
+    log, summary = walk(pushes=(Push(1.0, (0.0, 0.0, 800.0), 0.1),), duration=3.0)
     assert log.facts["outcome"] == Ending.FELL
     assert summary.error.startswith("the state estimate was lost at 1.")
+    assert "no foot touched" in summary.error
 
 
 def test_the_same_seed_gives_the_same_log() -> None:

@@ -52,7 +52,7 @@ class ContactSettings:
         encoders, as a share of m g over the number of feet: friction in the joints, torques and masses that
         are off.
     heavy
-        Largest usual force, in the same shares.
+        Largest usual force, as such a share.
     height, unmapped
         Standard deviations of a standing foot's height over the believed ground, with a map and without [m].
     clearance
@@ -60,10 +60,10 @@ class ContactSettings:
     still, swinging
         Standard deviations of speeds along the normal [m/s], of feet that stand and that swing.
     pushing, swing
-        Logarithms of the odds of contact by the plan alone: of a foot that pushes, and of one that swings; a
-        foot that should have landed has even odds.
+        Logarithms of the odds of contact by the plan alone [-]: of a foot that pushes, of one that swings;
+        a foot that should have landed has even odds.
     hold
-        How far the odds must turn against what was believed before it changes.
+        How far the odds' logarithm must turn against what was believed before it changes [-].
     """
 
     force: float = 0.05
@@ -103,6 +103,13 @@ class GroundBelief:
         if self._ground is None:
             self._feet[k] = place
             self._fit()
+
+    def normal(self) -> FloatArray | None:
+        """Return the plane's normal (3,), a unit vector; None where a map tells it place by place."""
+        if self._ground is not None:
+            return None
+        up = np.append(-self._slope, 1.0)
+        return np.asarray(up / np.linalg.norm(up))
 
     def heights(self, places: FloatArray) -> FloatArray:
         """Return the ground's heights (n,) below places (n, 3) [m]."""

@@ -44,7 +44,7 @@ class FilterNoise:
     foot
         Wandering of a foot that stands [m/s/√Hz]: creep, rolling, soft ground.
     landing
-        The same while a foot has just landed.
+        The same while a foot has just landed [m/s/√Hz].
     joint, joint_speed
         Of a joint's angle [rad] and of its speed [rad/s].
     velocity, tilt, gyro_bias, accelerometer_bias
@@ -79,7 +79,7 @@ class InvariantFilter:
     noise
         See `FilterNoise`; None for its defaults.
     gate
-        Squared Mahalanobis distance from which a foot is not believed.
+        Squared Mahalanobis distance from which a foot is not believed [-].
 
     Attributes
     ----------
@@ -130,9 +130,10 @@ class InvariantFilter:
         rotation, velocity, position
             (3, 3), (3,) [m/s], (3,) [m] of the IMU in world axes; None for upright.
         bias
-            (6,); None for zero.
+            (6,) of gyro [rad/s] and accelerometer [m/s²]; None for zero.
         covariance
-            (15, 15) of attitude, velocity, place and biases as errors ξ; None for the noise's start.
+            (15, 15) of attitude, velocity, place and biases as errors ξ [rad, m/s, m, rad/s, m/s²]; None for
+            the noise's start.
 
         Raises
         ------
@@ -240,7 +241,7 @@ class InvariantFilter:
         k
             A foot that stands.
         normal
-            (3,) of the plane, world axes.
+            (3,) unit normal of the plane, world axes.
         excess
             How much further than known the foot seems to be [m].
         deviation

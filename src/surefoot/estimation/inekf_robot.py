@@ -40,7 +40,7 @@ class InvariantEkf:
     imu_position
         (3,) of the IMU from the base's origin, base axes [m]; its axes are the base's.
     gate
-        Squared Mahalanobis distance from which a foot is not believed.
+        Squared Mahalanobis distance from which a foot is not believed [-].
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class InvariantEkf:
         positions, speeds
             (joints,) angles [rad] and speeds [rad/s].
         contact
-            (n,) which feet touch; one that moves over the ground all the same is not used.
+            (n,) mask of the feet that touch; one that moves over the ground all the same is not used.
         """
         self.joints(positions, speeds)
         feet, body, arm = self._feet, self.filter, self.imu_position

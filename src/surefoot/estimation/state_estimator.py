@@ -77,7 +77,7 @@ class WatchSettings:
     fastest
         Speed of the base from which it is [m/s].
     bias
-        Size of a bias from which it is, as a multiple of its standard deviation at the start: what takes up
+        Size of a bias from which it is, relative to its standard deviation at the start: what takes up
         that much is no bias, but a sensor that is broken.
     """
 
@@ -199,6 +199,9 @@ class StateEstimator:
         meant = contact if standing is None else contact & standing
         for k in np.flatnonzero(meant & ~self._stood):
             self.ground.stood(int(k), self.detector.points[k])
+            plane = self.ground.normal()
+            if plane is not None:
+                self.ekf.normals[k] = plane
         self._stood = meant
         if self.health is not Health.DIVERGED:
             used = self.ekf.update(self._reading.positions, self._reading.speeds, meant)

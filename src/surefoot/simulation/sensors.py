@@ -125,7 +125,7 @@ class SensorModel:
     heights: bool = True
 
     def scaled(self, level: float) -> SensorModel:
-        """Return sensors whose noise, biases and drifts are `level` times as large.
+        """Return sensors whose noise, biases and drifts are as large as before times the ratio `level`.
 
         Raises
         ------
