@@ -1,9 +1,10 @@
 """Which faults a trotting robot survives: for every kind the largest level that no seed falls at.
 
-Each trial is one simulated trot in MuJoCo; the seed moves the start, the moment of the disturbance within
-the gait, the noise, and which motor is weak. Levels of a kind are ordered from harmless to hopeless, and
-the largest that all seeds survive is found by bisection (survival is taken to be monotone in the level;
-every level that was tried is reported with its number of survivors, a level being left at its first fall).
+Each trial is one simulated trot in MuJoCo on an estimated state, or on the true one; the seed moves the
+start, the moment of the disturbance within the gait, the noise, and which motor is weak. Levels of a kind are
+ordered from harmless to hopeless, and the largest that all seeds survive is found by bisection (survival is
+taken to be monotone in the level; every level that was tried is reported with its number of survivors, a
+level being left at its first fall).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.cli.estimators import ESTIMATORS
 from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
@@ -26,6 +28,7 @@ from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.faults import Faults, believed_robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import Ice, Push, Scenario, run
+from surefoot.simulation.sensors import SensorModel
 from surefoot.terrain import FlatTerrain, PitTerrain, Terrain
 
 DISTURBED = 1.5
@@ -53,6 +56,13 @@ class Trial:
     ice: tuple[Ice, ...] = ()
     faults: Faults = field(default_factory=Faults)
     ground: Terrain | None = None
+    noise: float | None = None
+
+    def told(self, estimator: str) -> tuple[Faults, SensorModel | None]:
+        """Return faults and sensors: noise is that of the sensors, or white noise on the true state."""
+        if estimator == "inekf":
+            return self.faults, SensorModel().scaled(1.0 if self.noise is None else self.noise)
+        return replace(self.faults, noise=self.noise or 0.0), None
 
 
 Make = Callable[[Robot, float, np.random.Generator], Trial]
@@ -105,7 +115,7 @@ def _wrong_mu(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
 
 
 def _noise(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
-    return Trial(faults=Faults(noise=level))
+    return Trial(noise=level)
 
 
 def _weak(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
@@ -138,7 +148,9 @@ FAULTS: dict[str, Fault] = {
         (1.0, 1.5, 2.0, 2.5, 3.0, 4.0),
         _wrong_mu,
     ),
-    "noise": Fault("sensor noise", "times ordinary", (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0), _noise),
+    "noise": Fault(
+        "sensor noise", "times ordinary", (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0), _noise
+    ),
     "weak-motor": Fault(
         "torque loss of one motor", "of its torque", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0), _weak
     ),
@@ -198,7 +210,7 @@ def _robot(name: str) -> tuple[Robot, Any]:
     return robot, place(robot)
 
 
-def survives(robot_name: str, fault: str, level: float, duration: float, seed: int) -> bool:
+def survives(robot_name: str, fault: str, level: float, duration: float, estimator: str, seed: int) -> bool:
     """Return whether the robot still walks at the end of one trial."""
     robot, q = _robot(robot_name)
     generator = np.random.default_rng([seed, 7])
@@ -209,12 +221,13 @@ def survives(robot_name: str, fault: str, level: float, duration: float, seed: i
         seen, VelocityCommand.constant(SPEED), "trot", FlatTerrain(), WalkSettings(mu=believed)
     )
     world = MujocoWorld(robot, trial.ground or FlatTerrain(), trial.mu, payload=trial.payload)
-    scenario = Scenario(duration, trial.mu, trial.pushes, trial.ice, seed, trial.faults, start=q)
+    faults, sensors = trial.told(estimator)
+    scenario = Scenario(duration, trial.mu, trial.pushes, trial.ice, seed, faults, start=q, sensors=sensors)
     return bool(run(world, controller, scenario).facts["outcome"] == Ending.DONE)
 
 
 def largest_level(
-    robot: str, name: str, seeds: int, duration: float, pool: Executor | None, jobs: int
+    robot: str, name: str, seeds: int, duration: float, pool: Executor | None, jobs: int, estimator: str
 ) -> FaultRow:
     """Bisect the levels of one kind of fault."""
     fault, begin = FAULTS[name], time.perf_counter()
@@ -225,7 +238,7 @@ def largest_level(
         count, survivors = 0, 0
         for first in range(0, seeds, jobs):
             batch = range(first, min(first + jobs, seeds))
-            work = partial(survives, robot, name, fault.levels[at], duration)
+            work = partial(survives, robot, name, fault.levels[at], duration, estimator)
             results = list(map(work, batch) if pool is None else pool.map(work, batch))
             count, survivors = count + len(results), survivors + sum(results)
             if survivors < count:
@@ -245,6 +258,7 @@ def measure(
     duration: float = 5.0,
     jobs: int = 1,
     progress: Callable[[float], None] | None = None,
+    estimator: str = "inekf",
 ) -> list[FaultRow]:
     """Return a row for every kind of fault.
 
@@ -262,13 +276,22 @@ def measure(
         Processes.
     progress
         Told the share done.
+    estimator
+        "inekf" or "truth", see `surefoot walk`.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown name.
     """
     chosen = choose_faults(names)
+    if estimator not in ESTIMATORS:
+        raise ProblemError(unknown_name("estimator", estimator, ESTIMATORS))
     load_robot(robot)
     rows = []
     with ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext(None) as pool:
         for k, name in enumerate(chosen):
-            rows.append(largest_level(robot, name, seeds, duration, pool, jobs))
+            rows.append(largest_level(robot, name, seeds, duration, pool, jobs, estimator))
             if progress is not None:
                 progress((k + 1) / len(chosen))
     return rows

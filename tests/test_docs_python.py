@@ -7,7 +7,9 @@ import pytest
 from surefoot.solvers import solver as solvers
 from tests.pages import blocks, run_page
 
-RUN = ("bodies.md", "contact-sets.md", "add-a-contact-law.md", "add-a-solver.md")
+RUN = (
+    "bodies.md", "contact-sets.md", "add-a-contact-law.md", "add-a-solver.md", "loads.md", "lab.md",
+)  # fmt: skip
 """Pages whose blocks are one program."""
 
 

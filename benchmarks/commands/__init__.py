@@ -10,6 +10,7 @@ from benchmarks.commands import (
     execution,
     faults,
     forces,
+    lab,
     momentum,
     plan,
     rigid,
@@ -31,6 +32,6 @@ def bench() -> None:
 for _command in (
     momentum.momentum, statics.statics, walk.walk, faults.faults, contact.contact, rigid.rigid, forces.forces,
     batch.batch, plan.plan, softening.softening, execution.execution,
-    stacks.stacks,
+    lab.lab, stacks.stacks,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from surefoot.cli.console import plain_console
+from surefoot.cli.estimators import EstimatorName
 from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 
@@ -24,6 +25,7 @@ def faults(
     seeds: Annotated[int, typer.Option(min=1, max=1000, help="Trials per level.")] = 20,
     duration: Annotated[float, typer.Option(min=2.5, max=60.0, help="Length of a trial [s].")] = 5.0,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes.")] = 1,
+    estimator: EstimatorName = "inekf",
     quick: Annotated[bool, typer.Option("--quick", help="Two faults, one short trial per level.")] = False,
     out: Annotated[Path | None, typer.Option(help="Write the JSON to a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
@@ -40,8 +42,14 @@ def faults(
     if quick:
         fault, seeds, duration = fault or list(QUICK_FAULTS), 1, 2.5
     with progress_bar(not as_json, "bench faults", 1.0) as show:
-        rows = measure(robot, fault, seeds, duration, jobs, show)
-    record = {"robot": robot, "seeds": seeds, "duration": duration, "faults": [asdict(row) for row in rows]}
+        rows = measure(robot, fault, seeds, duration, jobs, show, estimator)
+    record = {
+        "robot": robot,
+        "estimator": estimator,
+        "seeds": seeds,
+        "duration": duration,
+        "faults": [asdict(row) for row in rows],
+    }
     if as_json:
         print(to_json(record))
     else:

@@ -20,15 +20,15 @@ if TYPE_CHECKING:
     from benchmarks.stacks.judging import Trial
     from benchmarks.stacks.table import Row
 
-PAGE_WIDTH = 190
+PAGE_WIDTH = 210
 """Width of tables that do not go to a terminal."""
 MEANINGS = (
-    "survived: upright, on course, lawful. held: within the task's bounds as well (* where that has to "
+    "survived: up, on course, lawful. held: within the task's bounds as well (* where that has to "
     "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
     "longest sliding of one stance, worst. CoT: positive mechanical work over m g times the way. torque, "
-    "speed: highest use of a joint's limit. cones: share of steps with a commanded force outside the true "
-    "cone. CPU: of a controller's step, mean and 99th percentile. x real: simulated over CPU time of the "
-    "whole loop."
+    "speed: highest use of a joint's limit. hits: share of steps with other links touching. cones: share "
+    "of steps with a commanded force outside the true cone. CPU: of a controller's step, mean and 99th "
+    "percentile. x real: simulated over CPU time of the whole loop."
 )
 Checkout = Annotated[
     Path | None, typer.Option(help="Checkout of it; else the environment variable, see docs/stacks.md.")
@@ -70,10 +70,11 @@ def stacks(
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     base = IDEAL if ideal else HARD
     setting = Setting(estimator or base.estimator, actuators or base.actuators, collision or base.collision)
+    tasks = choose_tasks(task)
     if quick:
-        task, seeds = task or list(QUICK), 1
+        tasks, seeds = choose_tasks(task or QUICK)[:2], 1
     chosen = choose_stacks(stack, {"go2-convex-mpc": go2_convex_mpc, "quadruped-pympc": quadruped_pympc})
-    bench = Bench(chosen.stacks, choose_tasks(task), seeds, setting)
+    bench = Bench(chosen.stacks, tasks, seeds, setting)
     folder = _folder(out, resume)
     quiet = not sys.stderr.isatty()
     with ends_softly() as stop, progress_bar(not as_json, "bench stacks", 1.0) as show:
@@ -130,8 +131,8 @@ def _print(found: list[Row], absent: dict[str, str], seeds: int, fastest: dict[s
     console = plain_console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
     table = Table(title=f"up to {seeds} seeds each; intervals of 95 %")
     columns = (
-        "task", "stack", "survived", "interval", "held", "m/s", "error", "slip [mm]", "CoT", "torque",
-        "speed", "cones", "CPU [us]", "p99", "x real", "what was wrong",
+        "task", "stack", "up", "course", "lawful", "survived", "interval", "held", "m/s", "error",
+        "slip [mm]", "CoT", "torque", "speed", "hits", "cones", "CPU [us]", "p99", "x real", "what was wrong",
     )  # fmt: skip
     for name in columns:
         table.add_column(name, justify="left" if name in ("task", "stack", "what was wrong") else "right")
@@ -156,10 +157,12 @@ def _cells(row: Row) -> list[str]:
     low, high = row.survival.low, row.survival.high
     wrong = "; ".join(f"{count} x {fault}" for fault, count in row.faults.items())
     return [
-        f"{row.task}{'*' if row.must else ''}", row.stack, f"{row.survived}/{row.trials}",
+        f"{row.task}{'*' if row.must else ''}", row.stack,
+        str(row.upright), str(row.on_course), str(row.lawful), f"{row.survived}/{row.trials}",
         f"{100 * low:.0f} to {100 * high:.0f} %", f"{row.held}/{row.trials}", number(row.forward, ".3f"),
         number(row.velocity_error, ".3f"), number(row.slip, ".1f", 1e3), number(row.cost_of_transport, ".2f"),
-        number(row.torque_use, ".2f"), number(row.speed_use, ".2f"), number(row.cone_violations, ".0%"),
+        number(row.torque_use, ".2f"), number(row.speed_use, ".2f"), number(row.hits, ".1%"),
+        number(row.cone_violations, ".0%"),
         number(row.step_us, ".0f"), number(row.step_p99_us, ".0f"), number(row.real_time, ".1f"),
         wrong or "nothing",
     ]  # fmt: skip

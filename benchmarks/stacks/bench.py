@@ -157,17 +157,23 @@ def measure(
 def _carried_out(
     trials: Sequence[tuple[Stack, Task, int]], setting: Setting, workers: int
 ) -> Iterator[Trial]:
-    """Yield trials as they are done."""
+    """Yield trials as they are done; Ctrl-C ends it after those that have begun in other processes."""
     if workers == 1:
         for stack, task, seed in trials:
             yield carry_out(stack, task, seed, setting)
         return
     pool = ProcessPoolExecutor(workers, initializer=_leave_signals)
-    futures: list[Future[Trial]] = []
+    open_ones: list[Future[Trial]] = []
     try:
-        futures = [pool.submit(carry_out, stack, task, seed, setting) for stack, task, seed in trials]
-        for future in as_completed(futures):
+        open_ones += [pool.submit(carry_out, stack, task, seed, setting) for stack, task, seed in trials]
+        for future in as_completed(list(open_ones)):
+            open_ones.remove(future)
             yield future.result()
+    except KeyboardInterrupt:
+        begun = [future for future in open_ones if not future.cancel()]
+        for future in as_completed(begun):
+            yield future.result()
+        raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 

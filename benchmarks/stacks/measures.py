@@ -14,6 +14,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.estimate import estimate_errors
 from surefoot.audit.laws import log_laws
 from surefoot.audit.motion import TOUCH, heading_velocity
+from surefoot.audit.motors import motor_use
 from surefoot.audit.slides import RELEASE
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
@@ -45,6 +46,8 @@ class Measures:
         Largest joint torque and speed over the robot's limits.
     over_speed
         Share of the steps with a joint above its speed limit.
+    beyond_curve
+        Share of the steps at which a motor was asked for more than it gives at its speed.
     cost_of_transport
         Positive mechanical work over m g times the way.
     cone_violations
@@ -68,6 +71,7 @@ class Measures:
     torque_use: float = math.nan
     speed_use: float = math.nan
     over_speed: float = math.nan
+    beyond_curve: float = math.nan
     cost_of_transport: float = math.nan
     cone_violations: float = math.nan
     hits: float = math.nan
@@ -92,7 +96,7 @@ def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
     velocity, late = heading_velocity(log), log["time"] >= settled
     mean, wanted = (x[late].mean(axis=0) if late.any() else np.full(3, np.nan) for x in (velocity, asked))
     up = rotation_from_quaternion(log["q"][:, 3:7])[:, 2, 2]
-    speeds = np.abs(log["v"][:, 6:]) / log.fact("speed_limits")
+    motors = motor_use(log)
     errors = estimate_errors(log) if "q_estimated" in log else None
     drift = math.nan if errors is None or errors.drift_share is None else errors.drift_share
     return Measures(
@@ -105,8 +109,9 @@ def measured(log: Log, asked: FloatArray, settled: float) -> Measures:
         slip=float(stance_slides(log).max()),
         tilt=float(np.degrees(np.arccos(np.clip(up.min(), -1.0, 1.0)))),
         torque_use=float((np.abs(log["torques"]) / log.fact("effort_limits")).max()),
-        speed_use=float(speeds.max()),
-        over_speed=float((speeds > 1.0).any(axis=1).mean()),
+        speed_use=math.nan if motors is None else motors.speed_use_max,
+        over_speed=math.nan if motors is None else motors.over_speed_share,
+        beyond_curve=math.nan if motors is None else motors.beyond_curve_share,
         cost_of_transport=cost_of_transport(log, weight),
         cone_violations=float(outside_cones(log, CONE_LIMIT * weight).mean()),
         hits=_hits(log, weight),

@@ -20,7 +20,7 @@ from typing import IO, Any
 import numpy as np
 
 from benchmarks.stacks.pins import PINS, commit_of
-from benchmarks.stacks.stack import Job, TimedController, ramped
+from benchmarks.stacks.stack import START, Job, TimedController, ramped
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
 from surefoot.control.controller import Command, Controller, RobotState
@@ -109,6 +109,7 @@ class PeerController(Controller):
 
     channels: tuple[Channel, ...] = (CHANNELS["command"],)
     apart = True
+    starts = START
     posture: FloatArray | None = None
 
     def __init__(self, peer: Peer, job: Job) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -46,9 +46,14 @@ class Setting:
             if name not in known:
                 raise ProblemError(unknown_name(kind, name, known))
 
-    def sensors(self, noise: float) -> SensorModel | None:
-        """Return sensors with a multiple of ordinary noise, None for the truth."""
-        return SensorModel().scaled(noise) if self.estimator == "inekf" else None
+    def sensors(self, noise: float, heights: bool = True) -> SensorModel | None:
+        """Return sensors with a multiple of ordinary noise, None for the truth.
+
+        `heights` says whether a map corrects the estimated height where feet land.
+        """
+        if self.estimator == "truth":
+            return None
+        return replace(SensorModel().scaled(noise), heights=heights)
 
     def world(self, robot: Robot, terrain: Terrain, mu: float, dt: float, motors: Motors) -> MujocoWorld:
         """Return the world of a true robot on a true ground, with the motors of `motors`."""

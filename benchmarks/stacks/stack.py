@@ -12,14 +12,16 @@ import numpy as np
 from benchmarks.stacks.setting import Motors
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Command, Controller, RobotState
-from surefoot.control.gait import Gait
-from surefoot.control.walking import WalkingController, WalkSettings
+from surefoot.control.latency import LatencyCompensation
+from surefoot.control.terrain_knowledge import believed_ground
+from surefoot.control.walkers import walking_controller
+from surefoot.control.walking import WalkSettings
 from surefoot.control.walking_body import ACCELERATION, VelocityCommand
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
-START = 0.3
+START = WalkSettings().start
 """Time that a robot stands before it is asked to walk [s]."""
 
 
@@ -32,10 +34,12 @@ class Job:
     robot
         As its documents have it: the true one differs in mass.
     asked
-        (forward, left, yaw rate) [m/s, rad/s]; the bench lets every stack stand for `START` and ramps the
+        (forward, left, yaw rate) [m/s, rad/s]; the bench lets peers stand for `START` and ramps the
         command as Surefoot's own, see `ramped`.
     terrain
-        The ground as a map shows it.
+        The true ground; a stack plans on it as far as `knowledge` goes.
+    knowledge
+        "exact", "map" or "blind", see `Task`.
     mu
         Friction that it may count on.
     motors
@@ -49,6 +53,7 @@ class Job:
     terrain: Terrain
     mu: float
     motors: Motors = None
+    knowledge: str = "exact"
     dt: float = 1e-3
 
 
@@ -61,6 +66,8 @@ class TimedController(Controller, Protocol):
         CPU time of every step so far [s]: of all threads, of its own process.
     apart
         Whether that is a process of its own.
+    starts
+        When it begins to follow its command, having stood so far [s].
     gait_start, gait_period
         When a cycle of the gait began, and how long one takes [s].
     posture
@@ -69,6 +76,7 @@ class TimedController(Controller, Protocol):
 
     cpu: list[float]
     apart: bool
+    starts: float
     gait_start: float
     gait_period: float
     posture: FloatArray | None
@@ -107,22 +115,22 @@ class Stack(Protocol):
         """
 
 
-def ramped(asked: Sequence[float], time: float, height: float) -> FloatArray:
-    """Return the (3,) command at a time [s] for a constant velocity that is asked for from `START` on.
+def ramped(asked: Sequence[float], time: float, height: float, start: float = START) -> FloatArray:
+    """Return the (3,) command at a time [s] for a constant velocity that is asked for from `start` on.
 
     It grows by 0.12 g, and by 0.12 g over the height [m] for turning.
 
     >>> ramped((0.5, 0.0, 0.0), 0.3, 0.3).tolist(), ramped((0.5, 0.0, 0.0), 2.0, 0.3).tolist()
     ([0.0, 0.0, 0.0], [0.5, 0.0, 0.0])
     """
-    most = ACCELERATION * GRAVITY * max(time - START, 0.0) * np.array([1.0, 1.0, 1.0 / height])
+    most = ACCELERATION * GRAVITY * max(time - start, 0.0) * np.array([1.0, 1.0, 1.0 / height])
     return np.asarray(np.clip(np.asarray(asked, dtype=np.float64), -most, most))
 
 
-def ramp_time(asked: Sequence[float], height: float) -> float:
+def ramp_time(asked: Sequence[float], height: float, start: float = START) -> float:
     """Return when the command of `ramped` is the asked one [s]."""
     rates = ACCELERATION * GRAVITY * np.array([1.0, 1.0, 1.0 / height])
-    return START + float((np.abs(np.asarray(asked, dtype=np.float64)) / rates).max())
+    return start + float((np.abs(np.asarray(asked, dtype=np.float64)) / rates).max())
 
 
 class Surefoot:
@@ -149,23 +157,31 @@ class Surefoot:
     def controller(self, job: Job) -> TimedController:
         """See `Stack.controller`."""
         command = VelocityCommand.constant(*job.asked)
-        settings = WalkSettings(mu=job.mu, start=START, actuators=job.motors)
-        return Timed(WalkingController(job.robot, command, "trot", job.terrain, settings, job.dt), START)
+        ground = believed_ground(job.knowledge, job.terrain)
+        walker = walking_controller(job.robot, command, None, ground, job.mu, job.motors, job.dt)
+        return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
 
 
 class Timed(Controller):
-    """A controller of this process, each of its steps timed."""
+    """A controller of this process, each of its steps timed.
+
+    Parameters
+    ----------
+    walker
+        Whose gait it is.
+    outermost
+        The same, or what is around it.
+    """
 
     apart = False
     posture: FloatArray | None = None
 
-    def __init__(self, inner: Any, gait_start: float) -> None:
-        self.inner = inner
-        self.channels, self.facts = inner.channels, inner.facts
+    def __init__(self, walker: Any, outermost: Controller) -> None:
+        self.inner = outermost
+        self.channels, self.facts = outermost.channels, outermost.facts
         self.cpu: list[float] = []
-        self.gait_start = gait_start
-        schedule = getattr(inner, "schedule", None)
-        self.gait_period = schedule.period if isinstance(schedule, Gait) else 0.4
+        self.starts = self.gait_start = walker.settings.start
+        self.gait_period = walker.schedule.period
 
     def reset(self) -> None:
         """Forget the past."""

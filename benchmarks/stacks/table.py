@@ -29,13 +29,17 @@ class Row:
         Which, and whether it is one that has to be held.
     asked
         (forward, left, yaw rate) [m/s, rad/s].
-    trials, falls, survived, held
-        Counts: all; that fell; upright, on course and lawful; and within the task's bounds as well.
+    trials, falls
+        Counts: all, and those that fell.
+    upright, on_course, lawful
+        Of those that were on their feet to the end, went where they should, broke no law of contact.
+    survived, held
+        Of those that were all three, and within the task's bounds as well.
     survival, holding
         The last two as shares with Wilson's 95 % intervals.
     forward
         Mean of the mean forward velocities [m/s].
-    velocity_error, slip, tilt, torque_use, speed_use, over_speed, hits, cone_violations
+    velocity_error, slip, tilt, torque_use, speed_use, over_speed, beyond_curve, hits, cone_violations
         Worst of all trials that did not end early, see `Measures`.
     cost_of_transport, step_us, step_p99_us, real_time
         Medians of them.
@@ -52,6 +56,9 @@ class Row:
     asked: tuple[float, float, float]
     trials: int
     falls: int
+    upright: int
+    on_course: int
+    lawful: int
     survived: int
     held: int
     survival: Share
@@ -63,6 +70,7 @@ class Row:
     torque_use: float
     speed_use: float
     over_speed: float
+    beyond_curve: float
     hits: float
     cone_violations: float
     cost_of_transport: float
@@ -108,7 +116,8 @@ def _row(group: Sequence[Trial]) -> Row:
     faults = Counter(fault for trial in group for fault in trial.faults(task, asked))
     return Row(
         group[0].stack, task.name, task.title, task.must, asked, count,
-        sum(trial.outcome == "fell" for trial in group), survived, held,
+        sum(trial.outcome == "fell" for trial in group), len(whole),
+        sum(trial.on_course(asked) for trial in group), sum(trial.lawful for trial in group), survived, held,
         wilson(survived, count), wilson(held, count), over("forward", np.mean),
         faults=dict(faults.most_common()), **worst, **median,
     )  # fmt: skip
@@ -126,8 +135,8 @@ def fastest_held(found: Sequence[Row]) -> dict[str, float]:
 
 
 _WORST = (
-    "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "hits", "cone_violations",
-    "estimate_velocity", "estimate_drift",
+    "velocity_error", "slip", "tilt", "torque_use", "speed_use", "over_speed", "beyond_curve", "hits",
+    "cone_violations", "estimate_velocity", "estimate_drift",
 )  # fmt: skip
 _MEDIAN = ("cost_of_transport", "step_us", "step_p99_us", "real_time")
 _CLOCKS = ("step_us", "step_p99_us", "real_time")

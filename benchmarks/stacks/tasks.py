@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from surefoot.audit.motors import OVER_SPEED
 from surefoot.errors import ProblemError, unknown_name
 
 NEWTONS, PUSH_TIME, PUSH_AT = 150.0, 0.1, 2.5
@@ -60,6 +61,8 @@ class Task:
         [s].
     terrain
         The ground, as `surefoot walk --terrain` takes it.
+    knowledge
+        What a stack may know of the ground: "exact", "map", a height map from a range sensor, or "blind".
     believed_mu, mu
         Friction that the stacks count on; that of the ground (before the seed varies it).
     push
@@ -85,6 +88,7 @@ class Task:
     froude: float | None = None
     duration: float = 8.0
     terrain: str = "flat"
+    knowledge: str = "exact"
     believed_mu: float = 0.6
     mu: float = 0.6
     push: tuple[float, float] | None = None
@@ -98,7 +102,7 @@ class Task:
 
 
 SLIP = Bound("slip", 0.01)
-MOTORS = (Bound("torque_use", 1.0), Bound("speed_use", 1.0))
+MOTORS = (Bound("torque_use", 1.0), Bound("speed_use", OVER_SPEED))
 """Joint torque and speed inside their limits."""
 ESTIMATE = (Bound("estimate_velocity", 0.05), Bound("estimate_drift", 0.02))
 """Error of the estimated velocity [m/s rms], drift over the way."""
@@ -140,11 +144,16 @@ def _faults() -> Iterator[Task]:
     yield Task("ice", "mu 0.2, 0.6 believed", mu=0.2, bounds=MOTORS)
     yield Task("slope-up", "20 degrees up", duration=10.0, terrain="slope:20", bounds=MOTORS)
     yield Task("slope-down", "20 degrees down", duration=10.0, terrain="slope:-20", bounds=MOTORS)
-    for name, rise in (("up", "0.12"), ("down", "-0.12")):
-        yield Task(
-            f"stairs-{name}", f"ten stairs of 12 cm by 30 cm, {name}", (0.4, 0.0, 0.0), duration=12.0,
-            terrain=f"stairs:{rise},0.3", bounds=MOTORS,
-        )  # fmt: skip
+    for knowledge, end, title in (
+        ("exact", "", ""),
+        ("map", "-map", ", seen"),
+        ("blind", "-blind", ", blind"),
+    ):
+        for name, rise in (("up", "0.12"), ("down", "-0.12")):
+            yield Task(
+                f"stairs-{name}{end}", f"ten stairs of 12 cm by 30 cm, {name}{title}", (0.4, 0.0, 0.0),
+                duration=12.0, terrain=f"stairs:{rise},0.3", knowledge=knowledge, bounds=MOTORS,
+            )  # fmt: skip
     yield Task("delay", "torques 5 ms late", delay=0.005, bounds=MOTORS)
     yield Task("noise", "sensors three times as noisy", noise=3.0, must=False)
     yield Task("weak-joint", "one joint gives 70 % of its torque", torque_loss=0.3, must=False)

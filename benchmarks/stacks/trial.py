@@ -20,10 +20,11 @@ from surefoot.log import Ending, Log
 from surefoot.planning.tracking.legs import Legs
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.faults import Faults
+from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
-from surefoot.simulation.walk_terrain import CLEARANCE
+from surefoot.simulation.walk_terrain import CLEARANCE, start_pose
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about, rotation_from_quaternion
 from surefoot.terrain import Terrain, read_terrain
 
@@ -132,7 +133,8 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     asked, ground = asked_velocity(task), read_terrain(task.terrain, "terrain")
     try:
         motors = setting.motors(robot)
-        controller = stack.controller(Job(robot, asked, ground, task.believed_mu, motors))
+        job = Job(robot, asked, ground, task.believed_mu, motors, task.knowledge)
+        controller = stack.controller(job)
     except MissingExtra:
         raise
     except SurefootError as error:
@@ -152,7 +154,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     if log.fact("outcome") == Ending.INTERRUPTED:
         raise KeyboardInterrupt
     spent = cpu.spent + (sum(controller.cpu) if controller.apart else 0.0)
-    return _told(stack, task, seed, log, controller.cpu, spent)
+    return _told(stack, task, seed, log, controller, spent)
 
 
 def _line(error: Exception) -> str:
@@ -170,9 +172,11 @@ def _scenario(
     weak = robot.joint_names[int(vary.joint * robot.joints)] if task.torque_loss > 0.0 else ""
     plain_noise = 0.0 if setting.estimator == "inekf" or task.noise == 1.0 else task.noise
     faults = Faults(plain_noise, task.delay, weak, task.torque_loss)
-    sensors = setting.sensors(task.noise)
+    sensors = setting.sensors(task.noise, task.knowledge == "exact")
+    scanner = RangeSensor() if task.knowledge == "map" else None
     return Scenario(
-        task.duration, task.mu * vary.friction, pushes, (), seed, faults, q, sensors=sensors
+        task.duration, task.mu * vary.friction, pushes, (), seed, faults, q, sensors=sensors,
+        scanner=scanner,
     )  # fmt: skip
 
 
@@ -188,7 +192,10 @@ def start(robot: Robot, ground: Terrain, posture: FloatArray | None, vary: Varia
     vary
         The offsets.
     """
-    q = place(robot, ground, posture, at=ground.approach(CLEARANCE * float(robot.nominal[2])))
+    if posture is None:
+        q = np.array(start_pose(robot, ground))
+    else:
+        q = place(robot, ground, posture, at=ground.approach(CLEARANCE * float(robot.nominal[2])))
     if any(foot.flat for foot in robot.feet):
         return q  # a sole would tilt with its shank
     rotation = rotation_from_quaternion(q[3:7])
@@ -208,19 +215,19 @@ def push_time(controller: TimedController, phase: float) -> float:
     return round(start + (cycles + phase) * period, 3)
 
 
-def _told(stack: Stack, task: Task, seed: int, log: Log, cpu: list[float], spent: float) -> Trial:
+def _told(stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float) -> Trial:
     """Return what a log and the clocks say."""
     robot, asked = documented(task.robot), asked_velocity(task)
     height = float(robot.nominal[2])
-    wanted = np.array([ramped(asked, float(t), height) for t in log["time"]])
-    settled = ramp_time(asked, height) + SETTLED
+    wanted = np.array([ramped(asked, float(t), height, controller.starts) for t in log["time"]])
+    settled = ramp_time(asked, height, controller.starts) + SETTLED
     pushed = np.flatnonzero(np.abs(log["push"]).max(axis=1) > 0.0)
     if len(pushed):
         settled = max(settled, float(log["time"][pushed[-1]]) + RECOVERED)
     ending, duration = str(log.fact("outcome")), len(log) * float(log.fact("dt"))
     why = str(log.facts.get("error", "")) or "; ".join(log.facts.get("notes") or ())
     measures = Measures() if ending == Ending.INVALID else measured(log, wanted, settled)
-    times = 1e6 * np.array(cpu)
+    times = 1e6 * np.array(controller.cpu)
     busy = times[times > 0.0]
     return Trial(
         stack.name, task.name, seed, ending, why, measures,

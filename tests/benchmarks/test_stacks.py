@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -32,7 +35,7 @@ from surefoot.spatial import GRAVITY
 from surefoot.terrain import SlopeTerrain
 
 GOOD = Measures(
-    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
+    0.5, 0.0, 0.0, 0.002, 0.0, 0.5, 0.001, 1.0, 0.5, 0.7, 0.0, 0.0, 0.6, 0.0, 0.0, (), 0.003, 0.004
 )  # fmt: skip
 
 
@@ -208,6 +211,7 @@ def test_rows_count_and_have_intervals() -> None:
     group = [trial(seed=k) for k in range(19)] + [trial(seed=19, outcome="fell")]
     (row,) = rows(group)
     assert (row.trials, row.falls, row.survived, row.held, row.holds) == (20, 1, 19, 19, True)
+    assert (row.upright, row.on_course, row.lawful) == (19, 19, 19)
     # Wilson's interval of 19 of 20, from its definition: the roots of (p - x)² = z² x (1 - x) / n
     a, b, c = 1 + 1.959964**2 / 20, -(2 * 0.95 + 1.959964**2 / 20), 0.95**2
     root = math.sqrt(b * b - 4 * a * c)
@@ -215,6 +219,8 @@ def test_rows_count_and_have_intervals() -> None:
     assert row.survival.high == pytest.approx((-b + root) / (2 * a), abs=1e-6)
     assert row.faults == {"fell": 1}
     assert (row.slip, row.step_us, row.real_time) == (0.001, 150.0, 2.0)
+    (soft,) = rows([trial(laws=("penetration of 1.3 mm (limit 1)",)), trial(heading=20.0)])
+    assert (soft.upright, soft.on_course, soft.lawful, soft.survived) == (2, 1, 1, 0)
     (worse,) = rows([*group[:18], trial(seed=18, slip=0.02), trial(seed=19, slip=0.03)])
     assert (worse.survived, worse.held, worse.holds, worse.slip) == (20, 18, False, 0.03)
 
@@ -273,6 +279,30 @@ def test_an_interrupted_bench_goes_on_where_it_was(monkeypatch: pytest.MonkeyPat
     again = measure(small(), tmp_path, tell=lambda *_: pytest.fail("all trials are kept"))
     assert [t.as_dict() | {"measures": 0} for t in again] == [t.as_dict() | {"measures": 0} for t in both]
     assert all(math.isnan(t.measures.estimate_drift) for t in again)
+
+
+def test_what_other_processes_have_begun_is_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    begun = threading.Event()
+
+    def slow(stack: Any, task: Any, seed: int, setting: Setting) -> Trial:
+        if seed == 1:
+            begun.set()
+            time.sleep(0.2)
+        return made_up(stack, task, seed, setting)
+
+    def interrupted(futures: Any) -> Any:
+        for future in as_completed(futures):
+            yield future
+            if begun.wait(5.0):
+                monkeypatch.setattr(benches, "as_completed", as_completed)
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(benches, "carry_out", slow)
+    monkeypatch.setattr(benches, "as_completed", interrupted)
+    monkeypatch.setattr(benches, "ProcessPoolExecutor", lambda count, initializer: ThreadPoolExecutor(1))
+    found = measure(small(5), tmp_path, workers=2)
+    assert [(t.task, t.seed) for t in found] == [("ice", 0), ("delay", 0), ("ice", 1)]
+    assert len((tmp_path / TRIALS).read_text().splitlines()) == 4
 
 
 def test_trials_of_another_setting_are_not_mixed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def test_help_shows_every_bracket_of_its_texts(
 def test_units_are_in_the_help_of_stand(capfd: pytest.CaptureFixture[str]) -> None:
     main(["stand", "--help"])
     said = capfd.readouterr().out
-    for unit in ("+x [deg]", "time [s]", "know [kg]", "[s, N, s]"):
+    for unit in ("+x [deg]", "time [s]", "[kg], [m]", "[s, N, s]"):
         assert unit in said
 
 

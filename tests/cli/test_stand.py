@@ -120,6 +120,8 @@ def test_pyramids_and_other_solvers(tmp_path: Path) -> None:
         (["--world", "moon"], "unknown world 'moon'"),
         (["--duration", "-1"], "--duration must be between 0.1 (to be judged) and 3600 s"),
         (["--payload", "-1"], "--payload must be a number"),
+        (["--payload", "5@1,2"], "--payload '5@1,2' is not of the form KG or KG@X,Y,Z"),
+        (["--payload", "5@0,0,99"], "--payload must be a number between -10 and 10"),
         (["panda"], "needs a floating base and feet"),
         (["--bogus"], "No such option"),
     ],

@@ -36,6 +36,28 @@ def test_walk_writes_everything(tmp_path: Path, capfd: pytest.CaptureFixture[str
     assert "The three laws" in report
 
 
+@pytest.mark.parametrize("robot", ["a1", "anymal_c", "b1", "go1", "hyq", "laikago", "solo12", "solo8"])
+def test_every_quadruped_walks_as_a_new_user_calls_it(
+    robot: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    code = main(["walk", robot, "--duration", "1.0", "--no-video", "--no-report", "--out", str(tmp_path)])
+    said = capfd.readouterr()
+    assert code == 0, said
+    assert f"{robot} walked for 1.00 s" in said.out
+    assert "state estimate: velocity off by" in said.out
+
+
+def test_the_true_state_is_told_on_demand(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    words = ["walk", *QUICK, "--no-report", "--json", "--out", str(tmp_path)]
+    told, estimated = [], []
+    for more, answers in ((["--estimator", "truth"], told), ([], estimated)):
+        assert main([*words, *more]) == 0
+        answers.append(json.loads(capfd.readouterr().out))
+    assert "estimate" not in told[0]
+    assert estimated[0]["estimate"]["velocity_rms"] < 0.01
+    assert estimated[0]["velocity"]["forward"] != told[0]["velocity"]["forward"]
+
+
 def test_json_is_the_summary_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     code = main(["walk", *QUICK, "--no-report", "--json", "--out", str(tmp_path)])
     out = capfd.readouterr()
@@ -99,6 +121,8 @@ def test_a_fall_is_exit_code_one(tmp_path: Path, capfd: pytest.CaptureFixture[st
         (["--gait-file", "none.info"], "cannot read the gait file"),
         (["--delay", "-1"], "delay must be"),
         (["g1", "--gait", "trot"], "unknown gait for 2 feet 'trot'; valid names: stand, walk"),
+        (["--estimator", "oracle"], "unknown estimator 'oracle'; valid names: inekf, truth"),
+        (["--noise", "-1"], "--noise must be"),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_two(

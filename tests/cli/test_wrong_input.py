@@ -87,6 +87,11 @@ CASES = [
     ),
     *((f"walk solo12 {o} {n}", o) for o in ("--noise", "--delay", "--believed-mu") for n in NOT_FINITE),
     *((f"walk solo12 --velocity={n}", "--velocity") for n in ("nan", "inf,0,0", "1,2,3,4", ",,")),
+    *(
+        (f"{c} --payload {n}", "--payload")
+        for c in BOTH
+        for n in ("''", "@0,0,0", "1@", "1@a,b,c", "1@0,0,nan")
+    ),
     ("walk solo12 --gait stand", "gait 'stand' takes no steps"),
     *(
         (f"walk solo12 --{k}-file {f}", "cannot read")

@@ -10,13 +10,17 @@ import numpy as np
 import pytest
 
 from surefoot.contact import Status
+from surefoot.control.actuators import real_actuators
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.controller import RobotState
+from surefoot.control.joint_targets import JointTargetController
+from surefoot.control.latency import LatencyCompensation
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.standing import StandingController
 from surefoot.control.standing_plan import Lift, StandingPlan
-from surefoot.control.walking import WalkingController
+from surefoot.control.walking import WalkingController, WalkSettings
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.control.watchdog import Watchdog
 from surefoot.control.whole_body import Tasks, WholeBodyController
 from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
 from surefoot.robot import Robot, place
@@ -65,6 +69,24 @@ class Walking:
         return c.torques, c.forces, c.attained, c.status
 
 
+class Wired(Walking):
+    """The walking controller with motors, a delay that it makes up for, joint targets and a watchdog."""
+
+    def __init__(self, robot: Robot, mu: float = MU) -> None:
+        settings = WalkSettings(mu=mu, actuators=real_actuators(robot))
+        walking = WalkingController(robot, VelocityCommand.constant(0.3), settings=settings)
+        targets = JointTargetController(walking, robot, 1e-3)
+        self.controller = Watchdog(LatencyCompensation(targets, robot, 1e-3, 0.003), robot, 1e-3)
+        self.time = 0.0
+
+    def step(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool, Status]:
+        self.time += 1e-3
+        c = self.controller.step(RobotState(q, v, self.time, np.ones(4, dtype=bool), np.full(12, np.nan)))
+        if c.joint_targets is not None:
+            assert all(np.isfinite(part).all() for part in c.joint_targets)
+        return c.torques, c.forces, c.attained, c.status
+
+
 class ContactImplicit:
     """Plans anew at every step."""
 
@@ -102,6 +124,7 @@ CONTROLLERS: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "StandingController, a foot lifted": (Lifting, "go2"),
     "StandingController, flat feet": (Standing, "g1"),
     "WalkingController": (Walking, "go2"),
+    "WalkingController, motors and drives": (Wired, "go2"),
     "ContactImplicitMpc": (ContactImplicit, "go2"),
     "WholeBodyController": (WholeBody, "go2"),
     "WholeBodyController, flat feet": (WholeBody, "g1"),

@@ -67,6 +67,7 @@ control.damping          computable           control/test_whole_body_kernels.py
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
+control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
 control.mpc_model        finish               control/test_mpc_model.py::test_the_prediction_is_the_march by solve
@@ -120,6 +121,10 @@ estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py
 estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
 estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
 estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
+estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
+estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
+estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
+estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
 estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
 estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
@@ -249,6 +254,7 @@ solvers.stopping         force_error          solvers/test_solver_kernels.py::te
 solvers.stopping         project              solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         velocity_error       solvers/test_solver_kernels.py::test_projection_and_errors
+simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
 stepping.arithmetic      apply_impulses       stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
 stepping.arithmetic      assemble             stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
 stepping.arithmetic      factorise            stepping/test_arithmetic.py::test_factor_and_solves

@@ -53,7 +53,7 @@ def march(mpc, given, forces):
         centre = 0.5 * (ref.position[k] + ref.position[k + 1]) + lag
         centre = centre + 0.1 * (1.0 - np.exp(-(k + 0.5) * dt / 0.1)) * slip
         inertia = ref.rotation[k] @ np.asarray(mpc.inertia) @ ref.rotation[k].T
-        pull, moment = np.zeros(3), np.zeros(3)
+        pull, moment = np.split(mpc.outside * np.exp(-(k + 0.5) * dt / mpc.fading), 2)
         on = np.flatnonzero(contacts[k])
         for i in on:
             world = frames[k, i] @ forces[k, i]
@@ -75,9 +75,14 @@ def march(mpc, given, forces):
     return cost, *(np.array(part) for part in zip(*track, strict=True))
 
 
+OUTSIDE = np.array([20.0, -30.0, 15.0, 3.0, -2.0, 1.0])
+
+
+@pytest.mark.parametrize("outside", [0.0, 1.0])
 @pytest.mark.parametrize("name", NAMES)
-def test_the_condensed_cost_is_the_cost_of_the_march(inputs, name):
+def test_the_condensed_cost_is_the_cost_of_the_march(inputs, name, outside):
     mpc = controller(choose_scenes([name])[0])
+    mpc.outside, mpc.fading = outside * OUTSIDE, 0.2
     rng = np.random.default_rng(1)
     for given in inputs[name]:
         program = mpc.program(*given)
@@ -92,9 +97,11 @@ def test_the_condensed_cost_is_the_cost_of_the_march(inputs, name):
         assert np.allclose(np.diff(plain), np.diff(condensed), rtol=1e-9, atol=1e-9 * np.ptp(plain))
 
 
+@pytest.mark.parametrize("outside", [0.0, 1.0])
 @pytest.mark.parametrize("name", NAMES)
-def test_the_prediction_is_the_march(inputs, name):
+def test_the_prediction_is_the_march(inputs, name, outside):
     mpc = controller(choose_scenes([name])[0])
+    mpc.outside, mpc.fading = outside * OUTSIDE, 0.2
     for given in inputs[name]:
         plan = mpc.solve(*given)
         _, p, v, spin, turn = march(mpc, given, plan.forces)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio
 import pytest
@@ -126,8 +128,25 @@ def test_targets_do_not_run_away_from_joints_that_are_held() -> None:
     targets = command.joint_targets
     assert targets is not None
     memory = controller.settings.memory
-    np.testing.assert_allclose(targets.velocities, 50.0 * memory, rtol=0.05)
-    np.testing.assert_allclose(targets.positions - GO2.nominal[7:], 50.0 * memory**2, rtol=0.1)
+    # fixed points of the recursion: x = (1 - dt / T) (x + what a step adds)
+    speed = 50.0 * (memory - DT)
+    way = (memory / DT - 1.0) * (DT * speed + 0.5 * DT * DT * 50.0)
+    np.testing.assert_allclose(targets.velocities, speed + 0.5 * DT * 50.0, rtol=1e-9)
+    middle = way + 0.5 * DT * speed + 0.125 * DT * DT * 50.0
+    np.testing.assert_allclose(targets.positions - GO2.nominal[7:], middle, rtol=1e-9)
+
+
+def test_legs_that_carry_have_lower_gains() -> None:
+    class Lifts(Aim):
+        def step(self, state: RobotState) -> Command:
+            return replace(super().step(state), active=np.array([True, False, True, True]))
+
+    controller = JointTargetController(Lifts(np.zeros(18)), GO2, DT, TargetSettings(carrying=0.2))
+    targets = controller.step(state()).joint_targets
+    assert targets is not None
+    share = np.where(np.arange(12) // 3 == 1, 1.0, 0.2)
+    np.testing.assert_allclose(targets.stiffness, share * controller.stiffness)
+    np.testing.assert_allclose(targets.damping, share * controller.damping)
 
 
 def test_a_command_that_aims_at_nothing_stays_torques() -> None:

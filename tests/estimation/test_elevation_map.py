@@ -66,8 +66,9 @@ def test_unknown_cells_take_the_lowest_nearby_or_the_plane(seed: int) -> None:
             else:
                 nearest = int(rings[known].min())
                 plane = 5.0 + 0.1 * a - 0.2 * b
-                near = nearest <= kernels.REACH
-                wanted = float(heights[known & (rings == nearest)].min()) if near else plane
+                ring = known & (rings == nearest)
+                off = heights - (5.0 + 0.1 * i - 0.2 * j)
+                wanted = plane + (float(off[ring].min()) if nearest <= kernels.REACH else 0.0)
             assert out[a, b] == pytest.approx(wanted)
 
 
@@ -121,13 +122,13 @@ def test_an_edge_stays_an_edge_and_its_sides_stay_level() -> None:
 
 def test_one_stray_point_does_nothing_and_a_changed_ground_is_believed() -> None:
     ground = ElevationMap()
-    level = np.array([[0.2, 0.2, 0.0]])
+    level, raised = np.array([[0.2, 0.2, 0.0]]), np.array([[0.2, 0.2, 0.1]])
     for _ in range(20):
         ground.see(level, np.array([1e-4]))
-    ground.see(level + np.array([0.0, 0.0, 0.1]), np.array([1e-4]))
+    ground.see(raised, np.array([1e-4]))
     assert ground.grid()[0][70, 70] == pytest.approx(0.0, abs=0.003)
     for _ in range(4):
-        ground.see(level + np.array([0.0, 0.0, 0.1]), np.array([1e-4]))
+        ground.see(raised, np.array([1e-4]))
     assert ground.grid()[0][70, 70] == pytest.approx(0.1, abs=0.02)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.log import Log
 from surefoot.simulation.faults import Faults
-from surefoot.simulation.run import Scenario, run
+from surefoot.simulation.run import Push, Scenario, run
 from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.worlds import make_world
@@ -27,14 +28,16 @@ GO2 = sf.load_robot("go2")
 REAL = real_actuators(GO2)
 
 
-def walk(wired: Wiring, duration: float = 2.5, **faults: Any) -> tuple[Log, WalkSummary]:
+def walk(
+    wired: Wiring, duration: float = 2.5, pushes: Sequence[Push] = (), **faults: Any
+) -> tuple[Log, WalkSummary]:
     """Return log and summary of a Go2's trot with motors, on an estimated state."""
     settings = WalkSettings(actuators=REAL)
     command = VelocityCommand.constant(0.5, 0.0, 0.0)
     walking = WalkingController(GO2, command, "trot", FlatTerrain(), settings, wired.dt)
     start = start_pose(GO2, FlatTerrain())
     told = Faults(dropouts=wired.dropouts, **faults)
-    scenario = Scenario(duration, 0.6, start=start, sensors=SensorModel(), seed=2, faults=told)
+    scenario = Scenario(duration, 0.6, pushes, start=start, sensors=SensorModel(), seed=2, faults=told)
     there = make_world("mujoco", GO2, None, 0.6, actuators="real", collision="full")
     log = run(there, wired.around(walking, GO2), scenario)
     return log, summarise_walk(log)
@@ -58,6 +61,13 @@ def test_targets_slide_less_than_torques() -> None:
         for targets in (False, True)
     ]
     assert slips[1] < 0.7 * slips[0]
+
+
+def test_targets_do_not_slide_feet_after_a_push() -> None:
+    push = Push(1.55, (-150.0, 0.0, 0.0), 0.1)
+    _, summary = walk(Wiring(targets=True), 2.3, pushes=[push])
+    assert summary.good, headline(summary)
+    assert max(foot.slip for foot in summary.feet) < 5e-3
 
 
 def test_a_short_silence_is_walked_through_and_a_long_one_told() -> None:

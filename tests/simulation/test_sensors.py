@@ -10,10 +10,34 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, load_robot
+from surefoot.simulation.sensor_kernels import mean_readings
 from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel, mean_motion
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 DT = 0.001
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-5, 0.3, 2.0])
+def test_mean_readings_are_those_of_matrices(size: float) -> None:
+    random, dt = np.random.default_rng(0), 0.01
+    for _ in range(20):
+        qa, qb, va, vb = random.normal(size=7), np.empty(7), random.normal(size=6), random.normal(size=6)
+        arm, turn = random.normal(size=3), size * random.normal(size=3)
+        qa[3:] /= np.linalg.norm(qa[3:])
+        Ra = rotation_from_quaternion(qa[3:7])
+        qb[:3], qb[3:] = 0.0, pinocchio.Quaternion(Ra @ pinocchio.exp3(turn)).coeffs()
+        if random.random() < 0.5:
+            qb[3:] *= -1.0  # the same rotation
+        rate, force = np.empty(3), np.empty(3)
+        mean_readings(qa, va, qb, vb, dt, arm, rate, force)
+        Rb = rotation_from_quaternion(qb[3:7])
+        found = pinocchio.log3(Ra.T @ Rb)
+        a, b = (R @ (v[:3] + np.cross(v[3:6], arm)) for R, v in ((Ra, va), (Rb, vb)))
+        middle = Ra @ pinocchio.exp3(0.5 * found)
+        np.testing.assert_allclose(rate * dt, found, atol=1e-13 + 1e-9 * size)
+        np.testing.assert_allclose(
+            force, middle.T @ ((b - a) / dt + [0.0, 0.0, GRAVITY]), rtol=1e-8, atol=1e-8
+        )
 
 
 @pytest.fixture(scope="module")

@@ -89,7 +89,7 @@ def test_a_trot_survives_pushes(side: float) -> None:
     left = summarise_walk(log).velocity.left.measured
     assert log.facts["outcome"] == "done"
     peak = log["v"][1600:1700, 1]
-    assert side * peak[np.abs(peak).argmax()] > 0.3  # it was a push indeed: 10 N s on 16 kg
+    assert side * peak[np.abs(peak).argmax()] > 0.2  # 10 N s on 16 kg, and feet that push back
     assert abs(left) < 0.15
     assert commanded_excess(log).max() == 0.0
 

@@ -51,6 +51,7 @@ def unexplained(
     forces_world: FloatArray,
     mass_scale: float = 1.0,
     payload: float = 0.0,
+    payload_position: FloatArray | None = None,
 ) -> Unexplained:
     """Return what T rows with their successors, T + 1 in all, leave unexplained in the first T.
 
@@ -64,14 +65,16 @@ def unexplained(
         (T + 1, p, 3) forces on the contact points, world axes [N].
     mass_scale
         The mass that the log tells over the robot's with its payload, for the base rows.
-    payload
-        Point mass at the base's origin [kg].
+    payload, payload_position
+        Point mass on the base [kg], and where: (3,) base axes [m]; None for its origin.
     """
     points, rows = robot.contact_points, len(log) - 1
     q, v = np.asarray(log["q"]), np.asarray(log["v"])
     dt = np.diff(np.asarray(log["time"]))[:, None]
     acceleration = np.diff(v, axis=0) / dt
-    torque, jacobian = _newton_euler(_loaded(robot.model, payload), q[:-1], v[:-1], acceleration)
+    torque, jacobian = _newton_euler(
+        _loaded(robot.model, payload, payload_position), q[:-1], v[:-1], acceleration
+    )
     torque[:, : robot.base_dof] *= mass_scale
     force, place = forces_world[:-1], np.asarray(log["contact_positions"])[:-1]
     wrench = np.concatenate([force, np.cross(place, force)], axis=2)
@@ -107,13 +110,14 @@ def _lost(log: Log, speed: FloatArray, acceleration: FloatArray, rest: FloatArra
     return np.asarray(lost + np.where(np.abs(speed) < STICKING, holding, dry * np.sign(speed)))
 
 
-def _loaded(model: Any, payload: float) -> Any:
-    """Return a robot's model with a point mass [kg] at the base's origin; the model itself without one."""
+def _loaded(model: Any, payload: float, position: FloatArray | None) -> Any:
+    """Return a robot's model with a point mass [kg] on the base; the model itself without one."""
     import pinocchio
 
     if payload > 0.0:
         model = model.copy()
-        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, np.zeros(3), np.zeros((3, 3)))
+        place = np.zeros(3) if position is None else np.asarray(position, dtype=np.float64)
+        model.inertias[1] = model.inertias[1] + pinocchio.Inertia(payload, place, np.zeros((3, 3)))
     return model
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -164,8 +165,13 @@ def log_laws(log: Log) -> Laws:
     dt = log.fact("dt")
     check = _Check(log.fact("mass") * GRAVITY, True)
     for piece in log.chunks():
-        check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], piece["mu"], dt)
+        check.add(piece["forces"], piece["gaps"], piece["contact_velocities"], friction_of(piece), dt)
     return check.laws()
+
+
+def friction_of(rows: Any) -> FloatArray:
+    """Return the friction in rows of a log [-]: of each contact (T, p) where they differ, else (T,)."""
+    return np.asarray(rows["contact_friction"] if "contact_friction" in rows else rows["mu"])
 
 
 class _Check:

@@ -145,7 +145,7 @@ class Rows:
             world = np.einsum("tpij,tpj->tpi", self.frames, self.forces)
             load = self.setting.payload
             mass = self.setting.weight / (GRAVITY * (robot.mass + load))
-            out = unexplained(robot, clean, world, mass, load)
+            out = unexplained(robot, clean, world, mass, load, self.setting.payload_position)
         steps = np.diff(time)
         wrong = ~(steps > 0.2 * self.setting.dt) | ~(steps < 5.0 * self.setting.dt)
         wrong |= self.lost[:-1].any(axis=1) | self.lost[1:, -1]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from surefoot.arrays import IntArray
+from surefoot.arrays import FloatArray, IntArray, finite_array
 from surefoot.audit.laws import LOADED_SHARE, SLIDE_LIMIT
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
@@ -43,8 +43,8 @@ class Setting:
         Usual time from row to row [s].
     sinking, creep, stopping, settling
         What the world declares of its own softness [m], [m/s], [m], [s].
-    payload
-        Point mass at the base's origin, part of the weight [kg].
+    payload, payload_position
+        Point mass on the base, part of the weight [kg], and where: (3,) base axes [m].
     robot
         For the equations of motion; None where they cannot be judged, for the reason `why_no_motion`.
     notes
@@ -63,6 +63,7 @@ class Setting:
     stopping: float
     settling: float
     payload: float
+    payload_position: FloatArray
     robot: Robot | None
     why_no_motion: str
     notes: tuple[str, ...] = field(default=())
@@ -112,6 +113,7 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     soft = [_not_negative(log, name) for name in SOFTEST]
     sinking, creep, stopping, settling = soft
     payload = _not_negative(log, "payload")
+    place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
     for (name, (most, unit)), value in zip(SOFTEST.items(), soft, strict=True):
         if value > most:
             doubts.append(
@@ -132,8 +134,8 @@ def setting_of(log: Log, robot: Robot | None) -> Setting:
     model, why = _robot(log, robot, doubts)
     weight = _weight(log, model, payload, notes, doubts)
     return Setting(
-        names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, model, why, tuple(notes),
-        tuple(doubts)
+        names, owner, feet, weight, dt, sinking, creep, stopping, settling, payload, place, model, why,
+        tuple(notes), tuple(doubts)
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from surefoot.arrays import BoolArray
-from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, log_laws
+from surefoot.audit.laws import LOADED_SHARE, Laws, contact_use, friction_of, log_laws
 from surefoot.audit.motion import finite, foot_forces, slips, touching
 from surefoot.audit.motors import MotorUse, limits_broken, motor_use
 from surefoot.audit.pressure import sole_pressures
@@ -191,7 +191,10 @@ def _feet(log: Log, weight: float, down: BoolArray | None) -> list[FootSummary]:
     """Return what every foot did; `down` says when it was on the ground, (T, n)."""
     owner, slip, total = log.fact("contact_foot"), slips(log), foot_forces(log)
     margins = {sole.foot: sole.margin for sole in sole_pressures(log)}
-    use = contact_use(total, log["mu"], LOADED_SHARE * weight).max(axis=0)
+    friction = friction_of(log)
+    if friction.ndim == 2:  # of a foot: where it has most
+        friction = np.column_stack([friction[:, owner == k].max(axis=1) for k in range(total.shape[1])])
+    use = contact_use(total, friction, LOADED_SHARE * weight).max(axis=0)
     out = []
     for k, name in enumerate(log.fact("feet")):
         mean = float(total[:, k, 2].mean())

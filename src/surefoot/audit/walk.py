@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from surefoot.audit.estimate import EstimateErrors, estimate_errors
+from surefoot.audit.load import LoadEstimate, load_estimate
 from surefoot.audit.motion import commanded_excess, heading_velocity
 from surefoot.audit.summary import RunSummary, ending_of, shared_fields
 from surefoot.log import Ending, Log
@@ -76,6 +77,8 @@ class WalkSummary(RunSummary):
         What the controller changed in its command.
     estimate
         Errors of the state that the controller was told; None if that was the true one.
+    load
+        What the controller found that it carries; None if it did not look.
     stale
         Time in which joints were damped because no fresh state came [s]; None for a run without a watchdog.
     """
@@ -91,6 +94,7 @@ class WalkSummary(RunSummary):
     climb: float
     notes: list[str]
     estimate: EstimateErrors | None = None
+    load: LoadEstimate | None = None
     stale: float | None = None
 
 
@@ -122,6 +126,7 @@ def summarise_walk(log: Log) -> WalkSummary:
         climb=float(q[-1, 2] - q[0, 2]),
         notes=log.fact("notes") if log.facts.get("notes") else [],
         estimate=estimate_errors(log) if "q_estimated" in log else None,
+        load=load_estimate(log) if "load_estimated" in log else None,
         stale=float(log.fact("dt") * np.sum(log["stale"])) if "stale" in log else None,
     )
 

@@ -38,5 +38,12 @@ def watching(robot: Any, terrain: Any, controller: Any) -> list[Any]:
     from surefoot.simulation.live import Live, Steering
     from surefoot.viz.window import Window
 
-    steering = Steering(controller.steer, controller.command.at(0.0))
+    walker = controller
+    while not hasattr(walker, "steer") and hasattr(
+        walker, "controller"
+    ):  # what is around it passes states on
+        walker = walker.controller
+    if not hasattr(walker, "steer"):
+        raise ProblemError(f"--view steers a walk, and {type(walker).__name__} takes no other command")
+    steering = Steering(walker.steer, walker.command.at(0.0))
     return [Live(Window(robot, terrain), steering, [Joystick(path) for path in find_joysticks()])]

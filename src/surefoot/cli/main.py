@@ -17,6 +17,7 @@ from surefoot.cli import (
     doctor,
     export,
     identify,
+    lab,
     model,
     plan,
     region,
@@ -49,6 +50,7 @@ for _command in (
     warmup.warmup, doctor.doctor,
 ):  # fmt: skip
     app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
+app.add_typer(lab.app, name="lab")
 app.add_typer(bench.app, name="bench")
 
 

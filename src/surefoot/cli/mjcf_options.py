@@ -53,9 +53,14 @@ def check(mjcf: Path | None, world: str, told: dict[str, Any]) -> None:
 
 
 def file_world(
-    mjcf: Path, robot: Robot, terrain: Terrain, mu: float, payload: float, told: dict[str, Any]
+    mjcf: Path,
+    robot: Robot,
+    terrain: Terrain,
+    mu: float,
+    payload: tuple[float, tuple[float, float, float]],
+    told: dict[str, Any],
 ) -> World:
-    """Return the world of a file."""
+    """Return the world of a file, `payload` being mass and place."""
     from surefoot.simulation.mjcf_world import MjcfWorld
 
-    return MjcfWorld(robot, mjcf, terrain, mu, payload=payload, **told)
+    return MjcfWorld(robot, mjcf, terrain, mu, payload=payload[0], payload_position=payload[1], **told)

@@ -11,7 +11,7 @@ from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:  # loading a simulation takes longer than most commands
     from surefoot.control.standing_plan import Lift
-    from surefoot.simulation.scenario import Ice, Push
+    from surefoot.simulation.scenario import Ice, IcePatch, Push
     from surefoot.terrain import Terrain
 
 T = TypeVar("T")
@@ -19,6 +19,8 @@ MU_MAX = 1e3
 """Friction beyond which nothing changes: a cone that is 0.06 deg short of the half-space."""
 FORCE_MAX = 1e5
 """Largest push [N]: a hundred times the weight of the heaviest robots."""
+PAYLOAD_MAX, PAYLOAD_FAR = 1e4, 10.0
+"""Heaviest payload [kg], and how far from the base's origin it may be along an axis [m]."""
 SHORTEST_PUSH = 1e-3
 """A step of the worlds [s]; what is shorter can fall between two of them."""
 LONGEST_RUN = 3600.0
@@ -64,17 +66,50 @@ def push(text: str) -> Push:
     return Push(start, (x, y, z), duration)
 
 
-def ice(text: str) -> Ice:
-    """Return the change of friction of "T:MU"."""
-    from surefoot.simulation.scenario import Ice
+def ice(text: str) -> Ice | IcePatch:
+    """Return the change of friction of "T:MU", or the patch of "X0,Y0,X1,Y1:MU".
+
+    >>> ice("1,-1,2,1:0.1")
+    IcePatch(lower=(1.0, -1.0), upper=(2.0, 1.0), mu=0.1)
+    """
+    from surefoot.simulation.scenario import Ice, IcePatch
 
     parts = text.split(":")
-    if len(parts) != 2:
-        raise ProblemError(f"--ice {text!r} is not of the form T:MU, e.g. 2:0.05")
-    start, mu = number("--ice", parts[0]), number("--ice", parts[1])
+    where = parts[0].split(",")
+    if len(parts) != 2 or len(where) not in (1, 4):
+        raise ProblemError(
+            f"--ice {text!r} is not of the form T:MU, e.g. 2:0.05, or X0,Y0,X1,Y1:MU, e.g. 1,-1,2,1:0.05"
+        )
+    mu = number("--ice", parts[1])
+    if len(where) == 4:
+        x0, y0, x1, y1 = (number("--ice", one) for one in where)
+        if x0 >= x1 or y0 >= y1 or not 0.0 <= mu <= MU_MAX:
+            raise ProblemError(f"--ice {text!r}: X0 must be < X1, Y0 < Y1 and MU between 0 and {MU_MAX:g}")
+        return IcePatch((x0, y0), (x1, y1), mu)
+    start = number("--ice", parts[0])
     if start < 0.0 or not 0.0 <= mu <= MU_MAX:
         raise ProblemError(f"--ice {text!r}: T must be >= 0 and MU between 0 and {MU_MAX:g}")
     return Ice(start, mu)
+
+
+def payload(text: str) -> tuple[float, tuple[float, float, float]]:
+    """Return mass [kg] and place in base axes [m] of "KG" or "KG@X,Y,Z".
+
+    >>> payload("5@0.1,0.08,0.08")
+    (5.0, (0.1, 0.08, 0.08))
+    >>> payload("5")
+    (5.0, (0.0, 0.0, 0.0))
+    """
+    mass, at, place = text.partition("@")
+    parts = place.split(",") if at else ["0", "0", "0"]
+    if len(parts) != 3:
+        raise ProblemError(f"--payload {text!r} is not of the form KG or KG@X,Y,Z, e.g. 5@0.1,0.08,0.08")
+    kilograms = real_number("--payload", number("--payload", mass), low=0.0, high=PAYLOAD_MAX)
+    x, y, z = (
+        real_number("--payload", number("--payload", part), low=-PAYLOAD_FAR, high=PAYLOAD_FAR)
+        for part in parts
+    )
+    return kilograms, (x, y, z)
 
 
 def lift(text: str) -> Lift:

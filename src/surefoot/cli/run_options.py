@@ -8,21 +8,23 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from surefoot.arrays import real_number
-
 if TYPE_CHECKING:
     from surefoot.simulation.scenario import Scenario
 
 Friction: TypeAlias = Annotated[float, typer.Option(help="Friction of the ground.")]
 Duration: TypeAlias = Annotated[float, typer.Option(help="Simulated time [s].")]
 Payload: TypeAlias = Annotated[
-    float, typer.Option(help="Mass on the base that the controller does not know [kg].")
+    str,
+    typer.Option(help="KG or KG@X,Y,Z: mass and its place on the base that no controller is told [kg], [m]."),
 ]
 Pushes: TypeAlias = Annotated[
     list[str] | None, typer.Option(help="T:FX,FY,FZ:DURATION [s, N, s]; repeatable.")
 ]
 IcePatches: TypeAlias = Annotated[
-    list[str] | None, typer.Option(help="T:MU, friction from time T on; repeatable.")
+    list[str] | None,
+    typer.Option(
+        help="T:MU, friction from time T [s] on, or X0,Y0,X1,Y1:MU, friction in a rectangle [m]; repeatable."
+    ),
 ]
 Seed: TypeAlias = Annotated[
     int | None, typer.Option(help="Seed of a small random velocity at the start and of all noise.")
@@ -33,13 +35,12 @@ Report: TypeAlias = Annotated[bool, typer.Option("--report/--no-report", help="D
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")]
 
 
-def check_numbers(mu: float, duration: float, shortest: float, payload: float, seed: int | None) -> None:
+def check_numbers(mu: float, duration: float, shortest: float, seed: int | None) -> None:
     """Refuse numbers that no run can have; `shortest` is the least duration that says something [s]."""
     from surefoot.cli import parsing
 
     parsing.friction("--mu", mu)
     parsing.duration(duration, shortest)
-    real_number("--payload", payload, low=0.0, high=1e4)
     parsing.seed(seed)
 
 
@@ -53,12 +54,15 @@ def scenario_of(
 ) -> Scenario:
     """Return what happens to the robot, or raise for what lies past the end."""
     from surefoot.cli import parsing
-    from surefoot.simulation.scenario import Scenario
+    from surefoot.simulation.scenario import Ice, IcePatch, Scenario
 
-    pushes, patches = parsing.each(parsing.push, push), parsing.each(parsing.ice, ice)
+    pushes, given = parsing.each(parsing.push, push), parsing.each(parsing.ice, ice)
+    changes = [one for one in given if isinstance(one, Ice)]
+    patches = [one for one in given if isinstance(one, IcePatch)]
     parsing.within_run("--push", push, [event.start for event in pushes], duration)
-    parsing.within_run("--ice", ice, [event.start for event in patches], duration)
-    return Scenario(duration, mu, pushes, patches, seed, **more)
+    timed = [text for text, one in zip(ice or [], given, strict=True) if isinstance(one, Ice)]
+    parsing.within_run("--ice", timed, [event.start for event in changes], duration)
+    return Scenario(duration, mu, pushes, changes, seed, patches=patches, **more)
 
 
 def require(robot: str | None, urdf: Path | None, packages: Sequence[str], video: bool, report: bool) -> None:

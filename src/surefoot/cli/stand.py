@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -32,7 +33,7 @@ def stand(
     fit: shared.Fit = "inner",
     solver: Annotated[str, typer.Option(help="Solver that shares the wrench among the feet.")] = "auto",
     duration: options.Duration = 5.0,
-    payload: options.Payload = 0.0,
+    payload: options.Payload = "0",
     push: options.Pushes = None,
     ice: options.IcePatches = None,
     lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
@@ -59,7 +60,8 @@ def stand(
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
     console = plain_console(quiet=as_json)
-    options.check_numbers(mu, duration, SHORTEST, payload, seed)
+    options.check_numbers(mu, duration, SHORTEST, seed)
+    carried = parsing.payload(payload)
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
@@ -71,14 +73,14 @@ def stand(
     with plain_console(stderr=True, quiet=as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
-        statics = _statics(setup, mu, payload)
+        statics = _statics(setup, mu, *carried)
     say(console, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not anyway:
         if as_json:
             print(to_json(_impossible(setup, statics)))
         return 1
     controller = setup.controller(mu, allocation)
-    physics = worlds.build_world(world, setup.robot, setup.terrain, mu, payload, told, console)
+    physics = worlds.build_world(world, setup.robot, setup.terrain, mu, carried, told, console)
     folder = new_run_folder(out, f"stand-{setup.robot.name}")
     run = SimulatedRun(setup.robot, setup.terrain, folder, video, report, as_json, console)
     return run.carry_out(physics, controller, replace(scenario, start=setup.q), _account(statics))
@@ -129,10 +131,16 @@ def _allocation(setup: _Setup, mu: float, facets: int | None, fit: str, solver: 
     return SolverAllocation(np.full(points, mu), weights, FORCE_WEIGHT, solver, facets, side)
 
 
-def _statics(setup: _Setup, mu: float, payload: float) -> list[dict[str, Any]]:
-    """Ask whether the stance is statically possible, on all feet and during every lift."""
+def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -> list[dict[str, Any]]:
+    """Ask whether the stance is statically possible with a payload [kg] at (3,) base axes [m].
+
+    On all feet and during every lift, in which the body leans as it would without the payload.
+    """
+    import numpy as np
+
     from surefoot.cli.stand_output import statics_line
     from surefoot.equilibrium import can_stand, friction_needed
+    from surefoot.spatial import rotation_from_quaternion
 
     robot, plan = setup.robot, setup.plan
     stance = robot.stance(setup.q, mu=mu, terrain=setup.terrain)
@@ -140,10 +148,13 @@ def _statics(setup: _Setup, mu: float, payload: float) -> list[dict[str, Any]]:
     for k, lift in enumerate(plan.lifts):
         name = robot.foot(lift.foot).name
         cases.append((f"with {name} lifted", stance.without(name), plan.com(k)))
+    total, begin = robot.mass + payload, robot.com(setup.q)
+    load = setup.q[:3] + rotation_from_quaternion(setup.q[3:7]) @ np.array(place)
     out = []
-    for phase, contacts, com in cases:
-        verdict = can_stand(contacts, com, robot.mass + payload)
-        needed = friction_needed(contacts, com, robot.mass + payload)
+    for phase, contacts, own in cases:
+        com = (robot.mass * own + payload * (load + own - begin)) / total
+        verdict = can_stand(contacts, com, total)
+        needed = friction_needed(contacts, com, total)
         said = {"phase": phase, "possible": verdict.feasible, "margin": float(verdict.margin)}
         text = statics_line(phase, verdict.feasible, verdict.margin, needed, mu)
         out.append({**said, "friction_needed": needed, "text": text})

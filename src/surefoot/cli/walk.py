@@ -11,7 +11,7 @@ import typer
 
 from surefoot.arrays import real_number
 from surefoot.cli import command_options as wires
-from surefoot.cli import estimators, live
+from surefoot.cli import estimators, knowledge, live
 from surefoot.cli import mjcf_options as files
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
@@ -55,13 +55,12 @@ def walk(
         ),
     ] = "flat",
     mu: options.Friction = 0.6,
-    believed_mu: Annotated[
-        float | None, typer.Option(help="Friction that the controller believes in; None for --mu.")
-    ] = None,
+    believed_mu: knowledge.BelievedMu = None,
+    terrain_knowledge: knowledge.TerrainKnowledge = "exact",
     push: options.Pushes = None,
     ice: options.IcePatches = None,
-    payload: options.Payload = 0.0,
-    estimator: estimators.EstimatorName = "truth",
+    payload: options.Payload = "0",
+    estimator: estimators.EstimatorName = "inekf",
     noise: estimators.Noise = None,
     delay: Annotated[float, typer.Option(help="Delay of the commands [s].")] = 0.0,
     latency: wires.Latency = "auto",
@@ -94,9 +93,9 @@ def walk(
     console = plain_console(quiet=as_json)
     if view:
         live.check(planner)
-    options.check_numbers(mu, duration, SHORTEST, payload, seed)
-    if believed_mu is not None:
-        parsing.friction("--believed-mu", believed_mu)
+    options.check_numbers(mu, duration, SHORTEST, seed)
+    carried = parsing.payload(payload)
+    belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
     told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
@@ -106,17 +105,16 @@ def walk(
     wired = wires.wiring(commands, control_rate, latency, dropout)
     parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)
     faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
-    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, sensors=sensors)
+    scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
     options.require(robot, urdf, WORLDS[world][1], video, report)
     model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, actuators)
-    believed = mu if believed_mu is None else believed_mu
     given = gait, gait_file, period
-    controller = _planner(planner)(model, ground, given, command, believed, motors, wired)
+    controller = _planner(planner)(model, belief.ground(ground), given, command, belief, motors, wired)
     q = _start(model, ground, mu)
     physics = (
-        worlds.build_world(world, model, ground, mu, payload, told, console)
+        worlds.build_world(world, model, ground, mu, carried, told, console)
         if mjcf is None
-        else files.file_world(mjcf, model, ground, mu, payload, told)
+        else files.file_world(mjcf, model, ground, mu, carried, told)
     )
     say(console, *controller.facts.get("notes", ()))
     folder = new_run_folder(out, f"walk-{model.name}")
@@ -171,7 +169,13 @@ Gaited = tuple[str | None, Path | None, float | None]
 
 
 def _convex(
-    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: Any, wired: wires.Wiring
+    robot: Any,
+    ground: Any,
+    gait: Gaited,
+    command: Any,
+    belief: knowledge.Beliefs,
+    actuators: Any,
+    wired: wires.Wiring,
 ) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
@@ -181,12 +185,20 @@ def _convex(
     schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
     _check_steps(robot, schedule, command)
     motors = actuators_of(robot, actuators)
-    controller = walking_controller(robot, command, schedule, ground, mu, motors, wired.dt)
+    controller = walking_controller(
+        robot, command, schedule, ground, belief.mu, motors, wired.dt, watch_friction=belief.watch
+    )
     return wired.around(controller, robot)
 
 
 def _contact_implicit(
-    robot: Any, ground: Any, gait: Gaited, command: Any, mu: float, actuators: Any, wired: wires.Wiring
+    robot: Any,
+    ground: Any,
+    gait: Gaited,
+    command: Any,
+    belief: knowledge.Beliefs,
+    actuators: Any,
+    wired: wires.Wiring,
 ) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
@@ -197,7 +209,7 @@ def _contact_implicit(
     if not wired.plain:
         told = "--commands, --control-rate, --latency or --dropout"
         raise ProblemError(f"--planner contact-implicit takes no {told}")
-    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=mu))
+    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=belief.mu))
 
 
 def _start(robot: Any, ground: Any, mu: float) -> Any:

@@ -74,9 +74,24 @@ def figure_lines(summary: WalkSummary) -> list[str]:
         f"whole-body step possible within all limits in {100 * summary.feasible_share:.2f} % of the steps",
         *motor_lines(summary),
         *estimate_lines(summary),
+        *load_lines(summary),
         *([f"no fresh state came for {summary.stale:.3f} s: joints were damped"] if summary.stale else []),
         cost_line(summary),
     ]
+
+
+def load_lines(summary: WalkSummary) -> list[str]:
+    """Return what is said about the load that the controller found: a line, or none."""
+    load = summary.load
+    if load is None:
+        return []
+    at = (
+        ""
+        if load.place is None
+        else f" at ({load.place[0]:.3f}, {load.place[1]:.3f}) m from the base's origin"
+    )
+    pulls = [" ".join(f"{part:.1f}" for part in three) for three in (load.force, load.moment)]
+    return [f"estimated payload {load.mass:.2f} kg{at}; pulled besides by ({pulls[0]}) N, ({pulls[1]}) N m"]
 
 
 def estimate_lines(summary: WalkSummary) -> list[str]:

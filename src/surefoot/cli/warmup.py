@@ -235,6 +235,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "stand": _command("stand", "go2", *RUN, "0.1"),
     "stand, rigid": _command("stand", "go2", "--world", "rigid", *RUN, "0.1"),
     "walk": _command("walk", "go2", "--terrain", "stairs:0.05,0.3", *RUN, "0.6"),
+    "walk, true state": _command("walk", "go2", "--estimator", "truth", *RUN, "0.5"),
     "walk, contact-implicit": _command("walk", "go2", "--planner", "contact-implicit", *RUN, "0.6"),
 }
 """What is compiled, by the commands that need it."""

@@ -141,15 +141,17 @@ def build_world(
     robot: Robot,
     terrain: Terrain,
     mu: float,
-    payload: float,
+    payload: tuple[float, tuple[float, float, float]],
     told: dict[str, Any],
     console: Console,
 ) -> World:
-    """Return the world; what it says about the chosen step is printed."""
+    """Return the world, `payload` being mass and place; what it says about the chosen step is printed."""
     from surefoot.simulation.worlds import make_world
 
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", StiffContactWarning)
-        world = make_world(name, robot, terrain, mu, payload=payload, **told)
+        mass, place = payload
+        at = {"payload_position": place} if any(place) else {}
+        world = make_world(name, robot, terrain, mu, payload=mass, **at, **told)
     say(console, *(str(warning.message) for warning in said))
     return world

@@ -10,7 +10,8 @@ become wrong. The targets come from the accelerations of the whole-body controll
     v_des ← v_des + a dt + (v - v_des) dt / T,     q_des ← q_des + v_des dt + (q - q_des) dt / T,
 
 which forgets what the joints did not follow in the time T: the feet's forces stay with the feed-forward
-torques, and a leg that is held back is not pushed ever harder.
+torques, and a leg that is held back is not pushed ever harder. Legs that carry get a share of the gains: what
+their joints miss after a push would otherwise slide the feet.
 """
 
 from __future__ import annotations
@@ -39,17 +40,20 @@ class TargetSettings:
         Ratio of the damping of a joint alone with its inertia and kp.
     memory
         Time T in which a target forgets what was not followed [s].
+    carrying
+        Share of both gains in legs that carry.
     every
         The controller's step in steps of the world: targets are held between.
     """
 
     stiffness: float = 0.5
     damping: float = 0.7
-    memory: float = 0.02
+    memory: float = 0.01
+    carrying: float = 0.3
     every: int = 1
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping"):
+        for name in ("stiffness", "damping", "carrying"):
             real_number(name, getattr(self, name), low=0.0)
         real_number("memory", self.memory, low=1e-3)
         if self.every < 1:
@@ -74,7 +78,7 @@ class JointTargetController(Controller):
     Attributes
     ----------
     stiffness, damping
-        (joints,) kp [N m/rad] and kd [N m s/rad].
+        (joints,) kp [N m/rad] and kd [N m s/rad] of legs in the air.
 
     Examples
     --------
@@ -85,8 +89,8 @@ class JointTargetController(Controller):
     >>> walk = WalkingController(robot, VelocityCommand.constant(0.5, 0.0, 0.0), dt=2e-3)
     >>> controller = JointTargetController(walk, robot, 1e-3, TargetSettings(every=2))
     >>> targets = controller.step(RobotState(robot.nominal, np.zeros(18))).joint_targets
-    >>> targets.stiffness[:3].round(1)
-    array([26.4, 26.4, 26.4])
+    >>> controller.stiffness[:3].round(1), targets.stiffness[:3].round(1)  # all feet carry
+    (array([26.4, 26.4, 26.4]), array([7.9, 7.9, 7.9]))
     """
 
     def __init__(
@@ -103,6 +107,7 @@ class JointTargetController(Controller):
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))[first:]
         self.stiffness = np.full(robot.joints, s.stiffness * robot.mass * GRAVITY * height)
         self.damping = 2.0 * s.damping * np.sqrt(self.stiffness * inertia)
+        self._support = robot.contact_points.support[:, first:]
         self._forget()
 
     def _forget(self) -> None:
@@ -147,7 +152,11 @@ class JointTargetController(Controller):
         velocities = self._velocities + 0.5 * dt * rate
         self._positions = self._positions + dt * self._velocities + 0.5 * dt * dt * rate
         self._velocities = self._velocities + dt * rate
-        return JointTargets(positions, velocities, self.stiffness, self.damping, command.torques)
+        carries = self._support[command.active].any(axis=0)
+        gain = np.where(carries, self.settings.carrying, 1.0)
+        return JointTargets(
+            positions, velocities, gain * self.stiffness, gain * self.damping, command.torques
+        )
 
 
 class Held(Controller):
@@ -166,7 +175,8 @@ class Held(Controller):
             raise ProblemError(f"every must be 1 or more steps of the world, got {every}")
         self.controller, self.every = controller, every
         self.channels, self.facts = controller.channels, controller.facts
-        self._last, self._count = None, 0  # type: Command | None, int
+        self._last: Command | None = None
+        self._count = 0
 
     def reset(self) -> None:
         """Forget the past."""

@@ -75,6 +75,13 @@ class ConvexMpc:
         which makes the predicted orientation right to a few hundredths of a radian after a push (with one
         pass it can be off by several tenths at the end of the horizon).
 
+    Attributes
+    ----------
+    outside
+        (6,) force and moment about the centre of mass beside the contacts' and gravity's, world axes, now
+        [N, N m]; it fades over the horizon with the time constant `fading` [s], infinite
+        for no such thing.
+
     Raises
     ------
     ProblemError
@@ -130,6 +137,11 @@ class ConvexMpc:
         if term is not None and not term.idle:
             self._momentum = MomentumCost(term, inertia, self._P, self.dt)
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
+        self.outside, self.fading = np.zeros(6), math.inf
+
+    def carry(self, mass: float, inertia: FloatArray) -> None:
+        """Take another mass [kg] and (3, 3) inertia about the centre of mass, body axes [kg m²]."""
+        self.mass, self.inertia, self._inverse = mass, inertia, np.linalg.inv(inertia).astype(np.float64)
 
     def reset(self) -> None:
         """Forget the previous plan."""
@@ -241,6 +253,11 @@ class ConvexMpc:
         )  # fmt: skip
         if verdict == mpc_model.NOT_ROTATION:
             raise ProblemError("frames of contacts must be right-handed rotations (3, 3)")
+        if self.fading < math.inf:
+            mpc_model.add_wrench(
+                self.outside, self.fading, self.mass, self._inverse, given.ref_rotation, heading,
+                self._weights, self.weights.terminal, self.dt, drift, q,
+            )  # fmt: skip
         if verdict == mpc_model.NOT_FINITE:
             return None
         return HorizonProgram(step, foot, M, limits, centre, self._P, q, self.weights.force, drift, heading)

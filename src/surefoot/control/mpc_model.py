@@ -292,6 +292,30 @@ def _gradient(drift: FloatArray, weights: FloatArray, terminal: float, dt: float
 
 
 @kernel
+def add_wrench(
+    wrench: FloatArray, fading: float, mass: float, inverse: FloatArray, rotations: FloatArray,
+    heading: FloatArray, weights: FloatArray, terminal: float, dt: float, drift: FloatArray, q: FloatArray,
+) -> None:  # fmt: skip
+    """Add an external wrench to a program of `build`: its `drift`, and the gradient `q` that follows.
+
+    `wrench` (6,) is force and moment about the centre of mass, world axes [N, N m], and fades with the time
+    constant `fading` [s]; `rotations` (N + 1, 3, 3) are the reference's.
+    """
+    N = drift.shape[0] - 1
+    for k in range(N):
+        share = math.exp(-(k + 0.5) * dt / fading)
+        R = rotations[k]
+        f = wrench[0], wrench[1], wrench[2]
+        turn = _times(R, _times(inverse, _times_transposed(R, (wrench[3], wrench[4], wrench[5]))))
+        f, turn = _times_transposed(heading, f), _times_transposed(heading, turn)
+        for j in range(3):
+            for axis, a in ((j, f[j] / mass), (3 + j, turn[j])):
+                drift[k + 1, 0, axis] += 0.5 * dt * dt * share * a
+                drift[k + 1, 1, axis] += dt * share * a
+    q[:] = _gradient(drift, weights, terminal, dt)
+
+
+@kernel
 def advance(points: FloatArray, steps: float) -> FloatArray:
     """Return what is known per step and foot (N, n, 3), NaN for nothing, seen `steps` later.
 

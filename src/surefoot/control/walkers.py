@@ -24,6 +24,8 @@ def walking_controller(
     mu: float = 0.6,
     actuators: Actuators | None = None,
     dt: float = 1e-3,
+    *,
+    watch_friction: bool = False,
 ) -> Controller:
     """Return the controller that walks a robot with its default settings.
 
@@ -45,13 +47,15 @@ def walking_controller(
         What it knows of the motors; None for ideal ones.
     dt
         Time between its steps [s].
+    watch_friction
+        Whether it believes in less friction where its feet slide; point feet only.
 
     Raises
     ------
     ModelError
         If the robot cannot walk.
     ProblemError
-        If the gait does not fit the robot's feet.
+        If the gait does not fit the robot's feet, or two flat feet should find out terrain or friction.
     """
     chosen = default_gait(robot) if gait is None else gait
     if len(robot.feet) == 2 and all(foot.flat for foot in robot.feet):
@@ -60,9 +64,11 @@ def walking_controller(
 
         if not isinstance(chosen, (str, Gait)):
             raise ProblemError("two flat feet walk with a gait that repeats, not with a list of modes")
+        if watch_friction or (terrain is not None and terrain.learns):
+            raise ProblemError(f"{robot.name} has flat feet: terrain and friction must be told it")
         biped = BipedSettings(mu=mu, actuators=actuators)
         return BipedController(robot, command, chosen, terrain, biped, dt)
     from surefoot.control.walking import WalkingController, WalkSettings
 
-    settings = WalkSettings(mu=mu, actuators=actuators)
+    settings = WalkSettings(mu=mu, watch_friction=watch_friction, actuators=actuators)
     return WalkingController(robot, command, chosen, terrain, settings, dt)

@@ -23,6 +23,7 @@ from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import named_gait
 from surefoot.control.grip import Grip
 from surefoot.control.ground_sense import ground_sense
+from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
 from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand, limit_command
@@ -175,6 +176,8 @@ class WalkingController(Controller):
         self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
+        self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
+        self.channels = (*type(self).channels, *self._load.channels)
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
@@ -186,6 +189,7 @@ class WalkingController(Controller):
         self.whole_body.reset()
         if self._grip is not None:
             self._grip.reset()
+        self._load.reset()
         self.feet: Feet | None = None
         self._planned_at = self._aimed_at = -math.inf
         self._plan: MpcPlan | None = None
@@ -200,6 +204,11 @@ class WalkingController(Controller):
         time = state.time
         if not computable(state.q, state.v):
             return self._blind(state.v)
+        late = self._interval - 0.5 * self.dt
+        due = time - self._planned_at >= late
+        self._load.observe(state)
+        if due:
+            self._load.tell(None if self.feet is None else self.body)
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
             self._begin(now, state)
@@ -214,17 +223,18 @@ class WalkingController(Controller):
         if self._grip is not None:
             self._mind_friction(self._grip, state, now)
         self.body.advance(self._wish(clock), now.com, self.dt)
-        late = self._interval - 0.5 * self.dt
-        if changed or time - self._planned_at >= late:
+        self._load.pull(now, state.q[:3])
+        if changed or due:
             self._replan(now, clock, time)
         elif time - self._aimed_at >= late:  # never in the step of a plan: no step should take long
             self._aim(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time))
+        self._load.acted(time, state.v, body.torques, feet.carrying)
         assert self._plan is not None
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
             feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
-            accelerations=body.accelerations,
+            accelerations=body.accelerations, load=self._load.rows,
         )  # fmt: skip
         return self._last
 
@@ -234,7 +244,7 @@ class WalkingController(Controller):
         on = np.ones(n, dtype=bool)
         last = self._last or WalkCommand(
             body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID,
+            np.zeros((n, 3)), Status.INVALID, load=self._load.rows,
         )  # fmt: skip
         return replace(
             last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +10,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
 from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command
+from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
 from surefoot.control.whole_body import Weights
 
@@ -39,6 +41,8 @@ class WalkSettings:
         Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
     normal_min, normal_max
         Bounds on a carrying foot's normal force, as shares of m g.
+    load
+        What is made of an unknown payload and external wrench; None to observe none.
     actuators
         The motors that it believes to command; None for ideal ones.
     """
@@ -55,6 +59,7 @@ class WalkSettings:
     swing_stiffness: float = 8.0
     normal_min: float = 0.02
     normal_max: float = 1.5
+    load: LoadSettings | None = field(default_factory=LoadSettings)
     mpc: MpcWeights = field(default_factory=MpcWeights)
     whole_body: Weights = field(default_factory=Weights)
     actuators: Actuators | None = None
@@ -76,6 +81,8 @@ class WalkCommand(Command):
         (n, 3) where feet in the air will touch, or last did.
     plan_status
         How the last MPC ended.
+    load
+        Values of the channels of `LoadAdaptation`.
     """
 
     planned: BoolArray
@@ -83,7 +90,8 @@ class WalkCommand(Command):
     wanted: FloatArray
     targets: FloatArray
     plan_status: Status
+    load: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def rows(self) -> dict[str, Any]:
-        """Return which feet are planned on the ground, and the wanted velocity."""
-        return {"planned": self.planned, "command": self.wanted}
+        """Return which feet are planned on the ground, the wanted velocity, what is observed of a load."""
+        return {"planned": self.planned, "command": self.wanted, **self.load}

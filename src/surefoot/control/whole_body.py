@@ -39,6 +39,7 @@ from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
+from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot import Robot
 from surefoot.robot.rotors import with_rotors
@@ -70,6 +71,11 @@ class WholeBodyController:
     actuators
         Motors whose torques it commands: rotors, limits at the joints' speeds, friction that it makes up for.
 
+    Attributes
+    ----------
+    outside
+        (6,) known wrench on the base beside the ground's, about its origin, base axes [N, N m].
+
     Raises
     ------
     ModelError
@@ -93,7 +99,9 @@ class WholeBodyController:
             raise ModelError(f"whole-body control of {robot.name} needs a floating base and feet")
         robot = robot if actuators is None else with_rotors(robot, actuators.armature)
         self.robot, self._pin = robot, pinocchio
-        self._model, self._data = robot.model, robot.model.createData()
+        self._model, self._data = robot.model.copy(), robot.model.createData()
+        self._base, self._mass = robot.model.inertias[1].copy(), robot.mass
+        self.outside = np.zeros(6)
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self._range = TorqueRange(self.limits, actuators)
         self.weights = weights or Weights()
@@ -188,6 +196,37 @@ class WholeBodyController:
         return self._now
 
     @property
+    def friction(self) -> FloatArray:
+        """(joints,) part of the commanded torques that makes up for the motors' friction [N m]."""
+        return self._range.losses
+
+    def carry(self, load: Load | None) -> None:
+        """Take a load on the base into the model from the next `update` on, in place of the one before.
+
+        A first moment without a mass moves the centre of mass and leaves the inertia about it as it was, so
+        that it stays one that a body can have.
+        """
+        import pinocchio
+
+        base, self._mass = self._base, self.robot.mass
+        self._model.inertias[1] = base
+        if load is None:
+            return
+        mass, arm = base.mass + load.mass, load.place - base.lever
+        reduced = max(load.mass, 0.0) * base.mass / mass
+        inertia = base.inertia + reduced * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+        centre = (base.mass * base.lever + load.moment) / mass
+        self._model.inertias[1] = pinocchio.Inertia(mass, centre, inertia)
+        self._mass += load.mass
+
+    def instant(self, v: FloatArray) -> Instant:
+        """Return the model at the state of the last `solve`, whose velocity is (nv,) v [m/s, rad/s]."""
+        now = self._now
+        pose = np.empty((3, 4))
+        pose[:, :3], pose[:, 3] = now.rotation, self._data.oMi[1].translation
+        return Instant(self._mass_matrix, self._nle, v, self._jacobian, self._touching, pose)
+
+    @property
     def foot_rotations(self) -> FloatArray:
         """(n, 3, 3) rotations of the frames of the feet at the last `update` [-]; its own array."""
         return self._rotations
@@ -231,7 +270,7 @@ class WholeBodyController:
         """Fill tasks and constraints; return the number of constraint rows."""
         now = self._now
         kernels.base_tasks(
-            self._mass_matrix, self._nle, now.rotation, self.robot.mass, GRAVITY,
+            self._mass_matrix, self._nle, now.rotation, self._mass, GRAVITY,
             tasks.com_acceleration, tasks.turn_acceleration, self._base_weights,
             tasks.joints, self._joint_weights, self._H, self._c,
         )  # fmt: skip
@@ -250,7 +289,8 @@ class WholeBodyController:
             arms, tasks.gaps, normals, stiffness, damping, self._E[6:], self._e[6:],
         )  # fmt: skip
         self._E[:6] = self._mass_matrix[:6]
-        self._e[:6] = -self._nle[:6]
+        self._e[:6] = self.outside - self._nle[:6]
+        self._touching = now.centres + arms
         contact_jacobian(self._jacobian, self._support, self.point_foot, points, frames, self._rows)
         return rows
 

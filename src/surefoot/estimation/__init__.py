@@ -8,6 +8,7 @@ from surefoot.estimation.contact_detection import (
     detect_contacts,
     detection_errors,
 )
+from surefoot.estimation.contact_odds import ContactSettings
 from surefoot.estimation.forces import ForceEstimate, estimate_forces
 from surefoot.estimation.friction import FrictionBounds, FrictionTracker
 from surefoot.estimation.identify import Estimate, TossFit, identify
@@ -20,6 +21,7 @@ from surefoot.estimation.tosses import Cube, Tosses, holds_tosses, read_tosses, 
 
 __all__ = [
     "ContactDetector",
+    "ContactSettings",
     "Cube",
     "Detection",
     "DetectionErrors",

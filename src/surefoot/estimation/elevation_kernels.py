@@ -10,7 +10,7 @@ from surefoot.arrays import FloatArray
 from surefoot.kernels import kernel
 
 REACH = 5
-"""Unknown cells take the lowest height of the nearest ring with a known one, within so many cells."""
+"""Unknown cells go by the lowest of the nearest ring with a known one, within so many cells."""
 
 
 @kernel
@@ -63,7 +63,8 @@ def fill_unknown(
 ) -> None:
     """Write the heights that are believed (m, m): medians of 3 x 3 known cells, guesses where none is known.
 
-    `level` is the guessed plane's height at the first cell, `slope_x` and `slope_y` its rise per cell [m].
+    `level` is the guessed plane's height at the first cell, `slope_x` and `slope_y` its rise per cell [m];
+    next to known cells the guess is that plane through the one that lies lowest above or below it.
     """
     count = heights.shape[0]
     near = np.empty(9)
@@ -77,11 +78,11 @@ def fill_unknown(
                         for b in range(max(j - reach, 0), min(j + reach + 1, count)):
                             if inner and abs(b - j) < reach:
                                 continue
-                            if variances[a, b] != np.inf and heights[a, b] < lowest:
-                                lowest = heights[a, b]
+                            if variances[a, b] != np.inf:
+                                lowest = min(lowest, heights[a, b] - slope_x * a - slope_y * b)
                     if lowest < np.inf:
                         break
-                filled[i, j] = level + slope_x * i + slope_y * j if lowest == np.inf else lowest
+                filled[i, j] = (level if lowest == np.inf else lowest) + slope_x * i + slope_y * j
                 continue
             known = 0
             for a in range(max(i - 1, 0), min(i + 2, count)):

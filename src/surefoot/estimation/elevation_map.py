@@ -4,8 +4,8 @@ Each cell holds a height and its variance. A point that a range sensor saw is fu
 one that contradicts its cell only makes the cell less sure, so that a stray point does nothing and the second
 or third of a kind wins. What is not seen again grows old with the time, for the estimated frame drifts [1]_.
 Where feet stand tells how far all of the map is too high or too low: one number follows that. Cells that
-nothing has told are taken for the lowest that is known nearby, or for the plane through the last footholds:
-behind an edge that hides them, low ground is the safer guess.
+nothing has told lie on a plane with the slope of the one through the last footholds, as low as the lowest
+cell that is known nearby: behind an edge that hides them, low ground is the safer guess.
 
 References
 ----------
@@ -61,7 +61,7 @@ class MapSettings:
     touch: float = 0.006
     anchor: float = 0.15
     apart: float = 0.04
-    window: int = 2
+    window: int = 3
 
     def __post_init__(self) -> None:
         real_number("spacing", self.spacing, low=1e-3, high=1.0)

@@ -4,8 +4,7 @@ At each step `predict` takes the sensors' readings and tells which feet feel a f
 heights, speeds and the plan as well which of them touch, `update` corrects with these, `expect` and `applied`
 take the plan and the torques that follow. A foot whose leg is about to swing is taken out by the plan (a
 force falls too slowly to tell), one that moves over the ground by its own speed, one that slid by its
-innovation.
-What is left without any foot to stand on, or with feet that all disagree, is lost: `health`.
+innovation. What is left without any foot to stand on, or with feet that all disagree, is lost: `health`.
 """
 
 from __future__ import annotations

@@ -127,6 +127,8 @@ _TABLE = (
     Channel("v_estimated", ("nv",), "m/s, rad/s", "base", meaning="velocity as estimated, like v"),
     Channel("contact_estimated", ("n",), flag=True, meaning="which feet touch, as the controller is told"),
     Channel("estimator_time", (), "s", meaning="wall time of the estimator's step"),
+    Channel("load_estimated", (4,), "kg, kg m", "base", meaning="unknown payload: mass, first moment"),
+    Channel("wrench_estimated", (6,), "N, N m", "world", meaning="other wrench from outside, about the base"),
     Channel("stale", (), flag=True, meaning="whether joints were damped because no fresh state came"),
     Channel("controller_time", (), "s", meaning="wall time of the controller's step"),
 )

@@ -19,7 +19,7 @@ from surefoot.robot import Robot
 from surefoot.spatial import rotation_about, rotation_from_quaternion
 from surefoot.terrain import Terrain
 
-MARCH, BISECTIONS = 28, 8
+MARCH, BISECTIONS = 64, 7
 """Places along a ray at which the ground is looked for, and halvings after that."""
 NEAREST = 0.08
 """What is nearer is not seen [m]."""

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.control.actuators import told_actuators
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log import Log
@@ -46,8 +47,8 @@ class MjcfWorld(MujocoWorld):
         Friction of feet and ground [-].
     dt
         Length of a step, whatever the file says [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and its (3,) place there, base axes [m].
     solref, solimp
         MuJoCo's softness of feet and ground; None for the file's own.
 
@@ -69,6 +70,7 @@ class MjcfWorld(MujocoWorld):
         dt: float = 1e-3,
         payload: float = 0.0,
         *,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
     ) -> None:
@@ -77,6 +79,7 @@ class MjcfWorld(MujocoWorld):
         self.robot = with_rotors(robot, self.actuators.armature)
         self.dt, self.terrain = real_number("dt", dt, low=1e-6), ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
         spec, compiled = _read(mujoco, path)
         floors = _floors(mujoco, compiled)
         if not floors:
@@ -108,8 +111,8 @@ class MjcfWorld(MujocoWorld):
         option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         if self.payload > 0.0:
-            load = spec.bodies[root].add_body(name="payload")
-            load.explicitinertial, load.mass = True, self.payload
+            load = spec.bodies[root].add_body(name="payload", pos=self.payload_position)
+            load.explicitinertial, load.mass, load.ipos = True, self.payload, np.zeros(3)
             load.inertia = np.full(3, 1e-3 * self.payload)
 
     def _drive(self, torques: FloatArray) -> None:

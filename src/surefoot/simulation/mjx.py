@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SimulationError
@@ -70,7 +71,7 @@ class MjxWorld(MujocoWorld):
 
     Parameters
     ----------
-    robot, terrain, mu, dt, payload, solref, solimp
+    robot, terrain, mu, dt, payload, solref, solimp, payload_position
         See `MujocoWorld`.
 
     Raises
@@ -89,10 +90,13 @@ class MjxWorld(MujocoWorld):
         *,
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self._jax, self._mjx = import_mjx()
         self.on_device: Any = None
-        super().__init__(robot, terrain, mu, dt, payload, solref=solref, solimp=solimp)
+        super().__init__(
+            robot, terrain, mu, dt, payload, solref=solref, solimp=solimp, payload_position=payload_position
+        )
         self.on_device = self._mjx.put_model(self.model)
         self.reset(robot.nominal)
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
@@ -21,8 +22,9 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.actuated import equipped
 from surefoot.simulation.mujoco_actuators import fit_actuators
+from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
 from surefoot.simulation.mujoco_contacts import read_contacts
-from surefoot.simulation.mujoco_ground import add_shapes
+from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
 from surefoot.simulation.mujoco_links import LinkContacts, add_links
 from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
 from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
@@ -32,7 +34,6 @@ from surefoot.simulation.rigid import chosen_geometry
 from surefoot.simulation.world import ContactReading, ground_of
 from surefoot.spatial import (
     quaternion_wxyz,
-    quaternion_xyzw,
     rotation_from_quaternion,
 )
 from surefoot.stepping.bodies import finite_vector
@@ -45,7 +46,6 @@ IMPEDANCE = (0.97, 0.99, 0.001, 0.5, 2.0)
 """MuJoCo's contact impedance (d_min, d_max, width, midpoint, power): close to rigid."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
-
 HEAVIEST = 1e9
 """Largest payload [kg]: MuJoCo's numbers end at 1e10."""
 
@@ -63,8 +63,8 @@ class MujocoWorld:
         Friction of the ground [-].
     dt
         Length of a step [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     collision
         What may touch: "feet", "full" for all links, with the ground and with each other, or a geometry.
     actuators
@@ -101,13 +101,15 @@ class MujocoWorld:
         actuators: str | Actuators = "ideal",
         solref: Sequence[float] | None = None,
         solimp: Sequence[float] | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         mujoco = import_mujoco()
         robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self.terrain = ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
-        spec = robot_spec(robot, self.payload)
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
+        spec = robot_spec(robot, self.payload, self.payload_position)
         fit_actuators(spec, robot, self.actuators)
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         geometry = chosen_geometry(robot, collision)
@@ -223,6 +225,8 @@ class MujocoWorld:
         """Change the friction of the ground [-], from the next step on."""
         self.model.geom_friction[self.ground_geoms, 0] = max(real_number("mu", mu, low=0.0), 1e-5)
 
+    set_point_friction = set_point_friction
+
     def softness(self, log: Log) -> dict[str, float]:
         """Return what the ground's softness means in a run: `sinking` [m], `creep` [m/s], `stopping` [m]."""
         load = float(np.linalg.norm(self.model.opt.gravity)) * (self.robot.mass + self.payload)
@@ -279,11 +283,3 @@ def _surface(mu: float, solref: Sequence[float] | None, solimp: Sequence[float] 
         "solref": list(softness.solref),
         "solimp": list(softness.solimp),
     }
-
-
-def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a MuJoCo state in Pinocchio's order: q (nq,) [m, -, rad], v (nv,) [m/s, rad/s]."""
-    q, v = qpos.copy(), qvel.copy()
-    q[3:7] = quaternion_xyzw(qpos[3:7])
-    v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]
-    return q, v

@@ -1,4 +1,4 @@
-"""Compiled reading of MuJoCo's contacts: forces and velocities at the feet's spheres."""
+"""What is read of MuJoCo: forces and velocities at the feet's spheres, states in Pinocchio's order."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import kernel
+from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
 
 
 @kernel
@@ -74,3 +75,11 @@ def read_contacts(
                 for i in range(3):
                     forces[k, j] += frames[k, i, j] * tangential[k, i]
     return forces, velocities, positions
+
+
+def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a MuJoCo state in Pinocchio's order: q (nq,) [m, -, rad], v (nv,) [m/s, rad/s]."""
+    q, v = qpos.copy(), qvel.copy()
+    q[3:7] = quaternion_xyzw(qpos[3:7])
+    v[:3] = rotation_from_quaternion(q[3:7]).T @ qvel[:3]
+    return q, v

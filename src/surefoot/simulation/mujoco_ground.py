@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 from surefoot.terrain import Box, Grid, Plane, Terrain
@@ -74,3 +75,19 @@ def _grid(mujoco: Any, spec: Any, name: str, grid: Grid) -> dict[str, Any]:
 
 
 _GEOMS: dict[type, Any] = {Plane: _plane, Box: _box, Grid: _grid}
+
+
+def set_point_friction(world: Any, mu: FloatArray) -> None:
+    """Change the friction [-] under each of a MuJoCo world's (p,) contact points, from the next step on.
+
+    What else touches the ground has the friction of `set_friction`.
+    """
+    model, ground = world.model, world.ground_geoms[0]
+    feet = [int(model.geom(f"foot:{name}").id) for name in world.robot.contact_points.names]
+    if model.geom_priority[feet[0]] <= model.geom_priority[ground]:  # from now on the feet's own counts
+        model.geom_priority[feet] = model.geom_priority[ground] + 1
+        model.geom_solref[feet], model.geom_solimp[feet] = (
+            model.geom_solref[ground],
+            model.geom_solimp[ground],
+        )
+    model.geom_friction[feet, 0] = np.maximum(finite_array("mu", mu, (len(feet),)), 1e-5)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, ModelError
 from surefoot.robot import Robot
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
@@ -46,10 +47,11 @@ def import_mujoco() -> Any:
     return mujoco
 
 
-def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
+def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray | None = None) -> Any:
     """Return an MjSpec with the robot's joints, inertias and foot spheres, and nothing else.
 
-    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``.
+    Bodies are named ``base:0`` for the floating base and ``joint:NAME``, geoms ``foot:NAME:k``. The payload
+    [kg] sits at (3,) base axes [m].
 
     Raises
     ------
@@ -79,8 +81,9 @@ def robot_spec(robot: Robot, payload: float = 0.0) -> Any:
         _set_inertia(body, model.inertias[index])
         _add_joint(mujoco, body, model, index, name)
     if payload > 0.0:
-        load = bodies[1].add_body(name="payload")
-        load.explicitinertial, load.mass = True, payload
+        place = [0.0] * 3 if payload_position is None else payload_position
+        load = bodies[1].add_body(name="payload", pos=place)
+        load.explicitinertial, load.mass, load.ipos = True, payload, np.zeros(3)
         load.inertia = np.full(3, 1e-3 * payload)
     points = robot.contact_points
     for name, joint, place, radius in zip(

@@ -229,9 +229,9 @@ def _pieces(rows: int, length: int) -> list[tuple[int, int]]:
 
 def _replay(task: ReplayTask, name: str, first: int, last: int) -> tuple[WindowReplay, Log]:
     """Replay rows `first` to `last` - 1 in a world, and judge them."""
-    world = make_world(
-        name, task.robot, task.terrain, float(task.mu[first]), dt=task.dt, payload=task.payload
-    )
+    at = {"payload_position": task.payload_position} if task.payload_position.any() else {}
+    mu = float(task.mu[first])
+    world = make_world(name, task.robot, task.terrain, mu, dt=task.dt, payload=task.payload, **at)
     log, outcome = _Replay(task, world, first, last).carry_out()
     report = audit_log(log, task.robot)
     row = min(first + max(len(log) - 1, 0) // task.steps, last - 1)

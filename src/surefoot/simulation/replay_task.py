@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError, SurefootError
 from surefoot.log import Log
 from surefoot.robot import Robot, load_robot
@@ -38,8 +38,8 @@ class ReplayTask:
         (T,), (T, nq), (T, nv), (T, joints), (T, 3), (T,) rows of the log.
     dt, steps
         Step of the world [s], and steps from row to row.
-    payload
-        Point mass at the base's origin [kg].
+    payload, payload_position
+        Point mass on the base [kg], and where: (3,) base axes [m].
     stiffness, damping
         (joints,) of the tracking [N m/rad, N m s/rad].
     """
@@ -55,6 +55,7 @@ class ReplayTask:
     dt: float
     steps: int
     payload: float
+    payload_position: FloatArray
     stiffness: FloatArray
     damping: FloatArray
 
@@ -89,10 +90,12 @@ def replay_task(
         if bad.any():
             raise ProblemError(f"the log cannot be replayed: {name} is not finite in row {int(bad.argmax())}")
     payload = real_number("the fact payload", log.facts.get("payload", 0.0), low=0.0, high=1e4)
+    place = finite_array("the fact payload_position", log.facts.get("payload_position", np.zeros(3)), (3,))
     stiffness, damping = _gains(log, robot, row / steps)
     return ReplayTask(
-        robot, ground, time, q, v, torques, push, friction, row / steps, steps, payload, stiffness, damping
-    )
+        robot, ground, time, q, v, torques, push, friction, row / steps, steps, payload, place, stiffness,
+        damping,
+    )  # fmt: skip
 
 
 def _missing(log: Log, robot: Robot | None, terrain: Terrain | None, mu: float | None) -> list[str]:

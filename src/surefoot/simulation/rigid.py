@@ -10,8 +10,9 @@ from collections.abc import Callable
 from typing import NamedTuple, Unpack
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry, robot_geometry
 from surefoot.contact import ContactSolution
 from surefoot.control.actuators import Actuators
@@ -85,8 +86,8 @@ class RigidWorld:
         Friction of the ground [-]; None for that of a soft law, else 0.6.
     dt
         Length of a step [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     collision
         What may touch: "feet" on the ground alone, or "full", all of the robot's collision geometry with the
         ground and with itself; or a `Geometry` of `surefoot.collision`.
@@ -146,6 +147,7 @@ class RigidWorld:
         payload: float = 0.0,
         *,
         collision: str | Geometry = "feet",
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
         actuators: str | Actuators = "ideal",
         **settings: Unpack[StepSettings],
     ) -> None:
@@ -155,10 +157,13 @@ class RigidWorld:
         options = StepOptions.of(dt, settings)
         own = 0.6 if options.soft is None else options.soft.friction.mu
         self.set_friction(own if mu is None else mu)
-        self.stepper = Stepper(robot, terrain, options, payload, chosen_geometry(robot, collision))
+        self.stepper = Stepper(
+            robot, terrain, options, payload, chosen_geometry(robot, collision), payload_position
+        )
         self.robot, self.terrain, self.dt = robot, self.stepper.terrain, options.dt
         self.model = self.stepper.bodies.model
         self.payload = payload if robot.floating else 0.0
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
         self.contact_foot = robot.contact_points.foot
         self._warned = False
         self.applied = np.zeros(robot.joints)

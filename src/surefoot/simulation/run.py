@@ -15,12 +15,15 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
+from surefoot.log.channels import Channel
 from surefoot.simulation.actuated import given_by
 from surefoot.simulation.faults import ActiveFaults, Faults
+from surefoot.simulation.ground_friction import GroundFriction
 from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.outward import Outward
 from surefoot.simulation.scenario import Ice as Ice
+from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
@@ -80,9 +83,10 @@ def run(
     world.reset(q, v)
     faults = (scenario.faults or Faults()).start(world, scenario.seed)
     sensing = _sensing(world, scenario, faults)
-    recorder = _recorder(world, controller, sensing, scenario, folder)
+    ground = GroundFriction(world, scenario)
+    recorder = _recorder(world, controller, (*sensing.channels, *ground.channels), scenario, folder)
     limits = AT_LIMIT * world.robot.effort_limits
-    this = _Run(world, controller, scenario, tuple(observers), recorder, limits, faults, sensing)
+    this = _Run(world, controller, scenario, tuple(observers), recorder, limits, faults, sensing, ground)
     log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
     log.facts.update(softness_of(world, log))
     for observer in observers:
@@ -105,11 +109,11 @@ def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
 
 
 def _recorder(
-    world: World, controller: Controller, sensing: Sensing, scenario: Scenario, folder: Path | None
+    world: World, controller: Controller, more: tuple[Channel, ...], scenario: Scenario, folder: Path | None
 ) -> Recorder:
-    """Return a recorder for what every run has, and what controller and estimator add."""
+    """Return a recorder for what every run has, what its controller adds, and `more`."""
     robot = world.robot
-    taken = (*_SHARED, "other_forces", "torques_commanded", *(c.name for c in sensing.channels))
+    taken = (*_SHARED, "other_forces", "torques_commanded", *(c.name for c in more))
     clash = [c.name for c in controller.channels if c.name in taken]
     if clash:
         raise ProblemError(
@@ -134,7 +138,7 @@ def _recorder(
     shared = _SHARED if world.contacts().others is None else (*_SHARED, "other_forces")
     if getattr(world, "actuators", None) is not None:
         shared = (*shared, "torques_commanded")
-    channels = (*(CHANNELS[name] for name in shared), *controller.channels, *sensing.channels)
+    channels = (*(CHANNELS[name] for name in shared), *controller.channels, *more)
     return Recorder(
         scenario.steps(world.dt), channels, folder, facts,
         nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
@@ -154,6 +158,7 @@ class _Run:
     limits: FloatArray
     faults: ActiveFaults
     sensing: Sensing
+    ground: GroundFriction
 
     def __post_init__(self) -> None:
         self.stop = Stop(self.world)
@@ -190,16 +195,12 @@ class _Run:
     def _loop(self, height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
-        ice = sorted(scenario.ice, key=lambda change: change.start)
-        mu, feet, touch = scenario.mu, len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
-        world.set_friction(mu)
+        feet, touch = len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
         reading, command, stopped = world.contacts(), None, math.inf
         for k in range(scenario.steps(world.dt)):
             # what the world is like, and what the controller makes of it
             now = k * world.dt
-            while ice and now >= ice[0].start - 1e-9:
-                mu = ice.pop(0).mu
-                world.set_friction(mu)
+            self.ground.advance(now, reading)
             push = push_at(scenario.pushes, now)
             q, v = world.state()
             state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
@@ -215,7 +216,7 @@ class _Run:
             reading = world.contacts()
             self.touches.look(now, reading)
             # its row
-            self._record(Moment(now, q, v, torques, push, mu, spent, command, reading))
+            self._record(Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading))
             # whether it goes on
             if sensing.lost:
                 stopped = min(stopped, now)
@@ -256,7 +257,7 @@ class _Run:
         own = command.rows()
         if self.recorder.count == 0:
             _check_rows(own, self.controller)
-        for name, value in (*own.items(), *self.sensing.rows().items()):
+        for name, value in (*own.items(), *self.sensing.rows().items(), *self.ground.rows().items()):
             rows[name][i] = value
         self.recorder.count += 1
         for observer in self.observers:

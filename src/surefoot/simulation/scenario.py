@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import FloatArray, real_number
+from surefoot.errors import ProblemError
 from surefoot.log import Ending
 from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
@@ -40,6 +41,28 @@ class Ice:
 
     start: float
     mu: float
+
+
+@dataclass(frozen=True)
+class IcePatch:
+    """The ground's friction is `mu` where x and y lie from `lower` to `upper` [m], each (x, y)."""
+
+    lower: tuple[float, float]
+    upper: tuple[float, float]
+    mu: float
+
+    def __post_init__(self) -> None:
+        numbers = (*self.lower, *self.upper)
+        if not all(map(math.isfinite, numbers)) or any(a >= b for a, b in zip(*self.corners, strict=True)):
+            raise ProblemError(
+                f"a patch of ice reaches from (x0, y0) to a larger (x1, y1) [m], got {numbers}"
+            )
+        real_number("mu of a patch of ice", self.mu, low=0.0)
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """The lower and the upper corner [m]."""
+        return self.lower, self.upper
 
 
 @dataclass(frozen=True)
@@ -92,6 +115,8 @@ class Scenario:
         Friction of the ground [-] at the start; takes the place of the world's own.
     pushes, ice
         What disturbs it.
+    patches
+        Where the ground's friction is another.
     seed
         Seed of every random number of the run; None for no disturbance at the start.
     faults
@@ -119,6 +144,7 @@ class Scenario:
     fall: Fall = Fall()
     sensors: SensorModel | None = None
     scanner: RangeSensor | None = None
+    patches: Sequence[IcePatch] = ()
 
     def steps(self, dt: float) -> int:
         """Return the number of steps of length `dt` [s], at least one."""

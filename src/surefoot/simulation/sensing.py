@@ -95,9 +95,8 @@ class EstimatedState(Sensing):
         ekf = InvariantEkf(robot, world.dt, model.filter_noise(), ground, model.imu.position)
         late = model.imu.latency, model.encoders.latency
         self.estimator = StateEstimator(ekf, latency=late)
-        foot = np.asarray(world.contact_foot)
         self._actuators: Actuators | None = getattr(world, "actuators", None)
-        self._points = [np.flatnonzero(foot == k) for k in range(len(robot.feet))]
+        self._foot = np.asarray(world.contact_foot)
         self._standing: BoolArray | None = None
         self._warm_up(robot.nominal)
         self._started = False
@@ -134,7 +133,8 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        pushing = np.array([bool(command.active[points].any()) for points in self._points])
+        pushing = np.zeros(len(self.sensors.robot.feet), dtype=bool)
+        pushing[self._foot[command.active]] = True
         planned = command.rows().get("planned", pushing)
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(planned, dtype=bool))

@@ -12,7 +12,8 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import FilterNoise, Reading
 from surefoot.robot import Robot
-from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
+from surefoot.simulation.sensor_kernels import mean_readings
+from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 
 @dataclass(frozen=True)
@@ -183,15 +184,9 @@ def mean_motion(
 
     They are those of an IMU at `arm` (3,) from the base's origin, in the base's axes half-way.
     """
-    (qa, va), (qb, vb) = before, now
-    Ra, Rb = rotation_from_quaternion(qa[3:7]), rotation_from_quaternion(qb[3:7])
-    turn = rotation_log(Ra.T @ Rb)
-    angle = float(np.linalg.norm(turn))
-    middle = Ra if angle == 0.0 else Ra @ rotation_about(turn / angle, 0.5 * angle)
-    a, b = (R @ (v[:3] + np.cross(v[3:6], arm)) for R, v in ((Ra, va), (Rb, vb)))
-    force = (b - a) / dt
-    force[2] += GRAVITY
-    return turn / dt, middle.T @ force
+    rate, force = np.empty(3), np.empty(3)
+    mean_readings(*before, *now, dt, arm, rate, force)
+    return rate, force
 
 
 class Sensors:

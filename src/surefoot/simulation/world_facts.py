@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
+
 from surefoot.log import Log
 from surefoot.simulation.actuated import facts_of
 from surefoot.simulation.world import World
@@ -17,6 +19,8 @@ def told_by(world: World) -> dict[str, Any]:
     """Return the facts of a world that are known before the run: terrain, mass, payload and motors."""
     payload = float(getattr(world, "payload", 0.0))
     out: dict[str, Any] = {"mass": world.robot.mass + payload, "payload": payload, **facts_of(world)}
+    if payload > 0.0:
+        out["payload_position"] = np.array(getattr(world, "payload_position", np.zeros(3)))
     if world.terrain.text:
         out["terrain"] = world.terrain.text
     return out

@@ -34,7 +34,7 @@ def make_world(
     robot, terrain, mu
         Who stands where (None: flat ground), and the friction of the ground.
     options
-        Of the world itself: `dt` [s], `payload` [kg] and its own.
+        Of the world itself: `dt` [s], `payload` [kg], `payload_position` (3,) [m] and its own.
 
     Raises
     ------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.collision import Geometry
@@ -25,8 +26,8 @@ class Bodies:
         The robot.
     terrain
         What its feet may touch.
-    payload
-        Point mass fixed to the base's origin [kg].
+    payload, payload_position
+        Point mass fixed to the base [kg], and where: (3,) base axes [m].
     geometry, dt
         What else may touch than the feet on the ground (None: nothing), and the length of a step [s].
 
@@ -51,10 +52,11 @@ class Bodies:
         payload: float,
         geometry: Geometry | None = None,
         dt: float = 1e-3,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         import pinocchio
 
-        self.model = loaded_model(robot, payload)
+        self.model = loaded_model(robot, payload, payload_position)
         self.contacts: Detection | PairDetection = (
             Detection(self.model, robot.contact_points, terrain)
             if geometry is None
@@ -124,13 +126,21 @@ class Bodies:
         return self.model.names[joint], float(abs(v[fastest]))
 
 
-def loaded_model(robot: Robot, payload: float) -> Any:
-    """Return a copy of the robot's model with a point mass [kg] at the base's origin."""
+def loaded_model(robot: Robot, payload: float, position: ArrayLike = (0.0, 0.0, 0.0)) -> Any:
+    """Return a copy of the robot's model with a payload [kg] on the base, at (3,) base axes [m].
+
+    It is a ball of 5 cm radius, so that its inertia is never that of a point alone.
+
+    Raises
+    ------
+    ProblemError
+        For a position that is not three finite numbers.
+    """
     import pinocchio
 
-    model = robot.model.copy()
+    model, place = robot.model.copy(), finite_array("payload_position", position, (3,))
     if payload > 0.0 and robot.floating:
-        load = pinocchio.Inertia(payload, np.zeros(3), 1e-3 * payload * np.eye(3))
+        load = pinocchio.Inertia(payload, place, 1e-3 * payload * np.eye(3))
         model.inertias[1] = model.inertias[1] + load
     return model
 

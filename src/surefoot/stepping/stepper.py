@@ -33,6 +33,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.collision import Geometry
@@ -76,8 +77,8 @@ class Stepper:
         None for flat ground.
     options
         None for the defaults of `StepOptions`.
-    payload
-        Point mass fixed to the base's origin [kg].
+    payload, payload_position
+        Point mass fixed to the base [kg], and where: (3,) base axes [m].
     geometry
         What else may touch than feet on the ground: other links, bodies, each other; None for feet alone.
 
@@ -104,6 +105,7 @@ class Stepper:
         options: StepOptions | None = None,
         payload: float = 0.0,
         geometry: Geometry | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self.robot, self.options = robot, options or StepOptions()
         self.terrain = FlatTerrain() if terrain is None else terrain
@@ -112,7 +114,7 @@ class Stepper:
         if geometry is not None and self.options.order == 1:
             raise ProblemError("order=1 is of feet on the ground, not of a geometry")
         load = real_number("payload", payload, low=0.0)
-        self.bodies = Bodies(robot, self.terrain, load, geometry, self.options.dt)
+        self.bodies = Bodies(robot, self.terrain, load, geometry, self.options.dt, payload_position)
         self.geometry = geometry
         self._foot = self.bodies.contacts.group
         soft = {"implicit": SoftMeeting, "explicit": ExplicitMeeting}

@@ -42,7 +42,7 @@ def add_meshes(spec: Any, robot: Robot) -> None:
         }
         kind, shape = type(item.geometry).__name__, item.geometry
         if kind.startswith("BVHModel") and shape.num_vertices > 3:
-            vertices, faces = _triangles(item)
+            vertices, faces = triangles(item)
             spec.add_mesh(
                 name=f"mesh:{k}",
                 uservert=vertices.ravel(),
@@ -59,7 +59,7 @@ def add_meshes(spec: Any, robot: Robot) -> None:
             body.add_geom(type=form, size=[shape.radius, shape.halfLength, 0], **placement)
 
 
-def _triangles(item: Any) -> tuple[FloatArray, IntArray]:
+def triangles(item: Any) -> tuple[FloatArray, IntArray]:
     """Return the (n, 3) vertices and (m, 3) triangles of a geometry object's mesh."""
     shape = item.geometry
     vertices = np.array(shape.vertices()) * np.asarray(item.meshScale)

@@ -12,8 +12,9 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact import Status
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
 from surefoot.control.biped.leg_momentum import LegMomentum
@@ -99,10 +100,19 @@ class BipedController(Controller):
         self.steps = StepPlanner(gait, self._geometry, sides, self.settings.capture)
         self._mpc_dt = gait.period / self.settings.mpc_steps
         self._interval = min(self.settings.plan_interval, self._mpc_dt)
-        self.command, self.notes = limit_command(
-            command, 0.25 * self._height, self.steps.step_time, self._height, 0.5 * self._geometry.width
-        )
+        self.command, self.notes = self._limited(command)
         self._set_controllers()
+
+    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+        """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
+        reach, radius = 0.25 * self._height, 0.5 * self._geometry.width
+        return limit_command(command, reach, self.steps.step_time, self._height, radius)
+
+    def steer(self, velocity: ArrayLike) -> FloatArray:
+        """Take another velocity (3,) from now on; see `WalkingController.steer`."""
+        wanted = finite_array("velocity", velocity, (3,))
+        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
+        return self.command.at(0.0)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""

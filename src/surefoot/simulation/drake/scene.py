@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surefoot.errors import ModelError
 from surefoot.robot import Robot
@@ -12,15 +13,19 @@ from surefoot.stepping.bodies import loaded_model
 from surefoot.terrain import Box, Plane, Terrain
 
 
-def scene_of(robot: Robot, terrain: Terrain, payload: float = 0.0) -> dict[str, Any]:
+def scene_of(
+    robot: Robot, terrain: Terrain, payload: float = 0.0, payload_position: ArrayLike = (0.0, 0.0, 0.0)
+) -> dict[str, Any]:
     """Return a robot's tree of joints, its contact spheres and the ground as plain data.
+
+    `payload_position` is (3,) in base axes [m].
 
     Raises
     ------
     ModelError
         For a joint or a shape of ground that Drake's point contact does not take here.
     """
-    model, points = loaded_model(robot, payload), robot.contact_points
+    model, points = loaded_model(robot, payload, payload_position), robot.contact_points
     joints = [_joint(model, index, robot.floating) for index in range(1, model.njoints)]
     spheres = [
         [int(joint), place.tolist(), float(radius)]

@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.errors import ModelError, ProblemError, SimulationError, unknown_name
 from surefoot.robot import Robot
 from surefoot.simulation.drake.scene import scene_of
@@ -68,8 +69,8 @@ class DrakeWorld:
         Friction of the ground.
     dt
         Length of a step [s].
-    payload
-        Point mass fixed to the base's origin [kg], unknown to any controller.
+    payload, payload_position
+        Point mass fixed to the base [kg], unknown to any controller, and where: (3,) base axes [m].
     contact
         Softness in Drake's own words, as `surefoot.translate(law, "drake", mass).parameters` has them:
         "discrete_contact_approximation" and the proximity properties of "each_body", and "stiction_tolerance"
@@ -95,15 +96,17 @@ class DrakeWorld:
         payload: float = 0.0,
         *,
         contact: Mapping[str, Any] | None = None,
+        payload_position: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self._worker, self._closed = Worker(WORKER), False
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
-        payload = real_number("payload", payload, low=0.0, high=HIGHEST)
+        self.payload = payload = real_number("payload", payload, low=0.0, high=HIGHEST)
+        self.payload_position = finite_array("payload_position", payload_position, (3,))
         self._stepper = Stepper(robot, ground_of(terrain), payload=payload)  # for its contact detection
         self.terrain, self.contact_foot = self._stepper.terrain, robot.contact_points.foot
         self.mu = real_number("mu", mu, low=0.0, high=HIGHEST)
         chosen = near_rigid(robot.mass + payload, self.dt) if contact is None else contact
-        scene = scene_of(robot, self.terrain, payload)
+        scene = scene_of(robot, self.terrain, payload, self.payload_position)
         scene |= {"dt": self.dt, "mu": self.mu, **_contact_words(chosen)}
         scene["near_rigid"] = None if contact is None else 0.0
         self._worker.ask(["scene", scene])

@@ -17,6 +17,8 @@ from surefoot.sweep.space import Sample, Space
 class Walk(RobotRun):
     """A robot walks under the walking controller; it survives if `surefoot walk` would call it "walked".
 
+    Unlike there, its controller is told the true state.
+
     Attributes
     ----------
     gait

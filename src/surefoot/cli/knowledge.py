@@ -1,0 +1,81 @@
+"""What a simulated robot's controller knows of the ground: options of its terrain and its friction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+from surefoot.cli import parsing
+from surefoot.errors import ProblemError, unknown_name
+
+if TYPE_CHECKING:
+    from surefoot.simulation.sensors import SensorModel
+    from surefoot.terrain import Terrain
+
+KNOWLEDGE = ("exact", "map", "blind")
+ASSUMED = 0.6
+"""Friction that is believed in until a foot slides, with ``--believed-mu auto``."""
+BelievedMu: TypeAlias = Annotated[
+    str | None,
+    typer.Option(help="Friction that the controller believes in; auto: as its feet find it; None for --mu."),
+]
+TerrainKnowledge: TypeAlias = Annotated[
+    str,
+    typer.Option(
+        help="exact: the controller is told the terrain; map: a height map from a sensor; blind: touch."
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Beliefs:
+    """What the controller believes.
+
+    Attributes
+    ----------
+    mu
+        Friction [-] that it starts from.
+    watch
+        Whether it believes in less where feet slide.
+    terrain
+        Its knowledge of the terrain, a name of `KNOWLEDGE`.
+    """
+
+    mu: float
+    watch: bool
+    terrain: str
+
+    @staticmethod
+    def read(believed_mu: str | None, mu: float, terrain: str, planner: str) -> Beliefs:
+        """Return the beliefs that options say, `mu` [-] being the ground's own.
+
+        Raises
+        ------
+        ProblemError
+            For an unknown word, friction out of range, or a planner that cannot do with less than the truth.
+        """
+        if terrain not in KNOWLEDGE:
+            raise ProblemError(unknown_name("--terrain-knowledge", terrain, KNOWLEDGE))
+        watch = believed_mu == "auto"
+        if planner != "convex" and (watch or terrain != "exact"):
+            given = "--believed-mu auto" if watch else f"--terrain-knowledge {terrain}"
+            raise ProblemError(f"{given} goes with --planner convex")
+        if watch:
+            return Beliefs(ASSUMED, True, terrain)
+        told = mu if believed_mu is None else parsing.number("--believed-mu", believed_mu)
+        return Beliefs(parsing.friction("--believed-mu", told), False, terrain)
+
+    def ground(self, terrain: Terrain) -> Terrain:
+        """Return the ground that the controller plans on."""
+        from surefoot.control.terrain_knowledge import believed_ground
+
+        return believed_ground(self.terrain, terrain)
+
+    def senses(self, sensors: SensorModel | None) -> dict[str, Any]:
+        """Return what the scenario says of the senses; only with exact knowledge the filter has a map."""
+        from surefoot.simulation.height_scan import RangeSensor
+
+        inner = sensors if sensors is None or self.terrain == "exact" else replace(sensors, heights=False)
+        return {"sensors": inner, "scanner": RangeSensor() if self.terrain == "map" else None}

@@ -1,0 +1,159 @@
+"""The arithmetic of the wrench observer: what pushes a robot from outside, and a Kalman filter's step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.estimation.detection_kernels import foot_forces
+from surefoot.kernels import kernel
+from surefoot.numerics.vectors import cross
+from surefoot.spatial import GRAVITY
+
+DAMPING = 0.005
+"""Share of a leg's lever below which its foot's force is damped, see `foot_forces`."""
+
+
+@kernel
+def outside_wrench(
+    M: FloatArray, bias: FloatArray, v: FloatArray, after: FloatArray, dt: float, torques: FloatArray,
+    twists: FloatArray, support: BoolArray, points: FloatArray, flat: BoolArray, touching: BoolArray,
+    pose: FloatArray, wrench: FloatArray,
+) -> None:  # fmt: skip
+    """Fill what the base's rows of M a + h = Sᵀ τ + Σ Jᵀ f + w leave: (6,) [N, N m], world axes.
+
+    The force f of a foot that touches is what its leg's own rows of the same equation ask for; the moment is
+    about the base's origin.
+
+    Parameters
+    ----------
+    M, bias
+        (nv, nv), (nv,) mass matrix and bias forces at the start of a step [kg, N, N m].
+    v, after, dt
+        (nv,) velocity then and at its end [m/s, rad/s], and its length [s].
+    torques
+        (joints,) of the motors during it [N m].
+    twists, support, points, flat
+        As for `foot_forces`.
+    touching
+        (n,) which feet may push.
+    pose
+        (3, 4) rotation and place of the base in the world [-, m].
+    wrench
+        Filled.
+    """
+    nv, n = v.shape[0], points.shape[0]
+    rest, forces, speeds = np.empty(nv), np.empty((n, 3)), np.empty((n, 3))
+    for i in range(nv):
+        rest[i] = bias[i] - (torques[i - 6] if i >= 6 else 0.0)
+        for j in range(nv):
+            rest[i] += M[i, j] * (after[j] - v[j]) / dt
+    foot_forces(twists, support, points, flat, rest, v, DAMPING, forces, speeds)
+    for a in range(3):
+        wrench[a] = wrench[3 + a] = 0.0
+        for b in range(3):
+            wrench[a] += pose[a, b] * rest[b]
+            wrench[3 + a] += pose[a, b] * rest[3 + b]
+    for k in range(n):
+        if not touching[k]:
+            continue
+        arm = points[k, 0] - pose[0, 3], points[k, 1] - pose[1, 3], points[k, 2] - pose[2, 3]
+        turn = cross(arm, (forces[k, 0], forces[k, 1], forces[k, 2]))
+        for a in range(3):
+            wrench[a] -= forces[k, a]
+            wrench[3 + a] -= turn[a]
+
+
+@kernel
+def add_weight(mass: float, moment: FloatArray, pose: FloatArray, wrench: FloatArray) -> None:
+    """Add to (6,) `wrench` the weight of a load on the base [N, N m], its moment about the base's origin.
+
+    `mass` [kg] and (3,) first `moment` in base axes [kg m]; `pose` as for `outside_wrench`.
+    """
+    wrench[2] -= mass * GRAVITY
+    for j in range(3):
+        wrench[3] -= GRAVITY * pose[1, j] * moment[j]
+        wrench[4] += GRAVITY * pose[0, j] * moment[j]
+
+
+@kernel
+def filter_wrench(
+    state: FloatArray, covariance: FloatArray, wrench: FloatArray, rotation: FloatArray, noise: FloatArray,
+    keep: FloatArray, drive: FloatArray,
+) -> None:  # fmt: skip
+    """Take a Kalman filter's step: states that fade, then wrench = weight of the load + rest + noise.
+
+    All in units in which gravity is one.
+
+    Parameters
+    ----------
+    state, covariance
+        (10,), (10, 10): mass and first moment of the load in base axes, force and moment of the rest.
+    wrench
+        (6,) as measured, world axes.
+    rotation
+        (3, 3) or more columns: of the base in the world.
+    noise
+        (6,) variances of the measurement.
+    keep, drive
+        (10,) share of each state that is left, and variance that it gains.
+    """
+    n = state.shape[0]
+    for i in range(n):
+        state[i] *= keep[i]
+        for j in range(n):
+            covariance[i, j] *= keep[i] * keep[j]
+        covariance[i, i] += drive[i]
+    H, PH = np.empty(n), np.empty(n)
+    for r in range(6):
+        H[:] = 0.0
+        H[4 + r] = 1.0
+        if r == 2:
+            H[0] = -1.0
+        for j in range(3):
+            if r == 3:
+                H[1 + j] = -rotation[1, j]
+            elif r == 4:
+                H[1 + j] = rotation[0, j]
+        missed, spread = wrench[r], noise[r]
+        for i in range(n):
+            PH[i] = 0.0
+            for j in range(n):
+                PH[i] += covariance[i, j] * H[j]
+        for i in range(n):
+            missed -= H[i] * state[i]
+            spread += H[i] * PH[i]
+        for i in range(n):
+            gain = PH[i] / spread
+            state[i] += gain * missed
+            for j in range(n):
+                covariance[i, j] -= gain * PH[j]
+
+
+@kernel
+def tell_wrench(
+    wrench: FloatArray, most: FloatArray, rotation: FloatArray, base: FloatArray, com: FloatArray,
+    on_base: FloatArray, on_com: FloatArray,
+) -> None:  # fmt: skip
+    """Fill a wrench, bounded, as it acts on the base in its own axes and about the centre of mass.
+
+    Parameters
+    ----------
+    wrench, most
+        (6,) force and moment about the base's origin, world axes, and the bound on each [N, N m].
+    rotation, base, com
+        (3, 3) of the base in the world; (3,) places of its origin and of the centre of mass [m].
+    on_base, on_com
+        Filled: (6,) about the base's origin, base axes; about the centre of mass, world axes [N, N m].
+    """
+    for a in range(6):
+        on_com[a] = min(max(wrench[a], -most[a]), most[a])
+    for a in range(3):
+        on_base[a] = on_base[3 + a] = 0.0
+        for b in range(3):
+            on_base[a] += rotation[b, a] * on_com[b]
+            on_base[3 + a] += rotation[b, a] * on_com[3 + b]
+    arm = base[0] - com[0], base[1] - com[1], base[2] - com[2]
+    turn = cross(arm, (on_com[0], on_com[1], on_com[2]))
+    for a in range(3):
+        on_com[3 + a] += turn[a]

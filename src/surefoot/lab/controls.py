@@ -1,0 +1,156 @@
+"""What a page can be told: sliders, choices, ticks and buttons, each checking what a browser sends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from surefoot.errors import ProblemError, unknown_name
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A number from `low` to `high` in steps of `step`.
+
+    Attributes
+    ----------
+    name
+        Under which the page knows it.
+    label
+        What stands beside it, with the unit.
+    folder
+        Heading that it stands below; empty for none.
+    hint
+        One line more.
+    """
+
+    name: str
+    label: str
+    low: float
+    high: float
+    step: float
+    value: float
+    folder: str = ""
+    hint: str = ""
+
+    def checked(self, raw: object) -> float:
+        """Return what was sent as a number, or raise `ProblemError`."""
+        if isinstance(raw, bool) or not isinstance(raw, int | float) or not math.isfinite(raw):
+            raise ProblemError(f"{self.label} must be a finite number, got {raw!r:.40}")
+        if not self.low - 1e-9 <= raw <= self.high + 1e-9:
+            raise ProblemError(f"{self.label} must be from {self.low:g} to {self.high:g}, got {raw:g}")
+        return float(raw)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of some words; see `Slider` for the other attributes."""
+
+    name: str
+    label: str
+    options: tuple[str, ...]
+    value: str
+    folder: str = ""
+    hint: str = ""
+
+    def checked(self, raw: object) -> str:
+        """Return what was sent if it is one of the words, or raise `ProblemError`."""
+        if not isinstance(raw, str) or raw not in self.options:
+            raise ProblemError(
+                unknown_name(self.label, raw if isinstance(raw, str) else repr(raw)[:40], self.options)
+            )
+        return raw
+
+
+@dataclass(frozen=True)
+class Tick:
+    """On or off; see `Slider` for the other attributes."""
+
+    name: str
+    label: str
+    value: bool
+    folder: str = ""
+    hint: str = ""
+
+    def checked(self, raw: object) -> bool:
+        """Return what was sent if it is true or false, or raise `ProblemError`."""
+        if not isinstance(raw, bool):
+            raise ProblemError(f"{self.label} must be true or false, got {raw!r:.40}")
+        return raw
+
+
+@dataclass(frozen=True)
+class Button:
+    """Something to press; it has no value."""
+
+    name: str
+    label: str
+    folder: str = ""
+    hint: str = ""
+
+
+Control: TypeAlias = Slider | Choice | Tick | Button
+
+
+class Values:
+    """The controls of a page and their values.
+
+    Parameters
+    ----------
+    controls
+        Each with the value that it starts with.
+
+    Examples
+    --------
+    >>> values = Values([Slider("mu", "friction", 0.0, 1.5, 0.01, 0.6), Button("go", "go")])
+    >>> values.change("mu", 0.8)
+    >>> values["mu"], "go" in values
+    (0.8, False)
+    """
+
+    def __init__(self, controls: tuple[Control, ...] | list[Control]) -> None:
+        self.controls = tuple(controls)
+        self._by_name = {control.name: control for control in self.controls}
+        self._values: dict[str, Any] = {
+            control.name: control.value for control in self.controls if not isinstance(control, Button)
+        }
+
+    def __getitem__(self, name: str) -> Any:
+        return self._values[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def change(self, name: str, raw: object) -> None:
+        """Take a value for a control.
+
+        Raises
+        ------
+        ProblemError
+            For a control that does not exist or has no value, or a value that is none of its own.
+        """
+        control = self._by_name.get(name)
+        if control is None or isinstance(control, Button):
+            raise ProblemError(unknown_name("control", name, self._values))
+        self._values[name] = control.checked(raw)
+
+    def within(self, name: str, value: float) -> None:
+        """Give a slider the nearest value that it can have."""
+        control = self._by_name[name]
+        assert isinstance(control, Slider)
+        self._values[name] = min(max(float(value), control.low), control.high)
+
+    def started_with(self, **values: Any) -> Values:
+        """Return fresh controls that start with other values, checked as if they had been sent."""
+        changed = [
+            control
+            if isinstance(control, Button) or control.name not in values
+            else replace(control, value=control.checked(values[control.name]))  # type: ignore[arg-type]
+            for control in self.controls
+        ]
+        return Values(changed)

@@ -1,0 +1,136 @@
+"""Surfaces of what pages draw: cones, polygons, grounds. Their triangles do not depend on the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from surefoot.arrays import FloatArray, IntArray
+from surefoot.cones import FrictionCone
+from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
+from surefoot.terrain import Terrain
+from surefoot.terrain.shapes import Box, Grid, Plane, Shape
+from surefoot.viz.shapes import cone_rim
+
+SIDES = 32
+"""Sides of the polygon that stands for a circle."""
+CORNERS = 48
+"""Corners that every polygon's mesh has: a polygon with fewer repeats its last one."""
+REACH = 1.5
+"""Half the length of the piece of ground that is drawn [m]."""
+CELLS = 60
+"""Cells along a side of ground that is no plane."""
+NOTHING: tuple[FloatArray, IntArray] = (np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+
+
+@cache
+def fan(count: int, closed: bool = True) -> IntArray:
+    """Return the (m, 3) triangles from vertex 0 to those of a ring 1 .. count."""
+    first = np.arange(1, count + (1 if closed else 0))
+    second = np.where(first == count, 1, first + 1)
+    return np.column_stack([np.zeros(len(first), dtype=np.int64), first, second])
+
+
+def cone_surface(mu: float, height: float, rotation_world_contact: FloatArray) -> FloatArray:
+    """Return the (SIDES + 1, 3) vertices of a friction cone about its apex, for `fan(SIDES)` [m].
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient.
+    height
+        Of the rim above the apex, along the normal [m].
+    rotation_world_contact
+        (3, 3), its third column the normal.
+    """
+    rim = cone_rim(FrictionCone(mu).mu, height, rotation_world_contact, SIDES)[:-1]
+    return np.vstack([np.zeros((1, 3)), rim])
+
+
+def polygon_surface(corners: FloatArray) -> FloatArray:
+    """Return the (CORNERS + 1, 3) vertices of a convex polygon with (k, 3) corners, for `fan(CORNERS)`.
+
+    A polygon of more corners than that loses some, so that what is drawn lies inside.
+    """
+    k = len(corners)
+    if k == 0:
+        return np.zeros((CORNERS + 1, 3))
+    taken = np.minimum(np.arange(CORNERS), k - 1) if k <= CORNERS else np.arange(CORNERS) * k // CORNERS
+    return np.vstack([corners.mean(axis=0, keepdims=True), corners[taken]])
+
+
+def pose_of(rotation: FloatArray) -> tuple[float, float, float, float]:
+    """Return the quaternion (w, x, y, z) of a (3, 3) rotation."""
+    w, x, y, z = quaternion_wxyz(quaternion_from_rotation(rotation)).tolist()
+    return w, x, y, z
+
+
+def ground_surface(terrain: Terrain, middle: FloatArray, reach: float = REACH) -> tuple[FloatArray, IntArray]:
+    """Return (n, 3) vertices [m] and (m, 3) triangles of the ground within `reach` of a (2,) place [m].
+
+    Raises
+    ------
+    ProblemError
+        If the terrain has no shapes.
+    """
+    about = np.asarray(middle, dtype=np.float64)
+    parts = [_BUILDERS[type(shape)](shape, terrain, about, reach) for shape in terrain.shapes()]
+    parts = [part for part in parts if len(part[0])] or [NOTHING]
+    offsets = np.cumsum([0, *(len(vertices) for vertices, _ in parts[:-1])])
+    faces = [faces + offset for (_, faces), offset in zip(parts, offsets, strict=True)]
+    return np.vstack([vertices for vertices, _ in parts]), np.vstack(faces)
+
+
+def _plane(shape: Plane, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+    return _sheet(terrain, middle, reach, 1)
+
+
+def _grid(shape: Grid, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+    low = np.maximum(middle - reach, shape.origin)
+    high = np.minimum(middle + reach, shape.origin + shape.size)
+    if (high <= low).any():
+        return NOTHING
+    return _sheet(terrain, 0.5 * (low + high), 0.5 * (high - low), CELLS)
+
+
+def _block(shape: Box, terrain: Terrain, middle: FloatArray, reach: float) -> tuple[FloatArray, IntArray]:
+    half = 0.5 * shape.size
+    low = np.maximum(shape.centre[:2] - half[:2], middle - reach)
+    high = np.minimum(shape.centre[:2] + half[:2], middle + reach)
+    if (high <= low).any():
+        return NOTHING
+    return _box(low, high, float(shape.centre[2] - half[2]), float(shape.centre[2] + half[2]))
+
+
+_BUILDERS: dict[type[Shape], Callable[..., tuple[FloatArray, IntArray]]] = {
+    Plane: _plane, Grid: _grid, Box: _block,
+}  # fmt: skip
+
+
+def _sheet(
+    terrain: Terrain, middle: FloatArray, half: FloatArray | float, cells: int
+) -> tuple[FloatArray, IntArray]:
+    """Return a square sheet of the terrain's heights with so many cells along a side."""
+    steps, sides = (
+        np.linspace(-1.0, 1.0, cells + 1),
+        np.broadcast_to(np.asarray(half, dtype=np.float64), (2,)),
+    )
+    x, y = np.meshgrid(middle[0] + sides[0] * steps, middle[1] + sides[1] * steps, indexing="ij")
+    places = np.column_stack([x.ravel(), y.ravel()])
+    k = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    a, b, c, d = k[:-1, :-1].ravel(), k[1:, :-1].ravel(), k[1:, 1:].ravel(), k[:-1, 1:].ravel()
+    faces = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return np.column_stack([places, terrain.height(places)]), faces
+
+
+def _box(low: FloatArray, high: FloatArray, bottom: float, top: float) -> tuple[FloatArray, IntArray]:
+    """Return top and walls of a box; nobody sees what is below."""
+    (x, y), (X, Y) = low, high
+    ring = [(x, y), (X, y), (X, Y), (x, Y)]
+    vertices = np.array([(*p, z) for z in (bottom, top) for p in ring])
+    walls = [(k, (k + 1) % 4, (k + 1) % 4 + 4) for k in range(4)] + [
+        (k, (k + 1) % 4 + 4, k + 4) for k in range(4)
+    ]
+    return vertices, np.array([(4, 5, 6), (4, 6, 7), *walls], dtype=np.int64)

@@ -1,0 +1,249 @@
+"""One viewer's page at work: what the browser sends goes to the page, its drawing goes to the browser.
+
+Viser calls back from threads of its own. A callback only puts what it was told into a queue; one thread per
+viewer empties the queue, asks the page for a drawing and shows it. So a page needs no locks, moves of the
+mouse that come faster than drawings are taken together, and no error reaches viser.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from contextlib import nullcontext
+from typing import Any
+
+import numpy as np
+
+from surefoot.errors import SurefootError
+from surefoot.lab.canvas import Canvas
+from surefoot.lab.controls import Button, Choice, Control, Slider, Tick
+from surefoot.lab.page import Grip, Page
+from surefoot.lab.words import refusal
+
+RATE = 60.0
+"""Most drawings per second."""
+LIVE_RATE = 30.0
+"""Drawings per second of a page that changes by itself."""
+LONGEST_QUEUE = 1000
+"""What a browser sends beyond this is dropped."""
+LONGEST_LINE = 300
+"""Characters of a message."""
+
+_Told = tuple[str, str, Any]
+"""What the browser sent: "change", "press" or "grip"; the name; the value."""
+
+
+class Session:
+    """Connects one viewer with one page.
+
+    Parameters
+    ----------
+    client
+        Viser's handle of the viewer.
+    page
+        That it sees.
+
+    Attributes
+    ----------
+    draws
+        How many drawings have been shown.
+    message
+        The last thing that was refused; empty if nothing was since.
+    """
+
+    def __init__(self, client: Any, page: Page) -> None:
+        self.client, self.page = client, page
+        self.draws, self.message = 0, ""
+        self._queue: deque[_Told] = deque()
+        self._lock, self._wake, self._ended = threading.Lock(), threading.Event(), threading.Event()
+        self._handles: dict[str, Any] = {}
+        self._canvas = Canvas(client.scene, self._hold)
+        self._add_panel()
+        self._thread = threading.Thread(target=self._work, name=f"lab-{client.client_id}", daemon=True)
+        self._thread.start()
+
+    def tell(self, kind: str, name: str, value: Any = None) -> None:
+        """Take what the browser sent: a change of a control, a press or a grip; any thread may call."""
+        moving = kind == "change" or (kind == "grip" and value.phase == "update")
+        with self._lock:
+            last = self._queue[-1] if self._queue else None
+            if moving and last is not None and last[:2] == (kind, name) and self._replaceable(last):
+                self._queue[-1] = (kind, name, value)
+            elif len(self._queue) < LONGEST_QUEUE:
+                self._queue.append((kind, name, value))
+        self._wake.set()
+
+    def close(self) -> None:
+        """End the session: the viewer has gone."""
+        self._ended.set()
+        self._wake.set()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(timeout=2.0)
+
+    @staticmethod
+    def _replaceable(told: _Told) -> bool:
+        return told[0] == "change" or (told[0] == "grip" and told[2].phase == "update")
+
+    # the panel
+
+    def _add_panel(self) -> None:
+        """Add text, figure, message and controls."""
+        gui = self.client.gui
+        gui.add_markdown(f"## {self.page.title}\n{self.page.about}")
+        self._message = gui.add_html("", visible=False)
+        self._text = gui.add_html("")
+        self._figure = gui.add_html("", visible=False)
+        folders: dict[str, Any] = {}
+        for control in self.page.values.controls:
+            if control.folder and control.folder not in folders:
+                folders[control.folder] = gui.add_folder(control.folder)
+            with folders[control.folder] if control.folder else nullcontext():
+                self._handles[control.name] = self._add_control(gui, control)
+
+    def _add_control(self, gui: Any, control: Control) -> Any:
+        """Add one control and listen to it."""
+        handle = _ADDERS[type(control)](gui, control)
+        if isinstance(control, Button):
+            handle.on_click(self._listener("press", control.name, lambda event: None))
+        else:
+            handle.on_update(self._listener("change", control.name, lambda event: event.target.value))
+        return handle
+
+    def _listener(self, kind: str, name: str, value: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        """Return a callback for viser that queues an event; those of our own making are not told."""
+
+        async def listen(event: Any) -> None:
+            if event.client is None:
+                return
+            try:
+                self.tell(kind, name, value(event))
+            except SurefootError as error:
+                self._refuse(error)
+
+        return listen
+
+    def _hold(self, name: str, handle: Any) -> None:
+        """Listen to the mouse on a shape."""
+
+        def moved(event: Any) -> Grip:
+            start, point = np.array(event.start_position), np.array(event.end_position)
+            return Grip(name, event.phase, start, point, np.array(event.client.camera.position))
+
+        def clicked(event: Any) -> Grip:
+            eye, way = np.array(event.ray_origin), np.array(event.ray_direction)
+            return Grip(name, "click", eye + way, eye + way, eye)
+
+        handle.on_drag("left")(self._listener("grip", name, moved))
+        handle.on_click(self._listener("grip", name, clicked))
+
+    # the work
+
+    def _work(self) -> None:
+        """Take what came, draw, show; until the viewer goes."""
+        try:
+            while not self._ended.is_set():
+                begin = time.perf_counter()
+                self._wake.clear()
+                self._guarded(self._take_all)
+                self._guarded(self._draw)
+                live = self.page.live
+                self._ended.wait(max(0.0, begin + 1.0 / (LIVE_RATE if live else RATE) - time.perf_counter()))
+                if not live:
+                    self._wake.wait()
+        finally:
+            self._guarded(self.page.close)
+
+    def _take_all(self) -> None:
+        """Tell the page what came, one by one."""
+        while True:
+            with self._lock:
+                if not self._queue:
+                    return
+                kind, name, value = self._queue.popleft()
+            self._guarded(lambda: self._take(kind, name, value))  # noqa: B023 - called at once
+
+    def _take(self, kind: str, name: str, value: Any) -> None:
+        """Tell the page one thing."""
+        self._say("")
+        if kind == "change":
+            self.page.change(name, value)
+        elif kind == "press":
+            self.page.press(name)
+        else:
+            self.page.grip(value)
+
+    def _draw(self) -> None:
+        """Show what the page says now."""
+        drawing = self.page.drawing()
+        if self._ended.is_set():
+            return
+        with self.client.atomic():
+            self._canvas.show(drawing.shapes)
+            self._text.content = drawing.text
+            if drawing.figure:
+                self._figure.content = drawing.figure
+            self._figure.visible = bool(drawing.figure)
+            self._show_values()
+        self.client.flush()
+        self.draws += 1
+
+    def _show_values(self) -> None:
+        """Set the controls to what the page holds, and back from what it refused."""
+        with self._lock:
+            waiting = {name for kind, name, _ in self._queue if kind == "change"}
+        for name in self.page.values:
+            handle = self._handles[name]
+            if name not in waiting and handle.value != self.page.values[name]:
+                handle.value = self.page.values[name]
+
+    def _guarded(self, action: Callable[[], None]) -> None:
+        """Carry out an action; what goes wrong is one line on the page."""
+        try:
+            action()
+        except Exception as error:  # whatever a browser provokes must not end the session
+            self._refuse(error)
+
+    def _refuse(self, error: Exception) -> None:
+        """Show an error; one that is no user's goes to the terminal, too."""
+        line = " ".join(str(error).split())[:LONGEST_LINE]
+        if not isinstance(error, SurefootError):
+            line = f"{type(error).__name__}: {line}"
+            if not self._ended.is_set():
+                print(f"surefoot lab: {line}", file=sys.stderr)
+        self._say(line)
+
+    def _say(self, line: str) -> None:
+        """Show a line above the text; nothing for an empty one."""
+        if line == self.message or self._ended.is_set():
+            return
+        self.message = line
+        self._message.content = refusal(line)
+        self._message.visible = bool(line)
+
+
+def _add_slider(gui: Any, control: Slider) -> Any:
+    return gui.add_slider(
+        control.label, control.low, control.high, control.step, control.value, hint=control.hint or None
+    )
+
+
+def _add_choice(gui: Any, control: Choice) -> Any:
+    return gui.add_dropdown(
+        control.label, control.options, initial_value=control.value, hint=control.hint or None
+    )
+
+
+def _add_tick(gui: Any, control: Tick) -> Any:
+    return gui.add_checkbox(control.label, control.value, hint=control.hint or None)
+
+
+def _add_button(gui: Any, control: Button) -> Any:
+    return gui.add_button(control.label, hint=control.hint or None)
+
+
+_ADDERS: dict[type[Control], Callable[[Any, Any], Any]] = {
+    Slider: _add_slider, Choice: _add_choice, Tick: _add_tick, Button: _add_button,
+}  # fmt: skip

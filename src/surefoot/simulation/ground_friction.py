@@ -1,0 +1,87 @@
+"""The friction of the ground in a run: as it changes with time, and where patches lie on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, cast
+
+import numpy as np
+
+from surefoot.arrays import FloatArray
+from surefoot.errors import ProblemError
+from surefoot.log import CHANNELS
+from surefoot.log.channels import Channel
+from surefoot.simulation.scenario import IcePatch, Scenario
+from surefoot.simulation.world import ContactReading, World
+
+
+class PatchyWorld(World, Protocol):
+    """A world whose friction differs from contact point to contact point."""
+
+    def set_point_friction(self, mu: FloatArray) -> None:
+        """Change the friction [-] under each of the (p,) contact points, from the next step on."""
+
+
+class GroundFriction:
+    """Sets the friction of a world step by step.
+
+    Parameters
+    ----------
+    world
+        Whose ground it is; patches need one with `set_point_friction`.
+    scenario
+        Its `mu`, `ice` and `patches`.
+
+    Attributes
+    ----------
+    mu
+        Friction of the ground beside the patches now [-].
+    channels
+        What it adds to a log; `rows` gives the values.
+
+    Raises
+    ------
+    ProblemError
+        For patches in a world that has one friction everywhere.
+    """
+
+    def __init__(self, world: World, scenario: Scenario) -> None:
+        if scenario.patches and not hasattr(world, "set_point_friction"):
+            raise ProblemError(
+                f"a {type(world).__name__} has one friction everywhere: patches of ice take the world mujoco"
+            )
+        self.world, self.mu = world, scenario.mu
+        self._patches = tuple(scenario.patches)
+        self._changes = sorted(scenario.ice, key=lambda change: change.start)
+        self.channels: tuple[Channel, ...] = (CHANNELS["contact_friction"],) if self._patches else ()
+        self._under = np.full(len(world.contact_foot), self.mu)
+        world.set_friction(self.mu)
+
+    def advance(self, now: float, reading: ContactReading) -> None:
+        """Set the friction of the step that begins now [s], the contact points being where they were read."""
+        while self._changes and now >= self._changes[0].start - 1e-9:
+            self.mu = self._changes.pop(0).mu
+            self.world.set_friction(self.mu)
+        if self._patches:
+            self._under = friction_at(self._patches, reading.positions[:, :2], self.mu)
+            cast(PatchyWorld, self.world).set_point_friction(self._under)
+
+    def rows(self) -> Mapping[str, Any]:
+        """Return the values of its channels at this step."""
+        return {"contact_friction": self._under} if self._patches else {}
+
+
+def friction_at(patches: tuple[IcePatch, ...], xy: FloatArray, beside: float) -> FloatArray:
+    """Return the friction (k,) at (k, 2) places [m]: of the last patch there, else `beside`.
+
+    Examples
+    --------
+    >>> patch = IcePatch((1.0, -1.0), (2.0, 1.0), 0.1)
+    >>> friction_at((patch,), np.array([[0.5, 0.0], [1.5, 0.0]]), 0.6)
+    array([0.6, 0.1])
+    """
+    out = np.full(len(xy), beside)
+    for patch in patches:
+        inside = (xy >= patch.lower).all(axis=1) & (xy < patch.upper).all(axis=1)
+        out[inside] = patch.mu
+    return out

@@ -1,0 +1,120 @@
+"""`surefoot lab`: it serves, ends cleanly, and says in one line what it cannot do."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.cli.main import main
+from surefoot.planning import rollout
+from surefoot.planning.plan import Search, plan_from
+
+pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
+
+QUICK = ["--port", "0", "--seconds", "0.2"]
+
+
+@pytest.fixture(scope="module")
+def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    robot = sf.load_robot("go2")
+    motion = rollout(robot, sf.place(robot), np.zeros(18), np.zeros((10, 12)), dt=0.01)
+    search = Search("fall", "none", cost=0.0, reached=True, iterations=0, seconds=0.0)
+    path = tmp_path_factory.mktemp("plan") / "plan.npz"
+    plan_from(motion, robot, search).save(path)
+    return path
+
+
+@pytest.mark.parametrize("page", ["stand", "cone", "push", "plan", "audit"])
+def test_every_page_is_served(page: str, plan_file: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    what = [str(plan_file)] if page in ("plan", "audit") else []
+    assert main(["lab", page, *what, *QUICK]) == 0
+    out = capfd.readouterr()
+    assert re.fullmatch(r"the page: http://127\.0\.0\.1:\d+   \(Ctrl-C ends\)\n", out.out)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
+def test_a_signal_ends_it_cleanly(number: signal.Signals, code: int) -> None:
+    program = [sys.executable, "-m", "surefoot", "lab", "cone", "--port", "0"]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        url = re.search(r"http://\S+", line)
+        assert url is not None
+        with urllib.request.urlopen(url[0], timeout=20) as answer:
+            assert answer.status == 200
+        os.kill(process.pid, number)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == code
+    assert (out, err) == ("", "")
+
+
+def test_a_port_in_use_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert main(["lab", "stand", "--port", str(port)]) == 2
+    said = capfd.readouterr().err
+    assert said == f"surefoot: port {port} of 127.0.0.1 is in use; choose another with --port, or 0 for any\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["stand", "dog"], "unknown robot 'dog'"),
+        (["stand", "g1"], "point feet"),
+        (["stand", "--mu", "-1"], "--mu"),
+        (["stand", "--slope", "100"], "--slope must be"),
+        (["stand", "--port", "70000"], "--port must be from 0 to 65535, got 70000"),
+        (["stand", "--host", "no.such.host.invalid"], "is no address of this machine"),
+        (["stand", "--seconds", "-1"], "--seconds must be"),
+        (["cone", "--facets", "2"], "--facets must be"),
+        (["cone", "--mu", "nan"], "--mu must be"),
+        (["push", "--gait", "hop"], "unknown gait"),
+        (["push", "--payload", "-1"], "--payload must be"),
+        (["plan", "nothing"], "unknown task 'nothing'"),
+        (["plan", "nothing.npz"], "nothing.npz"),
+        (["audit", "nothing.npz"], "nothing.npz"),
+        (["nothing"], "No such command 'nothing'"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_wrong_input_is_one_line(words: list[str], said: str, capfd: pytest.CaptureFixture[str]) -> None:
+    where = ["--port", "0"] if words != ["nothing"] and "--port" not in words else []
+    assert main(["lab", *words, *where]) == 2
+    err = capfd.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_another_host_is_warned_of(capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["lab", "cone", "--host", "0.0.0.0", *QUICK]) == 0
+    assert "everyone who reaches this address can use the page" in capfd.readouterr().out
+
+
+def test_without_viser_one_line_says_what_to_install(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "viser", None)
+    for page in ("stand", "cone", "push"):
+        assert main(["lab", page]) == 2
+        line = "surefoot: viser is not installed; run: pip install 'surefoot[lab]'\n"
+        assert capfd.readouterr().err == line
+
+
+def test_the_library_is_imported_without_viser() -> None:
+    code = (
+        "import sys, surefoot.cli.lab, surefoot.lab.server, surefoot.lab.stand, surefoot.lab.push\n"
+        "assert not {'viser', 'websockets', 'pinocchio', 'mujoco'} & sys.modules.keys(), sys.modules.keys()"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,144 @@
+"""Ground that is only believed: the plane of touch, the map, feet that strike edges, and the plane ahead."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from surefoot.control.controller import HeightScan, RobotState
+from surefoot.control.gait_library import named_gait
+from surefoot.control.look_ahead import LookAhead
+from surefoot.control.stumble import sort_touches
+from surefoot.control.terrain_knowledge import GroundBelief, MappedGround, TouchedGround, believed_ground
+from surefoot.control.walking_feet import Feet
+from surefoot.errors import ProblemError
+from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
+
+HEIGHT = 0.3
+HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
+NONE, ALL = np.zeros(4, dtype=bool), np.ones(4, dtype=bool)
+
+
+def state(time: float = 0.0, scan: HeightScan | None = None) -> RobotState:
+    """Return a robot that stands level with its base 0.3 m above the origin."""
+    q = np.zeros(19)
+    q[2], q[6] = 0.3, 1.0
+    return RobotState(q, np.zeros(18), time, scan=scan)
+
+
+def march(belief: GroundBelief, ground: Terrain, steps: int, stride: float = 0.1) -> float:
+    """Walk diagonal pairs of feet over a ground; return where the middle of the feet ends."""
+    stands = np.column_stack([HIPS, ground.height(HIPS)])
+    belief.begin(state(), stands, HEIGHT)
+    x = 0.0
+    for step in range(steps):
+        x += stride
+        pair = [0, 3] if step % 2 == 0 else [1, 2]
+        up = ALL.copy()
+        up[pair] = False
+        belief.observe(state(0.2 * step), stands, up, NONE, stands)
+        stands = stands.copy()
+        for k in pair:
+            xy = HIPS[k] + [x, 0.0]
+            stands[k] = [*xy, float(ground.height(xy))]
+        belief.observe(state(0.2 * step + 0.1), stands, ALL, NONE, stands)
+    return x
+
+
+def test_touch_finds_a_slope_and_expects_it_to_go_on() -> None:
+    belief, slope = TouchedGround(), SlopeTerrain(15.0)
+    x = march(belief, slope, 12)
+    assert belief.gradient([x, 0.0]) == pytest.approx([math.tan(math.radians(15.0)), 0.0], abs=2e-3)
+    assert belief.height([x + 0.4, 0.0]) == pytest.approx(slope.height([x + 0.4, 0.0]), abs=0.01)
+    assert belief.lift == 0.0
+
+
+def test_stairs_make_a_blind_robot_lift_its_feet() -> None:
+    flat, stairs = TouchedGround(), TouchedGround()
+    march(flat, FlatTerrain(), 12)
+    x = march(stairs, StairsTerrain(0.12, 0.3, 20), 12)
+    assert flat.lift == 0.0
+    assert 0.02 < stairs.lift <= 0.25 * HEIGHT
+    assert 0.2 < stairs.gradient([x, 0.0])[0] < 0.6  # 0.4 on average
+
+
+def test_a_stumble_is_remembered_for_a_while() -> None:
+    belief = TouchedGround()
+    march(belief, FlatTerrain(), 4)
+    belief.stumbled(1.0)
+    stands = np.column_stack([HIPS, np.zeros(4)])
+    lifts = []
+    for time in (1.1, 10.0):
+        belief.observe(state(time), stands, ALL, NONE, stands)
+        lifts.append(belief.lift)
+    assert lifts[0] > 0.04
+    assert lifts[1] < 0.01
+
+
+def test_a_foot_that_finds_no_ground_lowers_the_plane() -> None:
+    belief = TouchedGround()
+    stands = np.column_stack([HIPS, np.zeros(4)])
+    belief.begin(state(), stands, HEIGHT)
+    soles, sought = stands.copy(), NONE.copy()
+    soles[0, 2], sought[0] = -0.1, True
+    belief.observe(state(0.1), stands, ~sought, sought, soles)
+    assert belief.height([0.3, 0.14]) < -0.03
+
+
+def test_a_late_scan_goes_where_the_base_was() -> None:
+    belief = MappedGround()
+    stands = np.column_stack([HIPS, np.zeros(4)])
+    belief.begin(state(), stands, HEIGHT)
+    # seen at 0 s from the origin, told at 0.05 s when the base is 0.1 m further: a box of 0.1 m at x = 0.6
+    x = np.linspace(0.3, 0.8, 500)
+    points = np.column_stack([x, 0.0 * x, 0.1 * (x > 0.55) - 0.3])
+    for k in range(51):
+        now = state(0.001 * k, HeightScan(0.0, points, np.full(500, 1e-5)) if k == 50 else None)
+        now.q[0] = 0.002 * k
+        belief.observe(now, stands, ALL, NONE, stands)
+    assert belief.height([0.45, 0.0]) == pytest.approx(0.0, abs=5e-3)
+    assert belief.height([0.65, 0.0]) == pytest.approx(0.1, abs=5e-3)
+
+
+def test_the_names_of_knowledge() -> None:
+    ground = FlatTerrain()
+    assert believed_ground("exact", ground) is ground
+    assert believed_ground("map", ground).learns
+    assert believed_ground("blind", ground).learns
+    with pytest.raises(ProblemError, match="valid names: blind, exact, map"):
+        believed_ground("deaf", ground)
+
+
+def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
+    centres = np.column_stack([HIPS, np.full(4, 0.02)])
+    feet = Feet(named_gait("trot", 4, period=0.4), FlatTerrain(), np.full(4, 0.02), 0.07, 0.1, centres)
+    feet.carrying[:] = False
+    feet.share[:] = [0.4, 0.8, 0.8, 0.4]
+    ahead = np.tile([1.0, 0.0, 0.0], (4, 1))
+    forces = np.array([[-40.0, 0.0, 5.0], [-10.0, 0.0, 40.0], [0.0, 0.0, 1.0], [40.0, 0.0, 5.0]])
+    felt, struck = sort_touches(feet, ALL, forces, ahead, 160.0)
+    assert felt.tolist() == [False, True, False, False]  # a riser, a landing, noise, and a push from behind
+    assert struck.tolist() == [True, False, False, False]
+    feet.update(0.05, NONE, centres)
+    feet.interrupt(0, 0.05, centres[0])
+    assert sort_touches(feet, ALL, forces, ahead, 160.0)[1].tolist() == [False] * 4  # once in a swing
+
+
+@pytest.mark.parametrize("degrees", [0.0, 12.0, -20.0])
+def test_the_plane_ahead_of_a_plane_is_that_plane(degrees: float) -> None:
+    slope = SlopeTerrain(degrees)
+    level, gradient = LookAhead(HEIGHT).plane(slope, np.array([0.3, 0.2]), 0.7, np.array([0.5, 0.1]))
+    assert level == pytest.approx(slope.height([0.3, 0.2]), abs=1e-3)
+    assert gradient == pytest.approx([math.tan(math.radians(degrees)), 0.0], abs=0.01)
+
+
+def test_the_plane_over_stairs_is_calm() -> None:
+    stairs, look = StairsTerrain(0.12, 0.3, 30), LookAhead(HEIGHT)
+    planes = [look.plane(stairs, np.array([x, 0.0]), 0.0, np.zeros(2)) for x in np.linspace(3.0, 5.0, 80)]
+    level = np.array([p[0] for p in planes]) - 0.4 * np.linspace(3.0, 5.0, 80)
+    slopes = np.array([p[1][0] for p in planes])
+    assert np.ptp(level) < 0.012  # the treads themselves are off by 0.12
+    assert np.ptp(slopes) < 0.05
+    assert slopes.mean() == pytest.approx(0.4, abs=0.02)

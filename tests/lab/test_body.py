@@ -1,0 +1,62 @@
+"""Robots as shapes: meshes where Pinocchio puts them, coarsened within their cell, bones without them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio
+import pytest
+from scipy.spatial import cKDTree
+
+import surefoot as sf
+from surefoot.lab.body import CELL, RobotBody, coarse, links_of
+from surefoot.lab.drawing import Lines, Mesh
+from surefoot.spatial import rotation_from_quaternion
+from surefoot.viz.meshes import triangles
+
+
+@pytest.fixture(scope="module")
+def robot() -> sf.Robot:
+    return sf.load_robot("go2")
+
+
+def test_links_stand_where_the_geometry_model_puts_them(robot: sf.Robot) -> None:
+    random = np.random.default_rng(2)
+    q = pinocchio.integrate(robot.model, robot.nominal, 0.3 * random.normal(size=robot.model.nv))
+    data, visual = robot.model.createData(), robot.visual
+    placed = visual.createData()
+    pinocchio.updateGeometryPlacements(robot.model, data, visual, placed, q)
+    drawn = []
+    for shape in RobotBody(robot).shapes(q).values():
+        assert isinstance(shape, Mesh)
+        w, x, y, z = shape.wxyz
+        R = rotation_from_quaternion(np.array([x, y, z, w]))
+        drawn.append(shape.vertices @ R.T + shape.position)
+    cloud = cKDTree(np.vstack(drawn))
+    for item, pose in zip(visual.geometryObjects, placed.oMg, strict=True):
+        vertices = triangles(item)[0] @ pose.rotation.T + pose.translation
+        assert cloud.query(vertices)[0].max() < np.sqrt(3.0) * CELL
+
+
+def test_coarse_surfaces_have_fewer_triangles_and_no_empty_ones(robot: sf.Robot) -> None:
+    vertices, faces = triangles(robot.visual.geometryObjects[0])
+    fewer, kept = coarse(vertices, faces, 0.02)
+    assert len(fewer) < 0.2 * len(vertices)
+    assert len(kept) < 0.5 * len(faces)
+    assert kept.max() < len(fewer)
+    assert (np.diff(np.sort(kept, axis=1), axis=1) > 0).all()
+    assert len({tuple(sorted(face)) for face in kept.tolist()}) == len(kept)
+
+
+def test_two_bodies_share_their_links_and_nothing_else(robot: sf.Robot) -> None:
+    one, two = RobotBody(robot), RobotBody(robot)
+    assert one.links is two.links is links_of(robot)
+    assert one._data is not two._data
+
+
+def test_a_robot_without_meshes_is_drawn_as_bones(robot: sf.Robot) -> None:
+    shapes = RobotBody(robot.without_meshes()).shapes(robot.nominal)
+    (bones,) = shapes.values()
+    assert isinstance(bones, Lines)
+    feet = robot.foot_positions(robot.nominal)
+    ends = bones.points[:, 1]
+    assert all(np.linalg.norm(ends - foot, axis=1).min() < 1e-9 for foot in feet)

@@ -1,0 +1,169 @@
+"""The pages in a real Chromium without a screen: drawn, dragged with the mouse, without a network.
+
+Set SUREFOOT_CHROMIUM to its path where it is not on the PATH. With SUREFOOT_SCREENSHOTS a folder, the
+pictures stay there to be looked at.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser", reason="viser is not installed: pip install 'surefoot[lab]'")
+
+import surefoot as sf
+from benchmarks.browser import Browser, Tab, find_chromium
+from benchmarks.lab import pixel, settled
+from surefoot.audit import audit_log
+from surefoot.lab.cone import SCALE, ConePage
+from surefoot.lab.push import PushPage
+from surefoot.lab.push_run import SharedRun, WalkRun
+from surefoot.lab.recording import Recording, audit_page
+from surefoot.lab.server import LabServer
+from surefoot.lab.stand import StandPage, start_state
+from surefoot.problems.logged_runs import CleanRun
+
+CHROMIUM = find_chromium()
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="no Chromium: put one on the PATH, or set SUREFOOT_CHROMIUM"
+)
+PATIENCE = 90.0
+"""How long a loaded machine may take to draw in software [s]."""
+
+
+@pytest.fixture
+def browser() -> Iterator[Browser]:
+    assert CHROMIUM is not None
+    with Browser(CHROMIUM) as running:
+        yield running
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    wanted = os.environ.get("SUREFOOT_SCREENSHOTS")
+    return Path(wanted) if wanted else tmp_path
+
+
+def shown(tab: Tab, text: str) -> None:
+    tab.wait_for(f"document.body.innerText.includes({text!r})", PATIENCE)
+
+
+def drawn(tab: Tab, path: Path) -> np.ndarray:
+    """The left part of the window, where the scene is: (height, width, 3)."""
+    imageio = pytest.importorskip("imageio.v3", reason="imageio is not installed")
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        picture = np.asarray(imageio.imread(tab.screenshot(path)))[..., :3]
+        scene = picture[200:, :860]
+        if (np.ptp(scene.reshape(-1, 3), axis=0) > 60).all() or time.monotonic() > deadline:
+            return scene
+        time.sleep(0.5)
+
+
+def alike(picture: np.ndarray, colour: tuple[int, int, int]) -> int:
+    """How many pixels have about a hue."""
+    wanted = np.array(colour) / np.linalg.norm(colour)
+    length = np.linalg.norm(picture, axis=2)
+    return int(((picture @ wanted > 0.985 * length) & (length > 60) & (np.ptp(picture, axis=2) > 50)).sum())
+
+
+def test_the_stand_page_is_drawn_and_follows_the_mouse(browser: Browser, folder: Path) -> None:
+    state = start_state(sf.load_robot("go2"))
+    with LabServer(lambda: StandPage(state), port=0) as server:
+        tab = browser.open(server.url)
+        shown(tab, "It can stand")
+        session = settled(server, PATIENCE)
+        picture = drawn(tab, folder / "lab-stand.png")
+        assert alike(picture, (46, 147, 60)) > 300  # the region's border and the ball
+        time.sleep(2.0)
+        place = session.page.state.com  # type: ignore[attr-defined]
+        here, there = (pixel(tab, session, place + np.array([x, 0.0, 0.0])) for x in (0.0, 0.35))
+        path = [
+            (here[0] + s * (there[0] - here[0]), here[1] + s * (there[1] - here[1]))
+            for s in np.linspace(0, 1, 30)
+        ]
+        tab.drag(path, rate=20.0)
+        shown(tab, "It cannot stand")
+        time.sleep(2.0)
+        moved = session.page.state.com  # type: ignore[attr-defined]
+        assert moved[0] == pytest.approx(place[0] + 0.35, abs=0.06)
+        assert moved[1] == pytest.approx(place[1], abs=0.06)
+        assert moved[2] == place[2]
+        tab.screenshot(folder / "lab-stand-tipped.png")
+        assert tab.errors == []
+        assert all(address.startswith(server.url) for address in tab.requests)
+
+
+def test_two_browsers_have_their_own_stances(browser: Browser) -> None:
+    assert CHROMIUM is not None
+    state = start_state(sf.load_robot("go2"))
+    with LabServer(lambda: StandPage(state), port=0) as server, Browser(CHROMIUM) as another:
+        one = browser.open(server.url)
+        shown(one, "It can stand")
+        two = another.open(server.url)
+        shown(two, "It can stand")
+        first, second = server.sessions.values()
+        second.tell("change", "x", 0.5)
+        shown(two, "It cannot stand")
+        assert one.ask("document.body.innerText.includes('It can stand')")
+        assert first.page.values["x"] < 0.1
+
+
+def test_the_cone_page_is_drawn_and_its_force_is_dragged_out(browser: Browser, folder: Path) -> None:
+    with LabServer(ConePage, port=0) as server:
+        tab = browser.open(server.url)
+        shown(tab, "Sticks")
+        session = settled(server, PATIENCE)
+        assert tab.ask("document.querySelectorAll('svg polygon').length") >= 3
+        picture = drawn(tab, folder / "lab-cone.png")
+        assert alike(picture, (230, 153, 13)) > 300
+        time.sleep(2.0)
+        here, there = (pixel(tab, session, SCALE * np.array([x, 20.0, 80.0])) for x in (35.0, 70.0))
+        path = [
+            (here[0] + s * (there[0] - here[0]), here[1] + s * (there[1] - here[1]))
+            for s in np.linspace(0, 1, 30)
+        ]
+        tab.drag(path, rate=20.0)
+        shown(tab, "Slides or pulls")
+        assert tab.errors == []
+
+
+def test_the_push_page_is_drawn(browser: Browser, folder: Path) -> None:
+    run = WalkRun(sf.load_robot("go2"))
+    shared = SharedRun(run)
+    try:
+        with LabServer(lambda: PushPage(shared, run.contact_names, run.names), port=0) as server:
+            tab = browser.open(server.url)
+            shown(tab, "It walks")
+            session = settled(server, PATIENCE)
+            picture = drawn(tab, folder / "lab-push.png")
+            assert alike(picture, (209, 73, 91)) > 50  # a force
+            session.tell("press", "kick")
+            deadline = time.monotonic() + PATIENCE
+            while not run.force.any():
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+            assert tab.errors == []
+    finally:
+        shared.close()
+
+
+def test_the_audit_page_is_drawn(browser: Browser, folder: Path) -> None:
+    made = CleanRun(gait="trot", velocity=(0.3, 0.0, 0.0), duration=1.0).log()
+    forces = np.array(made["forces"])
+    forces[700:740, 0, 0] += 80.0
+    log = sf.Log({**made.arrays, "forces": forces}, made.facts, channels=made.channels)
+    recording, report = Recording(log), audit_log(log)
+    with LabServer(lambda: audit_page(recording, report), port=0) as server:
+        tab = browser.open(server.url)
+        shown(tab, "Audit: broken")
+        session = settled(server, PATIENCE)
+        session.tell("press", "next")
+        shown(tab, f"row {recording.row_at(report.violations[0].start)} of")
+        drawn(tab, folder / "lab-audit.png")
+        assert tab.errors == []

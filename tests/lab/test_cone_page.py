@@ -1,0 +1,86 @@
+"""The cone page: its figures are those of the cones, its section is drawn where they are."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.lab.cone import SCALE, ConePage, ConeState, cone_drawing, corners_at
+from surefoot.lab.drawing import Ball, Lines
+from surefoot.lab.page import Grip
+
+
+@pytest.mark.parametrize("facets", [3, 4, 8, 24])
+@pytest.mark.parametrize("phase", [0.0, 17.0])
+def test_the_corners_lie_on_the_circle_or_around_it(facets: int, phase: float) -> None:
+    state = ConeState(mu=0.7, facets=facets, phase=phase)
+    radius = 0.7 * 50.0
+    inner, outer = (np.linalg.norm(corners_at(state, fit, 50.0), axis=1) for fit in ("inner", "outer"))
+    np.testing.assert_allclose(inner, radius, rtol=1e-12)
+    np.testing.assert_allclose(outer, radius / math.cos(math.pi / facets), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("facets", "inner", "outer"), [(4, "29.3 %", "41.4 %"), (8, "7.6 %", "8.2 %")])
+def test_the_errors_of_the_pyramids_are_told(facets: int, inner: str, outer: str) -> None:
+    text = cone_drawing(ConeState(facets=facets)).text
+    assert f"gives up {inner}" in text
+    assert f"overshoots by {outer}" in text
+
+
+@pytest.mark.parametrize("force", [(35.0, 20.0, 80.0), (60.0, 0.0, 80.0), (0.0, 0.0, -20.0), (0.0, 0.0, 0.0)])
+def test_what_is_said_of_a_force_is_what_the_cone_says(force: tuple[float, float, float]) -> None:
+    cone = sf.FrictionCone(0.6)
+    shown = cone_drawing(ConeState(force=force))
+    holds = bool(cone.contains(force))
+    assert ("Sticks" in shown.text) == holds
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", shown.text)
+    assert cells[:3] == ["round cone", "yes" if holds else "no", f"{float(cone.margin(force)):.2f}"]
+    if holds:
+        assert "/projection" not in shown.shapes
+    else:
+        ball = shown.shapes["/projection"]
+        assert isinstance(ball, Ball)
+        np.testing.assert_allclose(ball.position, SCALE * cone.project(force), atol=1e-12)
+
+
+def test_the_section_draws_the_force_where_it_is() -> None:
+    shown = cone_drawing(ConeState(mu=0.5, force=(40.0, -30.0, 100.0), fit="inner"))
+    circle = re.search(r'<circle cx="([\d.]+)" cy="([\d.]+)"', shown.figure)
+    polygon = re.search(r'<polygon points="([^"]+)" stroke="#1c6ca8"', shown.figure) or re.search(
+        r'<polygon points="([^"]+)"', shown.figure
+    )
+    assert circle is not None
+    assert polygon is not None
+    points = np.array([[float(v) for v in pair.split(",")] for pair in polygon[1].split()])
+    middle, radius = points.mean(axis=0), np.ptp(points[:, 0]) / 2
+    dot = np.array([float(circle[1]), float(circle[2])]) - middle
+    np.testing.assert_allclose(np.linalg.norm(dot), radius, rtol=5e-3)  # 50 N = 0.5 x 100 N: on the circle
+    np.testing.assert_allclose(dot[1] / dot[0], 30.0 / 40.0, rtol=1e-2)  # y is downwards on a screen
+
+
+def test_the_mouse_moves_the_tip() -> None:
+    page, eye = ConePage(), np.array([2.2, -2.2, 1.5])
+    wanted = SCALE * np.array([-20.0, 45.0, 80.0])
+    page.grip(Grip("/tip", "update", wanted, eye + 0.5 * (wanted - eye), eye))
+    np.testing.assert_allclose(page.state.force, [-20.0, 45.0, 80.0], atol=1e-9)
+
+
+def test_every_pyramid_can_be_shown() -> None:
+    page = ConePage()
+    for fit, there in (
+        ("inner", {"/inner/edges"}),
+        ("outer", {"/outer/edges"}),
+        ("both", {"/inner/edges", "/outer/edges"}),
+    ):
+        page.change("fit", fit)
+        for facets in (3, 24):
+            page.change("facets", facets)
+            shapes = page.drawing().shapes
+            assert {name for name in shapes if name.endswith("edges")} == there
+            lines = shapes[next(iter(there))]
+            assert isinstance(lines, Lines)
+            assert len(lines.points) == 2 * facets

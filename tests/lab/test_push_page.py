@@ -1,0 +1,176 @@
+"""The push page: wishes hold while the robot walks, kicks move it, it stands up again, viewers share it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.errors import ProblemError
+from surefoot.lab.drawing import Arrows, Mesh
+from surefoot.lab.page import Grip
+from surefoot.lab.push import PULL, PushPage
+from surefoot.lab.push_run import HARDEST, LIE, SharedRun, WalkRun, Wishes
+
+EYE = np.array([1.5, -1.5, 0.9])
+
+
+@pytest.fixture(scope="module")
+def robot() -> sf.Robot:
+    return sf.load_robot("go2")
+
+
+def go(run: WalkRun, steps: int) -> None:
+    for _ in range(steps):
+        run.step()
+
+
+def test_wishes_hold_while_it_walks(robot: sf.Robot) -> None:
+    run = WalkRun(robot, Wishes(velocity=(0.4, 0.0, 0.0)))
+    go(run, 1500)
+    assert run.world.state()[1][0] == pytest.approx(0.4, abs=0.15)
+    run.wish(replace(run.wishes, payload=3.0))
+    assert run.world.payload == 3.0
+    assert run.world.state()[0][0] > 0.2  # it is where it was
+    for gait in ("walk", "trot", "stand"):
+        run.wish(replace(run.wishes, gait=gait))
+        go(run, 600)
+        assert not run.fallen
+    assert np.abs(run.world.state()[1][:3]).max() < 0.1  # it stands still
+    assert run.reading.forces[:, 2].sum() == pytest.approx((robot.mass + 3.0) * 9.81, rel=0.1)
+
+
+def test_a_kick_changes_the_velocity_by_its_impulse(robot: sf.Robot) -> None:
+    run = WalkRun(robot, Wishes(gait="stand", mu=0.0))  # on ice nothing else pushes to the side
+    before = run.world.state()[1]
+    run.kick(np.array([0.0, 60.0, 0.0]), 0.02)
+    go(run, 20)
+    assert not run.push.any()
+    q, v = run.world.state()
+    momentum = robot.mass * (com_velocity(robot, q, v) - com_velocity(robot, q, before))
+    assert momentum[1] == pytest.approx(60.0 * 0.02, rel=0.05)
+
+
+def com_velocity(robot: sf.Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    import pinocchio
+
+    data = robot.model.createData()
+    pinocchio.centerOfMass(robot.model, data, q, v)
+    return np.array(data.vcom[0])
+
+
+def test_a_robot_that_fell_lies_and_stands_up_again(robot: sf.Robot) -> None:
+    run = WalkRun(robot)
+    go(run, 500)
+    run.kick(np.array([0.0, HARDEST, 0.0]), 0.3)
+    for _ in range(2500):
+        run.step()
+        if run.fallen:
+            break
+    assert run.fallen
+    go(run, int(LIE / run.world.dt) + 2)
+    assert not run.fallen
+    assert run.time < 0.1
+
+
+def test_a_kick_has_a_limit(robot: sf.Robot) -> None:
+    run = WalkRun(robot)
+    run.kick(np.array([1e6, 0.0, 0.0]))
+    np.testing.assert_allclose(run.push, [HARDEST, 0.0, 0.0])
+
+
+def test_a_wish_that_cannot_be_leaves_the_old_one(robot: sf.Robot) -> None:
+    run = WalkRun(robot)
+    for wrong in ({"gait": "hop"}, {"payload": -1.0}, {"mu": -0.1}):
+        with pytest.raises(ProblemError):
+            run.wish(replace(run.wishes, **wrong))  # type: ignore[arg-type]
+        assert run.wishes == Wishes()
+    go(run, 20)
+
+
+@pytest.fixture
+def shared(robot: sf.Robot) -> Iterator[tuple[SharedRun, WalkRun]]:
+    run = WalkRun(robot)
+    together = SharedRun(run)
+    yield together, run
+    together.close()
+
+
+def page_of(shared: tuple[SharedRun, WalkRun]) -> PushPage:
+    together, run = shared
+    return PushPage(together, run.contact_names, run.names)
+
+
+def test_without_viewers_it_waits_and_with_one_it_goes_on(shared: tuple[SharedRun, WalkRun]) -> None:
+    time.sleep(0.1)
+    assert shared[1].steps == 0
+    page = page_of(shared)
+    patience = time.monotonic() + 20.0
+    while shared[1].steps < 50:
+        assert time.monotonic() < patience
+        time.sleep(0.02)
+    page.close()
+    time.sleep(0.3)
+    steps = shared[1].steps
+    time.sleep(0.2)
+    assert shared[1].steps == steps
+
+
+def test_two_viewers_see_each_others_wishes(shared: tuple[SharedRun, WalkRun]) -> None:
+    one, two = page_of(shared), page_of(shared)
+    one.change("mu", 0.3)
+    one.change("forward", -0.2)
+    two.drawing()
+    assert two.values["mu"] == 0.3
+    assert two.values["forward"] == -0.2
+    two.press("restart")
+    two.change("gait", "walk")
+    one.drawing()
+    assert one.values["gait"] == "walk"
+    one.close()
+    two.close()
+
+
+def test_the_mouse_pulls_and_lets_go(shared: tuple[SharedRun, WalkRun]) -> None:
+    page, run = page_of(shared), shared[1]
+    start, point = np.array([0.1, 0.0, 0.3]), np.array([0.1, 0.2, 0.3])
+    page.grip(Grip("/robot/root_joint", "update", start, point, EYE))
+    arrow = page.drawing().shapes["/pull"]
+    assert isinstance(arrow, Arrows)
+    np.testing.assert_allclose(arrow.points[0, 1], point)
+    page.grip(Grip("/robot/root_joint", "end", start, point, EYE))
+    np.testing.assert_allclose(run.force, PULL * (point - start))
+    assert "/pull" not in page.drawing().shapes
+    page.change("force", 80.0)
+    page.grip(Grip("/robot/root_joint", "click", start, start, EYE))
+    away = (start - EYE)[:2]
+    np.testing.assert_allclose(run.force, [*(80.0 * away / np.linalg.norm(away)), 0.0])
+    page.change("direction", 180.0)
+    page.press("kick")
+    np.testing.assert_allclose(run.force, [-80.0, 0.0, 0.0], atol=1e-9)
+    with pytest.raises(ProblemError):
+        page.press("nothing")
+    with pytest.raises(ProblemError):
+        page.grip(Grip("/ground", "update", start, point, EYE))
+    page.close()
+
+
+def test_it_draws_the_robot_its_cones_and_forces_around_the_middle(shared: tuple[SharedRun, WalkRun]) -> None:
+    page, run = page_of(shared), shared[1]
+    patience = time.monotonic() + 20.0
+    while run.steps < 100:
+        assert time.monotonic() < patience
+        time.sleep(0.02)
+    page.close()
+    time.sleep(0.1)
+    shapes = page.drawing().shapes
+    base = shapes["/robot/root_joint"]
+    assert isinstance(base, Mesh)
+    assert base.held
+    assert base.position[:2] == (0.0, 0.0)
+    cones = [name for name in shapes if name.startswith("/cones/")]
+    assert len(cones) == int((np.abs(run.reading.forces).max(axis=1) > 0.0).sum()) >= 2

@@ -1,0 +1,218 @@
+"""The stand page: what it shows is what the statics say, for every control and every move of the mouse."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import surefoot as sf
+from surefoot.errors import ProblemError
+from surefoot.lab.drawing import Arrows, Ball, Lines, Mesh
+from surefoot.lab.page import Grip
+from surefoot.lab.stand import CONES, FORCES, StandPage, StandState, answer, stand_drawing, start_state
+
+EYE = np.array([1.3, -1.3, 0.9])
+
+
+@pytest.fixture(scope="module")
+def state() -> StandState:
+    return start_state(sf.load_robot("go2"))
+
+
+def shifted(state: StandState, x: float, y: float = 0.0) -> np.ndarray:
+    """The centre of mass somewhere else."""
+    return state.com + np.array([x, y, 0.0])
+
+
+def contacts(state: StandState) -> sf.Stance:
+    """The stance again, by hand."""
+    tilt, way = np.radians(state.slope), np.radians(state.direction)
+    n = np.array([-np.sin(tilt) * np.cos(way), -np.sin(tilt) * np.sin(way), np.cos(tilt)])
+    feet = [
+        sf.PointContact([x, y, -(n[0] * x + n[1] * y) / n[2]], n, mu, name)
+        for (x, y), mu, name, on in zip(state.feet, state.mu, state.names, state.on, strict=True)
+        if on
+    ]
+    return sf.Stance(feet)
+
+
+@pytest.mark.parametrize("cones", CONES)
+@pytest.mark.parametrize(
+    ("slope", "direction", "x"), [(0.0, 0.0, 0.0), (20.0, 0.0, 0.02), (25.0, 130.0, 0.3)]
+)
+def test_the_verdict_and_the_region_are_those_of_the_statics(
+    state: StandState, cones: str, slope: float, direction: float, x: float
+) -> None:
+    tilted = replace(state, slope=slope, direction=direction, com=shifted(state, x), cones=cones)
+    facets, fit = CONES[cones]
+    stance = contacts(tilted)
+    verdict = sf.can_stand(stance, tilted.com, tilted.mass, facets=facets, fit=fit)
+    region = sf.com_region(stance, tilted.mass, 1e-3, facets=facets, fit=fit)
+    shown = stand_drawing(tilted)
+    assert ("It can stand" in shown.text) == verdict.feasible
+    if verdict.feasible:
+        assert f"Margin {verdict.margin:.2f} N" in shown.text
+    else:
+        assert "/motion" in shown.shapes
+    border = shown.shapes.get("/region/border")
+    if region.empty:
+        assert border is None
+    else:
+        assert border is not None
+        assert isinstance(border, Lines)
+        drawn = border.points[:, 0, :2]
+        assert len(drawn) == len(region.inner)
+        for corner in drawn:  # in another order where the last bits differ
+            assert np.linalg.norm(region.inner - corner, axis=1).min() < 1e-6
+
+
+def test_the_arrows_are_the_forces(state: StandState) -> None:
+    told = stand_drawing(state).shapes["/forces"]
+    assert isinstance(told, Arrows)
+    forces = told.points[:, 1] - told.points[:, 0]
+    total = forces.sum(axis=0)
+    assert abs(total[:2]).max() < 1e-6 * total[2]
+    places = told.points[:, 0] - state.com
+    moment = np.cross(places, forces).sum(axis=0)
+    assert np.abs(moment).max() < 1e-6 * total[2]
+
+
+def test_the_violet_motion_is_a_proof(state: StandState) -> None:
+    """Gravity does work along it; no force of the cones, sampled, does work against it."""
+    tipped = replace(state, com=shifted(state, 0.35, 0.1), slope=10.0)
+    shape = stand_drawing(tipped).shapes["/motion"]
+    assert isinstance(shape, Arrows)
+    starts, speeds = shape.points[:, 0], shape.points[:, 1] - shape.points[:, 0]
+    np.testing.assert_allclose(starts[0], tipped.com)
+    assert speeds[0][2] < 0.0  # the centre of mass goes down
+    random = np.random.default_rng(4)
+    n = tipped.normal
+    assert len(speeds) >= 2  # feet that it turns about have no arrow
+    for speed in speeds[1:]:
+        for _ in range(500):
+            along = np.cross(n, random.normal(size=3))
+            force = n + 0.6 * random.uniform() * along / np.linalg.norm(along)
+            assert force @ speed > -1e-9
+
+
+def test_the_smallest_forces_hold_the_weight_and_are_smaller(state: StandState) -> None:
+    tilted = replace(state, slope=25.0)
+    most, least = (answer(replace(tilted, forces=kind)).forces for kind in FORCES)
+    assert most is not None
+    assert least is not None
+    G = contacts(tilted).grasp_map(about=tilted.com)
+    load = [0.0, 0.0, tilted.mass * 9.81, 0.0, 0.0, 0.0]
+    np.testing.assert_allclose(G @ least.ravel(), load, atol=0.05)
+    assert np.linalg.norm(least) <= np.linalg.norm(most) + 1e-6
+
+
+def test_the_mouse_moves_the_centre_of_mass_at_its_height(state: StandState) -> None:
+    page = StandPage(state)
+    wanted = np.array([0.11, -0.07, state.com[2]])
+    on_ray = EYE + 0.6 * (wanted - EYE)  # any point of the ray
+    page.grip(Grip("/com", "update", state.com, on_ray, EYE))
+    np.testing.assert_allclose(page.state.com, wanted, atol=1e-12)
+    page.press("reset")
+    np.testing.assert_allclose(page.state.com, state.com)
+
+
+def test_the_mouse_moves_a_foot_on_the_tilted_ground(state: StandState) -> None:
+    page = StandPage(replace(state, slope=20.0, direction=45.0))
+    place = page.state.on_ground(np.array([[0.3, 0.2]]))[0]
+    name = state.names[1]
+    page.grip(Grip(f"/feet/{name}", "update", place, EYE + 1.7 * (place - EYE), EYE))
+    np.testing.assert_allclose(page.state.feet[1], [0.3, 0.2], atol=1e-12)
+    ball = page.drawing().shapes[f"/feet/{name}"]
+    assert isinstance(ball, Ball)
+    np.testing.assert_allclose(ball.position, place, atol=1e-12)
+
+
+def test_a_mouse_that_points_at_the_sky_moves_nothing(state: StandState) -> None:
+    page = StandPage(state)
+    page.grip(Grip("/com", "update", state.com, EYE + np.array([0.0, 0.0, 1.0]), EYE))
+    page.grip(Grip("/feet/FL_foot", "update", state.com, EYE + np.array([1.0, 0.0, 0.0]), EYE))
+    np.testing.assert_allclose(page.state.com, state.com)
+    np.testing.assert_allclose(page.state.feet, state.feet)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("mu", float("nan")), ("mu", -1.0), ("mu", "x"), ("mu", None), ("mu", [1.0]), ("mu", True),
+        ("x", 1e300), ("cones", "round"), ("cones", 3), ("on FL_foot", 1.0), ("nothing", 1.0), ("reset", 1.0),
+        ("slope", 90.0),
+    ],
+)  # fmt: skip
+def test_a_value_that_cannot_be_is_refused_and_changes_nothing(
+    state: StandState, name: str, value: object
+) -> None:
+    page = StandPage(state)
+    before = page.drawing().text
+    with pytest.raises(ProblemError):
+        page.change(name, value)
+    assert page.drawing().text == before
+
+
+@pytest.mark.parametrize("point", [[np.nan, 0.0, 0.0], [np.inf, 0.0, 0.0], [1e9, 0.0, 0.0], [0.0, 0.0]])
+def test_a_mouse_that_points_nowhere_is_refused(point: list[float]) -> None:
+    with pytest.raises(ProblemError, match="nowhere"):
+        Grip("/com", "update", np.zeros(3), np.array(point), EYE)
+
+
+def test_feet_can_be_lifted_to_the_last(state: StandState) -> None:
+    page = StandPage(state)
+    for name in state.names:
+        page.change(f"on {name}", False)
+        shown = page.drawing()
+        assert isinstance(shown.shapes[f"/feet/{name}"], Ball)
+        assert f"/cones/{name}" not in shown.shapes
+    assert "It cannot stand" in shown.text
+
+
+def test_each_foot_has_its_friction(state: StandState) -> None:
+    page = StandPage(state)
+    page.change("mu RL_foot", 0.1)
+    assert page.state.mu.tolist() == [0.6, 0.6, 0.1, 0.6]
+    page.change("mu", 0.9)
+    assert page.state.mu.tolist() == [0.9] * 4
+
+
+def test_extremes_are_drawn(state: StandState) -> None:
+    page = StandPage(state)
+    for name, value in (
+        ("mu", 0.0),
+        ("slope", 60.0),
+        ("direction", -180.0),
+        ("z", 0.02),
+        ("x", 0.8),
+        ("mu", 1.5),
+    ):
+        page.change(name, value)
+        for shape in page.drawing().shapes.values():
+            for field in ("points", "vertices", "position"):
+                assert np.isfinite(np.asarray(getattr(shape, field, 0.0))).all()
+
+
+def test_cones_keep_their_triangles_while_the_numbers_change(state: StandState) -> None:
+    page = StandPage(state)
+    before = page.drawing().shapes["/cones/FL_foot"]
+    page.change("mu", 1.1)
+    after = page.drawing().shapes["/cones/FL_foot"]
+    assert isinstance(before, Mesh)
+    assert isinstance(after, Mesh)
+    assert before.faces is after.faces
+    assert before.vertices.shape == after.vertices.shape
+
+
+def test_an_update_takes_less_than_a_thirtieth_of_a_second(state: StandState) -> None:
+    page = StandPage(state)
+    page.drawing()
+    begin = time.process_time()
+    for k in range(60):
+        page.change("x", 0.002 * k)
+        page.change("slope", 0.5 * k)
+        page.drawing()
+    assert (time.process_time() - begin) / 60 < 1.0 / 30.0

@@ -1,0 +1,75 @@
+"""Ice as a place on the ground: what the world does there, what the log says, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from surefoot.audit import summarise_walk
+from surefoot.cli import parsing
+from surefoot.control.walking import WalkingController, WalkSettings
+from surefoot.control.walking_body import VelocityCommand
+from surefoot.errors import ProblemError
+from surefoot.log import Log
+from surefoot.robot import load_robot
+from surefoot.simulation.mujoco import MujocoWorld
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.simulation.run import Ice, IcePatch, Scenario, run
+from surefoot.simulation.sensors import SensorModel
+
+
+def walk(mu: float, patches: tuple[IcePatch, ...] = (), watch: bool = True, duration: float = 2.5) -> Log:
+    """Return the log of a Go2's trot at 0.5 m/s on an estimated state."""
+    robot = load_robot("go2")
+    settings = WalkSettings(watch_friction=watch)
+    controller = WalkingController(robot, VelocityCommand.constant(0.5), settings=settings)
+    scenario = Scenario(duration, mu, seed=2, patches=patches, sensors=SensorModel())
+    return run(MujocoWorld(robot, mu=mu), controller, scenario)
+
+
+def test_a_robot_that_watches_walks_on_ice_that_throws_another() -> None:
+    careful, careless = summarise_walk(walk(0.2)), summarise_walk(walk(0.2, watch=False))
+    assert careful.outcome == "walked"
+    assert careful.laws_broken == []
+    assert max(foot.slip for foot in careful.feet) < 0.01
+    assert max(foot.slip for foot in careless.feet) > 0.03
+
+
+def test_a_patch_of_ice_is_where_it_says_and_the_log_knows() -> None:
+    log = walk(0.6, (IcePatch((0.3, -1.0), (0.6, 1.0), 0.25),))
+    told, x = log["contact_friction"], log["contact_positions"][..., 0]
+    deep = (x > 0.31) & (x < 0.59)
+    assert deep.any()
+    assert (told[deep] == 0.25).all()
+    assert (told[(x < 0.29) | (x > 0.61)] == 0.6).all()
+    forces = log["forces"]
+    loaded = forces[..., 2] > 5.0
+    use = np.hypot(forces[..., 0], forces[..., 1])[loaded] / forces[..., 2][loaded]
+    assert (use <= told[loaded] * 1.001).all()
+    assert summarise_walk(log).laws_broken == []
+
+
+def test_the_rigid_world_has_one_friction_everywhere() -> None:
+    robot = load_robot("go2")
+    controller = WalkingController(robot, VelocityCommand.constant(0.0))
+    scenario = Scenario(0.1, 0.6, patches=(IcePatch((0.0, 0.0), (1.0, 1.0), 0.1),))
+    with pytest.raises(ProblemError, match="mujoco"):
+        run(RigidWorld(robot), controller, scenario)
+
+
+def test_the_two_forms_of_ice() -> None:
+    assert parsing.ice("2:0.05") == Ice(2.0, 0.05)
+    assert parsing.ice("1,-1,2,1:0.05") == IcePatch((1.0, -1.0), (2.0, 1.0), 0.05)
+
+
+@pytest.mark.parametrize(
+    "text", ["1,2:0.1", "2,0,1,1:0.1", "0,1,1,1:0.1", "0,0,1,1:-1", "0,0,1,x:0.1", "0,0,1,1"]
+)
+def test_wrong_ice_is_refused(text: str) -> None:
+    with pytest.raises(ProblemError, match="--ice"):
+        parsing.ice(text)
+
+
+def test_a_patch_without_an_inside_is_refused() -> None:
+    with pytest.raises(ProblemError, match="patch of ice"):
+        IcePatch((1.0, 0.0), (1.0, 2.0), 0.1)
