@@ -53,7 +53,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     if words[0] not in ("stand", "walk"):
         return words
     out = [*words, "--no-video", "--no-report"]
-    events = [float(words[k + 1].split(":")[0]) for k, w in enumerate(words) if w in ("--push", "--ice")]
+    told = [words[k + 1].split(":")[0] for k, w in enumerate(words) if w in ("--push", "--ice")]
+    events = [float(time) for time in told if "," not in time]  # others are places
     if words[0] == "walk" and max(events, default=0.0) < SHORT - 1.0:
         at = out.index("--duration") if "--duration" in out else len(out)
         out[at : at + 2] = ["--duration", f"{SHORT:g}"]

@@ -42,7 +42,7 @@ def ramped_step(share: float, ramp: float = RAMP) -> tuple[float, float, float]:
     Examples
     --------
     >>> [round(v, 6) for v in ramped_step(0.5)[:2]]
-    [0.5, 1.576471]
+    [0.5, 1.729175]
     """
     s = min(max(share, 0.0), 1.0)
     mirrored = s > 0.5
@@ -106,7 +106,7 @@ def even_swing(
     Examples
     --------
     >>> even_swing(np.zeros(3), np.array([0.1, 0.0, 0.0]), 0.05, 0.5, 0.2, 0.0)[0].round(6)
-    array([0.05, 0.  , 0.05])
+    array([0.059552, 0.      , 0.048875])
     """
     out = np.zeros((3, 3))
     length = LAND * duration

@@ -1,4 +1,4 @@
-"""The linear inverted pendulum of a biped: its divergent motion over the coming steps, and the steady gait.
+"""The linear inverted pendulum of a biped: its divergent motion over the coming steps.
 
 Over a level path the centre of mass c moves as c̈ = ω² (c - p), with p the centre of pressure and
 ω = sqrt(g / h). What diverges is ξ = c + ċ / ω (the capture point [1]_, or divergent component of
@@ -67,38 +67,3 @@ class PendulumPreview:
         drive = (1.0 - self._keep) * pressure + self._sinh * (ahead[:-1] - pressure)
         place = self._decay[:, None] * com + self._following @ drive
         return place, self.omega * (ahead - place)
-
-
-def steady_offset(
-    stride: tuple[float, float], width: float, side: float, omega: float, step: float, double: float
-) -> FloatArray:
-    """Return ξ minus the foot that touches down at that moment, in steady walking: (2,) forward, left [m].
-
-    In double support the centre of pressure moves evenly from the old foot to the new one, in single support
-    it stays. With E = exp(ω step), γ = 1 - (1 - exp(-ω double)) / (ω double) and s the step that has led to
-    the foot, ξ - foot goes from b to E (b + γ s) until the next touchdown; the steady gait repeats it.
-
-    Parameters
-    ----------
-    stride
-        How far the body goes in a step, forward and left [m].
-    width
-        Distance of the feet [m].
-    side
-        1 for a left foot that touches down, -1 for a right one.
-    omega
-        Pendulum frequency [1/s].
-    step, double
-        Time from touchdown to touchdown, and part of it on both feet [s].
-
-    Examples
-    --------
-    >>> steady_offset((0.1, 0.0), 0.2, 1.0, 4.0, 0.4, 0.1).round(4)
-    array([ 0.0044, -0.0630])
-    """
-    growth = math.exp(-omega * step)  # 1 / E, which does not overflow
-    spread = omega * double
-    gamma = 1.0 - (1.0 - math.exp(-spread)) / spread if spread > 1e-9 else 0.0
-    along = (growth - gamma) / (1.0 - growth)
-    across = -side * width * (growth + gamma) / (1.0 + growth)
-    return np.array([stride[0] * along, stride[1] * along + across])

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.robot import Robot
+from surefoot.robot.nominal import chain
 
 ALONG = 0.8
 """A joint swings an arm ahead if its axis is the lateral one by this much (cosine)."""
@@ -88,4 +91,21 @@ def _shoulders(robot: Robot, free: BoolArray) -> dict[int, float]:
         if abs(axis[1]) > ALONG and abs(left) > aside:
             out[joint.idx_v - 6] = float(np.sign(axis[1]) * np.sign(left))
             swinging.add(index)
+    return out
+
+
+def stretching(robot: Robot, share: float) -> float:
+    """Return how far a robot has to rise from its nominal pose [m] to have legs as long as `share` of all.
+
+    A leg reaches from its second joint, at the hip, to the last one, at the ankle.
+    """
+    import pinocchio
+
+    model, data = robot.model, robot.model.createData()
+    pinocchio.forwardKinematics(model, data, robot.nominal)
+    out = 0.0
+    for foot in robot.feet:
+        places = [data.oMi[joint].translation for joint in chain(model, foot.frame)[1:]]
+        length = float(sum(np.linalg.norm(b - a) for a, b in pairwise(places)))
+        out = max(out, share * length - float(places[0][2] - places[-1][2]))
     return out

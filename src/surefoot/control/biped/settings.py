@@ -21,6 +21,9 @@ class BipedSettings:
         Share of `mu` that commanded forces may use; the rest is for what the model leaves out.
     start
         Time to stand before the gait begins, in units of sqrt(h / g).
+    stretch
+        Least height of the hips over the ankles, as a share of the leg's length: a robot whose nominal pose
+        is lower rises to it before it walks, so that its ankles have room.
     clearance
         Height of the swing over the ground, as a share of the height of the centre of mass.
     horizon
@@ -50,6 +53,7 @@ class BipedSettings:
     mu: float = 0.6
     friction_share: float = 0.9
     start: float = 2.5
+    stretch: float = 0.83
     clearance: float = 0.09
     horizon: int = 14
     mpc_steps: int = 20

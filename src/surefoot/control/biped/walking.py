@@ -19,7 +19,7 @@ from surefoot.contact import Status
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
-from surefoot.control.biped.posture import Posture
+from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
@@ -125,7 +125,8 @@ class BipedController(Controller):
         self._upright = rotation_from_quaternion(q[3:7])
         com, centres = robot.com(q), robot.foot_positions(q)
         radii = robot.contact_points.foot_radii
-        self._height = float(com[2] - (centres[:, 2] - radii).mean())
+        self._rise = stretching(robot, self.settings.stretch)
+        self._height = float(com[2] - (centres[:, 2] - radii).mean()) + self._rise
         self._omega = math.sqrt(GRAVITY / self._height)
         width = float(abs(centres[0, 1] - centres[1, 1]))
         sole = max(foot.size[1] for foot in robot.feet)
@@ -194,6 +195,7 @@ class BipedController(Controller):
         clock = time - self._start
         felt = feet.planned.copy() if state.contact is None else state.contact
         changed = clock >= 0.0 and self.soles.update(clock, felt, now.centres, turned)
+        self.body.height = min(self.body.height + self._rise * self.dt / self._start, self._height)
         self.body.advance(self._wish(clock), now.com, self.dt)
         due = time - self._planned_at >= self._interval - 0.5 * self.dt
         if due or changed:
@@ -230,7 +232,7 @@ class BipedController(Controller):
             self.robot, self.schedule, self.terrain, clearance, descent, now.centres.copy(), turned.copy()
         )
         ahead = now.rotation @ self._upright.T[:, 0]
-        self.body = BodyPlan(self._height, now.com.copy(), math.atan2(ahead[1], ahead[0]))
+        self.body = BodyPlan(self._height - self._rise, now.com.copy(), math.atan2(ahead[1], ahead[0]))
         self.body.position[:2] = now.centres[:, :2].mean(axis=0)
         self.body.fit_ground(self.soles.corners, math.inf)
 
