@@ -19,7 +19,7 @@ from surefoot.terrain import SlopeTerrain, read_terrain
 from tests.audit.logs import SLOPE, STAND, TROT, changed, log_of
 
 pytest.importorskip("mujoco")
-SHORT_TROT = CleanRun(world="rigid", gait="trot", velocity=(0.4, 0.0, 0.0), duration=0.8, seed=4)
+SHORT_TROT = CleanRun(world="rigid", gait="trot", velocity=(0.4, 0.0, 0.0), duration=1.4, seed=4)
 
 
 @pytest.mark.parametrize(("run", "world"), [(TROT, "rigid"), (STAND, "mujoco"), (SLOPE, "mujoco")])

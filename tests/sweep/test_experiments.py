@@ -8,6 +8,8 @@ import numpy as np
 import pinocchio
 import pytest
 
+from surefoot.contact import Status
+from surefoot.control.controller import Command
 from surefoot.errors import ProblemError
 from surefoot.robot import load_robot
 from surefoot.simulation.faults import Faults
@@ -83,7 +85,8 @@ def test_mass_inertia_and_centre_of_mass() -> None:
 def test_motors_give_their_share() -> None:
     world = RigidWorld(load_robot("go2"))
     faults = Faults(strength=0.8, weak_joint="FL_calf_joint", torque_loss=0.5).start(world, None)
-    given = faults.act(np.ones(12), *world.state())
+    asked = Command(np.ones(12), np.zeros((4, 3)), np.zeros(4, dtype=bool), True, Status.SOLVED)
+    given = faults.act(asked, *world.state())
     assert sorted(given.tolist()) == pytest.approx([0.4] + [0.8] * 11)
     with pytest.raises(ProblemError, match="strength must be a number between 0 and 10, got -1"):
         Faults(strength=-1.0).start(world, None)
