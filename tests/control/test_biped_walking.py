@@ -44,3 +44,19 @@ def test_the_controller_follows_from_the_feet() -> None:
         BipedController(load_robot("bolt"), still)
     with pytest.raises(ProblemError, match="valid names: stand, walk"):
         walking_controller(load_robot("talos"), still, "trot")
+
+
+def test_the_audit_knows_rotors_and_friction() -> None:
+    from surefoot.control.actuators import actuators_of
+    from surefoot.simulation.mujoco import MujocoWorld
+
+    robot = load_robot("g1")
+    controller = walking_controller(
+        robot, VelocityCommand.constant(0.0), actuators=actuators_of(robot, "real")
+    )
+    world = MujocoWorld(robot, FlatTerrain(), 0.6, actuators="real")
+    log = run(world, controller, Scenario(1.2, 0.6, seed=2))
+    assert audit_log(log).lawful
+    for name in ("armature", "viscous_friction", "dry_friction"):
+        del log.facts[name]
+    assert {v.law for v in audit_log(log).violations} == {"motion"}

@@ -92,22 +92,24 @@ def unexplained(
         rest -= np.asarray(log["other_forces"])[:-1]
     if "torques" in log:
         rest[:, base:] -= np.asarray(log["torques"])[:-1]
-        rest[:, base:] += _lost(log, v[:-1, base:], acceleration[:, base:], rest[:, base:])
+        rest[:, base:] += _lost(log, v[:, base:], acceleration[:, base:], rest[:, base:])
         feet = _at_feet(robot, rest, jacobian, place)
     force_left, moment_left = (np.einsum("tij,tj->ti", R, part) for part in (rest[:, :3], rest[:, 3:6]))
     return Unexplained(force_left, moment_left, feet)
 
 
-def _lost(log: Log, speed: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:
+def _lost(log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:
     """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
 
-    The dry friction of a joint that sticks is what holds it, up to its size: it takes what (T, joints) `rest`
-    leaves over.
+    The dry friction of a joint that sticks, or turns back, in the step of a row is what holds it, up to its
+    size: it takes what (T, joints) `rest` leaves over. `speeds` are (T + 1, joints).
     """
     rotor, viscous, dry = (log.fact(name) if name in log.facts else 0.0 for name in MOTOR_FACTS)
-    lost = np.asarray(rotor * acceleration + viscous * speed)
+    before, after = speeds[:-1], speeds[1:]
+    lost = np.asarray(rotor * acceleration + viscous * before)
     holding = np.clip(-(rest + lost), -np.asarray(dry), dry)
-    return np.asarray(lost + np.where(np.abs(speed) < STICKING, holding, dry * np.sign(speed)))
+    sticks = (np.minimum(np.abs(before), np.abs(after)) < STICKING) | (before * after < 0.0)
+    return np.asarray(lost + np.where(sticks, holding, dry * np.sign(before)))
 
 
 def _loaded(model: Any, payload: float, position: FloatArray | None) -> Any:
