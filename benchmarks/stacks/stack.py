@@ -181,7 +181,12 @@ class Timed(Controller):
         self.channels, self.facts = outermost.channels, outermost.facts
         self.cpu: list[float] = []
         self.starts = self.gait_start = walker.settings.start
-        self.gait_period = walker.schedule.period
+        self._schedule = walker.schedule
+
+    @property
+    def gait_period(self) -> float:
+        """Length of a cycle of the gait now [s]."""
+        return float(self._schedule.period)
 
     def reset(self) -> None:
         """Forget the past."""

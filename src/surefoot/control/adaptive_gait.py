@@ -92,6 +92,11 @@ class AdaptiveGait(ContactSchedule):
         return self.stride.pace
 
     @property
+    def period(self) -> float:
+        """Length of the newest cycle [s]."""
+        return self.stride.pace.period
+
+    @property
     def stance_time(self) -> float:
         """Time that a foot carries in the newest cycle [s]."""
         return self.stride.pace.stance_time
@@ -180,8 +185,8 @@ def _between(now: Stride, wanted: Stride) -> Stride:
     """Return the stride a bounded step from one towards another."""
     a, b = now.pace, wanted.pace
     stance = a.stance_time * _bounded(b.stance_time / a.stance_time, STANCE_STEP)
-    air, wish = a.period - a.stance_time, b.period - b.stance_time
-    air *= _bounded(wish / air, AIR_STEP)
+    air, wanted_air = a.period - a.stance_time, b.period - b.stance_time
+    air *= _bounded(wanted_air / air, AIR_STEP)
     offset = now.offset + np.clip(wanted.offset - now.offset, -OFFSET_STEP, OFFSET_STEP)
     return replace(wanted, pace=Pace(stance + air, stance / (stance + air), b.clearance), offset=offset)
 

@@ -23,7 +23,6 @@ from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
-from surefoot.terrain.frames import surface_frames
 
 
 def import_mjx() -> Any:
@@ -141,16 +140,13 @@ class MjxWorld(MujocoWorld):
     def reading(self, read: dict[str, FloatArray]) -> ContactReading:
         """Return forces (p, 3) [N], gaps (p,) [m], velocities at the feet from what a step `left_behind`."""
         centres = read["geom_xpos"][self._geoms]
-        normals = self.terrain.normal(centres[:, :2])
-        if not self.terrain.planar:
-            surface_frames(normals, self._frames)
-        gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
+        gaps, normals = self._ground_near(centres)
         forces, velocities, positions = read_contacts(
             centres, self._frames, self._radii, read["cvel"][self._bodies], read["subtree_com"][self._roots],
             read["geom"].astype(np.int32), read["efc_address"].astype(np.int32),
             read["frame"].reshape(-1, 9), read["efc_force"], self._geoms,
         )  # fmt: skip
-        return ContactReading(forces, gaps, velocities, positions)
+        return ContactReading(forces, gaps, velocities, positions, normals=normals)
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""

@@ -144,6 +144,8 @@ class MujocoWorld:
         self.base_body = base
         self._links = LinkContacts(mujoco, self.model, feet, self.ground_geoms) if links else None
         self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(feet)).reshape(-1, 3, 3)
+        self._normals = np.ascontiguousarray(self._frames[:, :, 2])  # all that a plane needs, with its offset
+        self._offset = float(self._frames[0, 2, 2] * self.terrain.height([0.0, 0.0])) if len(feet) else 0.0
         self.reset(robot.nominal)
 
     @property
@@ -236,10 +238,7 @@ class MujocoWorld:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
         data = self.data
         centres = data.geom_xpos[self._geoms]
-        normals = self.terrain.normal(centres[:, :2])
-        if not self.terrain.planar:
-            surface_frames(normals, self._frames)
-        gaps = (centres[:, 2] - self.terrain.height(centres[:, :2])) * normals[:, 2] - self._radii
+        gaps, normals = self._ground_near(centres)
         contact = data.contact
         addresses = contact.efc_address if self._links is None else self._links.addresses(data)
         forces, velocities, positions = read_contacts(
@@ -247,7 +246,15 @@ class MujocoWorld:
             contact.geom, addresses, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
         others = None if self._links is None else self._links.force(data)
-        return ContactReading(forces, gaps, velocities, positions, others)
+        return ContactReading(forces, gaps, velocities, positions, others, normals)
+
+    def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres; set their frames."""
+        if self.terrain.planar:
+            return centres @ self._normals[0] - self._offset - self._radii, self._normals
+        distances, normals = self.terrain.nearest(centres)
+        surface_frames(normals, self._frames)
+        return distances - self._radii, normals
 
     def touching(self) -> list[tuple[str, str]]:
         """Return the names of links, feet or ground that touched in the last step, without feet on ground."""

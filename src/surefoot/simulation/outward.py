@@ -43,7 +43,7 @@ class Outward:
     def _forces(self, reading: ContactReading) -> FloatArray:
         """Return the true forces on the feet, world axes."""
         frames = np.empty((len(self._foot), 3, 3))
-        surface_frames(self._terrain.normal(reading.positions[:, :2]), frames)
+        surface_frames(reading.normals_on(self._terrain), frames)
         forces = np.zeros((self._feet, 3))
         np.add.at(forces, self._foot, np.einsum("pij,pj->pi", frames, reading.forces))
         return forces

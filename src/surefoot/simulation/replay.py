@@ -377,6 +377,6 @@ class _Replay:
         rows["time"][at], rows["q"][at], rows["v"][at], rows["torques"][at] = now, q, v, torques
         rows["forces"][at], rows["gaps"][at] = reading.forces, reading.gaps
         rows["contact_velocities"][at], rows["contact_positions"][at] = reading.velocities, reading.positions
-        rows["normals"][at] = task.terrain.normal(reading.positions[:, :2])
+        rows["normals"][at] = reading.normals_on(task.terrain)
         rows["push"][at], rows["mu"][at] = task.push[row], task.mu[row]
         self.recorder.count += 1

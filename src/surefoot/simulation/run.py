@@ -243,7 +243,7 @@ class _Run:
         rows["push"][i] = 0.0 if moment.push is None else moment.push
         rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
         rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
-        rows["normals"][i] = self.world.terrain.normal(reading.positions[:, :2])
+        rows["normals"][i] = reading.normals_on(self.world.terrain)
         if reading.others is not None:
             rows["other_forces"][i] = reading.others
         if "torques_commanded" in rows:

@@ -16,8 +16,8 @@ class ContactReading:
     """What the ground did to the robot's contact points during the last step.
 
     One row per contact sphere of the feet, in the order of `World.contact_foot`; all of the same
-    instant, the start of the step. Frames are the terrain's contact frames (tangent, tangent,
-    normal) at each point.
+    instant, the start of the step. Frames are contact frames (tangent, tangent, normal) of the ground at
+    each point.
 
     Attributes
     ----------
@@ -32,6 +32,9 @@ class ContactReading:
     others
         (nv,) generalised force of all other contacts: of other links, bodies, the robot with itself
         [N, N m]; None in a world that has the feet's alone.
+    normals
+        (p, 3) normals of the ground where it is nearest, world axes [-]; None for those of the terrain under
+        the positions.
     """
 
     forces: FloatArray
@@ -39,6 +42,11 @@ class ContactReading:
     velocities: FloatArray
     positions: FloatArray
     others: FloatArray | None = None
+    normals: FloatArray | None = None
+
+    def normals_on(self, terrain: Terrain) -> FloatArray:
+        """Return the normals (p, 3) of the ground at the contact points, world axes [-]."""
+        return terrain.normal(self.positions[:, :2]) if self.normals is None else self.normals
 
 
 class World(Protocol):

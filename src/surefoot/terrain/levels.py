@@ -14,7 +14,10 @@ from surefoot.terrain.terrain import Terrain
 
 
 class LevelsTerrain(Terrain):
-    """Level stretches across the way. Normals are vertical: a height field has no vertical faces."""
+    """Level stretches across the way.
+
+    As a height field it has vertical normals everywhere; its faces and edges are known to `nearest`.
+    """
 
     @abstractmethod
     def levels(self) -> tuple[FloatArray, FloatArray]:
@@ -28,6 +31,32 @@ class LevelsTerrain(Terrain):
         """Return the vertical [-] at (..., 2) places [m]: (..., 3)."""
         shape = np.asarray(xy).shape[:-1]
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), (*shape, 3)).copy()
+
+    def nearest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the distance of (..., 3) points to treads, faces and edges [m], and the normals there.
+
+        A point inside the ground is measured to the tread above it. See `Terrain.nearest`.
+        """
+        p = np.asarray(points, dtype=np.float64)
+        edges, tops = self.levels()
+        x, z = p[..., 0], p[..., 2]
+        at = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(tops) - 1)
+        distance = z - tops[at]
+        normal = np.zeros(p.shape)
+        normal[..., 2] = 1.0
+        for side, near in ((-1, edges[at]), (1, edges[np.minimum(at + 1, len(tops))])):
+            other = at + side
+            beside = (other >= 0) & (other < len(tops))
+            top = tops[np.clip(other, 0, len(tops) - 1)]
+            # the closest point of the block beside: on its face, or on its edge for a point above it
+            across, up = x - near, np.maximum(z - top, 0.0)
+            away = np.hypot(across, up)
+            closer = beside & (top > tops[at]) & (z >= tops[at]) & (away < distance) & (away > 0.0)
+            distance = np.where(closer, away, distance)
+            length = np.where(closer, away, 1.0)
+            normal[..., 0] = np.where(closer, across / length, normal[..., 0])
+            normal[..., 2] = np.where(closer, up / length, normal[..., 2])
+        return distance, normal
 
     @property
     def highest_step(self) -> float:

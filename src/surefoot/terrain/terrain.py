@@ -76,6 +76,19 @@ class Terrain(ABC):
         above = p[..., 2] - self.height(p[..., :2])
         return np.asarray(above * self.normal(p[..., :2])[..., 2])
 
+    def nearest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the signed distance of (..., 3) points to the ground [m], and the normal there.
+
+        What a sphere touches first. Here `gap` and the normal below the point, right where the ground is
+        smooth; a ground with edges and faces says better.
+
+        Returns
+        -------
+        Distances (...) [m], negative inside the ground, and unit normals (..., 3) out of the ground, world
+        axes [-].
+        """
+        return self.gap(points), self.normal(np.asarray(points, dtype=np.float64)[..., :2])
+
     def frame(self, xy: ArrayLike, heading: ArrayLike = (1.0, 0.0, 0.0)) -> FloatArray:
         """Return the rotation rotation_world_contact (3, 3) of the ground at one (2,) place [m].
 
