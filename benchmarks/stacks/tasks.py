@@ -166,7 +166,14 @@ def _others() -> Iterator[Task]:
             bounds=MOTORS,
         )  # fmt: skip
     for speed in (0.0, 0.3, 0.6):
-        yield Task(f"g1-{speed:g}", f"G1 at {speed:g} m/s", (speed, 0.0, 0.0), "g1", duration=10.0, bounds=(_follow(speed),))
+        yield Task(
+            f"g1-{speed:g}",
+            f"G1 at {speed:g} m/s",
+            (speed, 0.0, 0.0),
+            "g1",
+            duration=10.0,
+            bounds=(_follow(speed),),
+        )
     yield Task("g1-turn", "G1 at 0.3 m/s, turning 0.3 rad/s", (0.3, 0.0, 0.3), "g1", duration=10.0)
     for name, angle in (("up", "10"), ("down", "-10")):
         yield Task(

@@ -118,8 +118,8 @@ def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
     feet.share[:] = [0.4, 0.8, 0.8, 0.4]
     ahead = np.tile([1.0, 0.0, 0.0], (4, 1))
     forces = np.array([[-40.0, 0.0, 5.0], [-10.0, 0.0, 40.0], [0.0, 0.0, 1.0], [40.0, 0.0, 5.0]])
-    felt, struck = sort_touches(feet, ALL, forces, ahead, 160.0)
-    assert felt.tolist() == [False, True, False, False]  # a riser, a landing, noise, and a push from behind
+    sensed, struck = sort_touches(feet, ALL, forces, ahead, 160.0)
+    assert sensed.tolist() == [False, True, False, False]  # a riser, a landing, noise, and a push from behind
     assert struck.tolist() == [True, False, False, False]
     feet.update(0.05, NONE, centres)
     feet.interrupt(0, 0.05, centres[0])

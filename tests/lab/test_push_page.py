@@ -1,4 +1,4 @@
-"""The push page: wishes hold while the robot walks, kicks move it, it stands up again, viewers share it."""
+"""The push page: choices hold while the robot walks, kicks move it, it stands up again, viewers share it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from surefoot.errors import ProblemError
 from surefoot.lab.drawing import Arrows, Mesh
 from surefoot.lab.page import Grip
 from surefoot.lab.push import PULL, PushPage
-from surefoot.lab.push_run import HARDEST, LIE, SharedRun, WalkRun, Wishes
+from surefoot.lab.push_run import HARDEST, LIE, Choices, SharedRun, WalkRun
 
 EYE = np.array([1.5, -1.5, 0.9])
 
@@ -29,15 +29,15 @@ def go(run: WalkRun, steps: int) -> None:
         run.step()
 
 
-def test_wishes_hold_while_it_walks(robot: sf.Robot) -> None:
-    run = WalkRun(robot, Wishes(velocity=(0.4, 0.0, 0.0)))
+def test_choices_hold_while_it_walks(robot: sf.Robot) -> None:
+    run = WalkRun(robot, Choices(velocity=(0.4, 0.0, 0.0)))
     go(run, 1500)
     assert run.world.state()[1][0] == pytest.approx(0.4, abs=0.15)
-    run.wish(replace(run.wishes, payload=3.0))
+    run.choose(replace(run.choices, payload=3.0))
     assert run.world.payload == 3.0
     assert run.world.state()[0][0] > 0.2  # it is where it was
     for gait in ("walk", "trot", "stand"):
-        run.wish(replace(run.wishes, gait=gait))
+        run.choose(replace(run.choices, gait=gait))
         go(run, 600)
         assert not run.fallen
     assert np.abs(run.world.state()[1][:3]).max() < 0.1  # it stands still
@@ -45,7 +45,7 @@ def test_wishes_hold_while_it_walks(robot: sf.Robot) -> None:
 
 
 def test_a_kick_changes_the_velocity_by_its_impulse(robot: sf.Robot) -> None:
-    run = WalkRun(robot, Wishes(gait="stand", mu=0.0))  # on ice nothing else pushes to the side
+    run = WalkRun(robot, Choices(gait="stand", mu=0.0))  # on ice nothing else pushes to the side
     before = run.world.state()[1]
     run.kick(np.array([0.0, 60.0, 0.0]), 0.02)
     go(run, 20)
@@ -83,12 +83,12 @@ def test_a_kick_has_a_limit(robot: sf.Robot) -> None:
     np.testing.assert_allclose(run.push, [HARDEST, 0.0, 0.0])
 
 
-def test_a_wish_that_cannot_be_leaves_the_old_one(robot: sf.Robot) -> None:
+def test_a_choice_that_cannot_be_leaves_the_old_one(robot: sf.Robot) -> None:
     run = WalkRun(robot)
     for wrong in ({"gait": "hop"}, {"payload": -1.0}, {"mu": -0.1}):
         with pytest.raises(ProblemError):
-            run.wish(replace(run.wishes, **wrong))  # type: ignore[arg-type]
-        assert run.wishes == Wishes()
+            run.choose(replace(run.choices, **wrong))  # type: ignore[arg-type]
+        assert run.choices == Choices()
     go(run, 20)
 
 
@@ -120,7 +120,7 @@ def test_without_viewers_it_waits_and_with_one_it_goes_on(shared: tuple[SharedRu
     assert shared[1].steps == steps
 
 
-def test_two_viewers_see_each_others_wishes(shared: tuple[SharedRun, WalkRun]) -> None:
+def test_two_viewers_see_each_others_choices(shared: tuple[SharedRun, WalkRun]) -> None:
     one, two = page_of(shared), page_of(shared)
     one.change("mu", 0.3)
     one.change("forward", -0.2)

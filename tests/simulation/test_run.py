@@ -89,10 +89,10 @@ def test_the_controller_is_told_the_state_the_time_and_the_feet(robot: sf.Robot)
     assert [state.time for state in told] == pytest.approx(log["time"])
     np.testing.assert_array_equal([state.q for state in told], log["q"])
     np.testing.assert_array_equal([state.v for state in told], log["v"])
-    felt = np.array([state.contact for state in told])
-    assert not felt[:5].any()  # it starts a centimetre above the ground
-    assert felt[-1].all()
-    np.testing.assert_array_equal(felt[1:], log["forces"][:-1, :, 2] > 0.02 * log.facts["mass"] * 9.81)
+    sensed = np.array([state.contact for state in told])
+    assert not sensed[:5].any()  # it starts a centimetre above the ground
+    assert sensed[-1].all()
+    np.testing.assert_array_equal(sensed[1:], log["forces"][:-1, :, 2] > 0.02 * log.facts["mass"] * 9.81)
     assert watcher.log is log
     assert [m.time for m in watcher.moments] == pytest.approx(log["time"])
     np.testing.assert_array_equal([m.reading.forces for m in watcher.moments], log["forces"])

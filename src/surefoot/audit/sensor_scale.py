@@ -134,10 +134,10 @@ def _scale_doubts(
         )
     if "imu_acceleration" in log:
         inside = (time >= strides[0, 0]) & (time <= strides[-1, 1])
-        felt = float(np.nanmean(log["imu_acceleration"][inside, 2]))
-        if abs(felt / GRAVITY - 1.0) > 0.1:
+        sensed = float(np.nanmean(log["imu_acceleration"][inside, 2]))
+        if abs(sensed / GRAVITY - 1.0) > 0.1:
             out.append(
-                f"the IMU's mean vertical acceleration over the strides is {felt:.3g} m/s^2, not {GRAVITY:g}"
+                f"the IMU's mean vertical acceleration in strides is {sensed:.3g} m/s^2, not {GRAVITY:g}"
             )
     return out
 

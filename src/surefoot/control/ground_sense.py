@@ -53,7 +53,7 @@ class GroundSense:
         self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
 
     def feel(
-        self, state: RobotState, feet: Feet, felt: BoolArray, clock: float, centres: FloatArray
+        self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, centres: FloatArray
     ) -> BoolArray:
         """Return which feet feel the ground, (n,); those that have struck an edge begin their swing anew.
 
@@ -61,7 +61,7 @@ class GroundSense:
         ----------
         state, feet
             At this step.
-        felt
+        sensed
             (n,) which feet feel anything.
         clock
             On the schedule [s].
@@ -70,9 +70,9 @@ class GroundSense:
         """
         feet.fastest = self._fastest
         if state.forces is None or feet.carrying.all():
-            return felt
+            return sensed
         speeds = feet.motions(clock)[:, 1]
-        ground, struck = sort_touches(feet, felt, state.forces, speeds, self._weight)
+        ground, struck = sort_touches(feet, sensed, state.forces, speeds, self._weight)
         for k in np.flatnonzero(struck).tolist():
             self.belief.stumbled(state.time)
             feet.interrupt(k, clock, centres[k])

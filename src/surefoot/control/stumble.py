@@ -20,7 +20,7 @@ STRUCK = 0.1
 """Force against its motion from which a foot has struck something, as a share of m g."""
 STEEP = 1.0
 """Ground gives no more force sideways than this times that along its normal."""
-FELT = 0.06
+SENSED = 0.06
 """Force along the normal below which a foot in the air has not found the ground, likewise: what is estimated
 of the force on a leg that is braked in the air is not zero."""
 SOONEST, LATEST = 0.15, 1.0
@@ -28,7 +28,7 @@ SOONEST, LATEST = 0.15, 1.0
 
 
 def sort_touches(
-    feet: Feet, felt: BoolArray, forces: FloatArray, speeds: FloatArray, weight: float
+    feet: Feet, sensed: BoolArray, forces: FloatArray, speeds: FloatArray, weight: float
 ) -> tuple[BoolArray, BoolArray]:
     """Return which feet feel the ground, and which have struck an edge in the air: (n,) each.
 
@@ -36,7 +36,7 @@ def sort_touches(
     ----------
     feet
         The feet.
-    felt
+    sensed
         (n,) which feet feel anything.
     forces
         (n, 3) on the feet, world axes [N].
@@ -52,5 +52,5 @@ def sort_touches(
     struck = ~feet.carrying & (size > STRUCK * weight) & (size > STEEP * along)
     against = (sideways[:, :2] * speeds[:, :2]).sum(axis=1) < 0.0
     swinging = ~feet.late & ~feet.again & (feet.share > SOONEST) & (feet.share < LATEST)
-    light = ~feet.carrying & (along < FELT * weight)
-    return felt & ~struck & ~light, struck & against & swinging
+    light = ~feet.carrying & (along < SENSED * weight)
+    return sensed & ~struck & ~light, struck & against & swinging

@@ -189,7 +189,7 @@ class TouchedGround(GroundBelief):
 
 
 class MappedGround(GroundBelief):
-    """A height map of what a range sensor has seen and feet have felt.
+    """A height map of what a range sensor has seen and feet have touched.
 
     Parameters
     ----------

@@ -224,15 +224,15 @@ class WalkingController(Controller):
             self._begin(now, state)
         assert self.feet is not None
         feet, clock = self.feet, time - self.settings.start - self.feet.wait
-        felt = feet.planned.copy() if state.contact is None else state.contact
+        sensed = feet.planned.copy() if state.contact is None else state.contact
         if self._sense is not None:
-            felt = self._sense.feel(state, feet, felt, clock, now.centres)
-        changed = clock >= 0.0 and feet.update(clock, felt, now.centres)
+            sensed = self._sense.feel(state, feet, sensed, clock, now.centres)
+        changed = clock >= 0.0 and feet.update(clock, sensed, now.centres)
         if self._sense is not None:
             self._sense.learn(state, feet, now.centres)
         if self._grip is not None:
             self._mind_friction(self._grip, state, now)
-        self.body.advance(self._wish(clock), now.com, self.dt)
+        self.body.advance(self._wanted(clock), now.com, self.dt)
         self._load.pull(now, state.q[:3])
         low, high = self._normals
         top = high * self.ramps.now(clock, feet.carrying)
@@ -288,7 +288,7 @@ class WalkingController(Controller):
         level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
         body.follow_plane(level, slope, elapsed)
 
-    def _wish(self, clock: float) -> FloatArray:
+    def _wanted(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins, none higher until it is fit for it."""
         command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):

@@ -15,7 +15,7 @@ from surefoot.control.walking_kernels import cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
-LEASH = 0.05
+LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
@@ -138,11 +138,11 @@ class BodyPlan:
         vx, vy = self._flow()
         self.position[0] += vx * dt
         self.position[1] += vy * dt
-        leash = LEASH * math.sqrt(GRAVITY * self.height)
+        lead = LEAD * math.sqrt(GRAVITY * self.height)
         x, y = self.position[0] - com[0], self.position[1] - com[1]
         far = math.hypot(x, y)
-        if far > leash:
-            self.position[0], self.position[1] = com[0] + x * leash / far, com[1] + y * leash / far
+        if far > lead:
+            self.position[0], self.position[1] = com[0] + x * lead / far, com[1] + y * lead / far
         self.ground += (self.slope[0] * vx + self.slope[1] * vy) * dt
         self.position[2] = self.ground + self._rise()
 

@@ -81,7 +81,7 @@ class Feet:
         self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
-        self._felt = np.zeros(n)
+        self._sensed = np.zeros(n)
         self._retry = np.full((n, 2), -np.inf)  # when swings that were interrupted begin anew and end
         self.again: BoolArray = np.zeros(n, dtype=bool)
         self._late_from = np.zeros(n)
@@ -90,28 +90,28 @@ class Feet:
         self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
-    def update(self, time: float, felt: BoolArray, centres: FloatArray) -> bool:
+    def update(self, time: float, sensed: BoolArray, centres: FloatArray) -> bool:
         """Move on to a time of the schedule; return whether a foot has lifted or landed.
 
         Parameters
         ----------
         time
             On the schedule's clock [s].
-        felt
+        sensed
             (n,) which feet feel the ground.
         centres
             (n, 3) where the feet are.
         """
         changed = False
-        self._felt[felt] = time
-        for k in range(len(felt)):
+        self._sensed[sensed] = time
+        for k in range(len(sensed)):
             planned, begin, end = self.schedule.phase(k, time)
             self.planned[k] = planned
-            if self._again(k, time, bool(felt[k]), centres[k]):
+            if self._again(k, time, bool(sensed[k]), centres[k]):
                 changed |= bool(self.carrying[k])
                 continue
             if planned:
-                changed |= self._on_ground(k, time, bool(felt[k]), centres[k])
+                changed |= self._on_ground(k, time, bool(sensed[k]), centres[k])
                 continue
             self.late[k] = False
             self.share[k] = (time - begin) / (end - begin)
@@ -119,7 +119,7 @@ class Feet:
                 if begin > self._lifted[k]:
                     self._lift(k, begin, end - begin, centres[k])
                     changed = True
-            elif felt[k] and self.share[k] > EARLY:
+            elif sensed[k] and self.share[k] > EARLY:
                 self._land(k, centres[k])
                 changed = True
         return changed
@@ -133,14 +133,14 @@ class Feet:
         self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
         self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
 
-    def _again(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
+    def _again(self, k: int, time: float, sensed: bool, centre: FloatArray) -> bool:
         """Go on with a swing that has begun anew; return whether there is one."""
         begin, end = self._retry[k]
         now = time + self.wait
         if self.carrying[k] or now >= end:
             return False
         self.late[k], self.share[k] = False, (now - begin) / (end - begin)
-        if felt and self.share[k] > EARLY:
+        if sensed and self.share[k] > EARLY:
             self._land(k, centre)
         return True
 
@@ -148,23 +148,23 @@ class Feet:
         """Return which feet should stand by now and do not: (n,)."""
         return self.planned & ~self.carrying
 
-    def _on_ground(self, k: int, time: float, felt: bool, centre: FloatArray) -> bool:
+    def _on_ground(self, k: int, time: float, sensed: bool, centre: FloatArray) -> bool:
         """Handle a foot that the gait wants on the ground."""
         if self.carrying[k]:
-            if time - self._felt[k] <= LOST_TIME:
+            if time - self._sensed[k] <= LOST_TIME:
                 return False
             self.carrying[k], self.late[k] = False, True
             self.start[k], self.target[k] = centre, centre
             self.apex[k], self.share[k], self.duration[k] = centre[2], 1.0, LOST_TIME
-            self._felt[k] = time
+            self._sensed[k] = time
             self._late_from[k] = time + self.wait
             return True
-        if felt:
+        if sensed:
             self._land(k, centre)
             return True
         if not self.late[k]:
             _, begin, _ = self.schedule.phase(k, time)
-            begun = max(begin, float(self._felt[k])) + self.wait
+            begun = max(begin, float(self._sensed[k])) + self.wait
             self._late_from[k] = max(begun, float(self._retry[k, 1]))
         self.late[k] = True
         return False

@@ -1,4 +1,4 @@
-"""The ground around a robot as it has seen and felt it: heights on a grid in the estimated frame.
+"""The ground around a robot as it has seen and touched it: heights on a grid in the estimated frame.
 
 Each cell holds a height and its variance. A point that a range sensor saw is fused as a Kalman filter does;
 one that contradicts its cell only makes the cell less sure, so that a stray point does nothing and the second
@@ -44,7 +44,7 @@ class MapSettings:
     ageing
         Growth of every cell's variance [m²/s].
     touch
-        Standard deviation of a height that a foot felt [m].
+        Standard deviation of a height that a foot touched [m].
     anchor
         Share of a foot's contradiction by which all of the map is moved.
     apart

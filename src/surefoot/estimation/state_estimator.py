@@ -29,7 +29,7 @@ from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.latency import Latency
 from surefoot.spatial import GRAVITY
 
-FELT = 0.2
+SENSED = 0.2
 """Share of m g over the number of feet from which a force alone says that a foot touches."""
 
 
@@ -127,12 +127,12 @@ class StateEstimator:
         noise, dt = ekf.filter.noise, ekf.dt
         bandwidth = quiet_bandwidth(ekf.robot, dt, noise.joint_speed)
         self.detector = ContactDetector(ekf.robot, dt, DetectionSettings(bandwidth=bandwidth))
-        felt = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
+        sensed = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
         self.fusion = ContactFusion(
-            ekf.robot, contacts or ContactSettings(), felt, noise.joint_speed, ekf.ground is not None
+            ekf.robot, contacts or ContactSettings(), sensed, noise.joint_speed, ekf.ground is not None
         )
         self._usual = ekf.robot.mass * GRAVITY / len(ekf.robot.feet)
-        self._least = FELT * self._usual
+        self._least = SENSED * self._usual
         self._largest = self.watch.bias * np.array([noise.gyro_bias, noise.accelerometer_bias])
         self.reset(ekf.robot.nominal)
 
@@ -145,7 +145,7 @@ class StateEstimator:
         robot, ground = self.ekf.robot, self.ekf.ground
         soles = robot.foot_positions(q) - robot.contact_points.foot_radii[:, None] * [0.0, 0.0, 1.0]
         self.ground, self._stood = GroundBelief(ground, soles), np.zeros(len(robot.feet), dtype=bool)
-        self._felt = np.zeros_like(self._stood)
+        self._sensed = np.zeros_like(self._stood)
         self.health = Health.GOOD
         self.forces = np.zeros((len(self.ekf.robot.feet), 3))
         self._alone = self._unheard = 0.0
@@ -162,27 +162,27 @@ class StateEstimator:
         if np.isfinite(q).all() and np.isfinite(v).all():
             detector.observe(q, v, ekf.normals)
             self.forces = detector.forces
-            self._felt = (self.forces * ekf.normals).sum(axis=1) > self._least
+            self._sensed = (self.forces * ekf.normals).sum(axis=1) > self._least
         else:
             self.health = Health.DIVERGED
-            self._felt[:] = False
-        return self._felt.copy()
+            self._sensed[:] = False
+        return self._sensed.copy()
 
-    def decide(self, felt: BoolArray | None = None) -> BoolArray:
+    def decide(self, sensed: BoolArray | None = None) -> BoolArray:
         """Return which feet touch, by force, height, speed and plan: (n,).
 
         Parameters
         ----------
-        felt
+        sensed
             (n,) which feet feel a force, where something other than `predict` has told that; None for what
             it has told.
         """
         normals, points, forces = self.ekf.normals, self.detector.points, self.detector.forces
         if self.health is Health.DIVERGED:
-            return np.zeros_like(self._felt)
-        if felt is not None and (felt != self._felt).any():
-            told = np.where(felt, self._usual, 0.0)[:, None] * normals
-            forces = np.where((felt == self._felt)[:, None], forces, told)
+            return np.zeros_like(self._sensed)
+        if sensed is not None and (sensed != self._sensed).any():
+            told = np.where(sensed, self._usual, 0.0)[:, None] * normals
+            forces = np.where((sensed == self._sensed)[:, None], forces, told)
         gaps = (points[:, 2] - self.ground.heights(points)) * normals[:, 2]
         return self.fusion.update(forces, self.detector.velocities, normals, gaps)
 

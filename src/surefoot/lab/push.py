@@ -25,7 +25,7 @@ PULL = 500.0
 ARROW = 1.0 / PULL
 """Length of a newton of push [m/N]."""
 SPEED = 1.0
-"""Fastest wish forward [m/s]."""
+"""Fastest speed to choose [m/s]."""
 
 
 class PushPage(Page):
@@ -55,7 +55,7 @@ class PushPage(Page):
         self._ground = Ground(FlatTerrain())
         self._pull: tuple[FloatArray, FloatArray] | None = None
         moment, _ = shared.look()
-        w = moment.wishes
+        w = moment.choices
         self.values = Values(
             [
                 Slider("mu", "friction of the ground", 0.0, 1.2, 0.01, w.mu),
@@ -86,18 +86,18 @@ class PushPage(Page):
         before = self.values[name] if name in self.values else None  # noqa: SIM401 - it has no get
         super().change(name, raw)
         try:
-            self._wish(name)
+            self._choose(name)
         except Exception:
             self.values.change(name, before)
             raise
 
-    def _wish(self, name: str) -> None:
+    def _choose(self, name: str) -> None:
         """Tell the run what a control says."""
         v = self.values
         if name in ("mu", "payload", "gait"):
-            self._shared.wish(**{name: v[name]})
+            self._shared.choose(**{name: v[name]})
         elif name in ("forward", "left", "turn"):
-            self._shared.wish(velocity=(v["forward"], v["left"], v["turn"]))
+            self._shared.choose(velocity=(v["forward"], v["left"], v["turn"]))
 
     def press(self, name: str) -> None:
         """Kick the robot, or stand it up."""
@@ -128,10 +128,10 @@ class PushPage(Page):
         self._follow(moment)
         q, origin = moment.q.copy(), moment.q[:2].copy()
         q[:2] = 0.0
-        weight = (self._robot.robot.mass + moment.wishes.payload) * GRAVITY
+        weight = (self._robot.robot.mass + moment.choices.payload) * GRAVITY
         reading, n = moment.reading, len(self._names)
         places = reading.positions - [*origin, 0.0]
-        mu = np.full(n, moment.wishes.mu)
+        mu = np.full(n, moment.choices.mu)
         frames = np.broadcast_to(np.eye(3), (n, 3, 3))
         shapes: dict[str, Shape] = {
             **self._ground.shapes(origin),
@@ -145,8 +145,8 @@ class PushPage(Page):
         return Drawing(shapes, self._text(moment, mu), strip(times, normal, self._names, weight))
 
     def _follow(self, moment: Moment) -> None:
-        """Show what other viewers wish."""
-        w = moment.wishes
+        """Show what other viewers choose."""
+        w = moment.choices
         for name, value in (
             ("mu", w.mu), ("payload", w.payload), ("gait", w.gait),
             ("forward", w.velocity[0]), ("left", w.velocity[1]), ("turn", w.velocity[2]),
@@ -156,7 +156,11 @@ class PushPage(Page):
     def _text(self, moment: Moment, mu: FloatArray) -> str:
         """Return state, speed and forces as HTML."""
         state = (
-            "It has fallen" if moment.fallen else "It walks" if moment.wishes.gait != "stand" else "It stands"
+            "It has fallen"
+            if moment.fallen
+            else "It walks"
+            if moment.choices.gait != "stand"
+            else "It stands"
         )
         clock = f"{moment.time:.1f} s, {100.0 * moment.speed:.0f} % of real time."
         return text(

@@ -1,4 +1,4 @@
-"""A walking robot in MuJoCo that goes on by itself, takes new wishes while it walks, and can be kicked."""
+"""A walking robot in MuJoCo that goes on by itself, takes new choices while it walks, and can be kicked."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import SimulationError, SurefootError
 from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import LOOK_EVERY, TOUCH, felt_feet
+from surefoot.simulation.run import LOOK_EVERY, TOUCH, sensed_feet
 from surefoot.simulation.scenario import Fall
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import ContactReading
@@ -42,7 +42,7 @@ HARDEST = 400.0
 
 
 @dataclass(frozen=True)
-class Wishes:
+class Choices:
     """What a run is told.
 
     Attributes
@@ -77,21 +77,21 @@ class Moment:
         Of the contacts.
     push
         (3,) force on the base [N].
-    wishes
+    choices
         That hold.
     speed
         Simulated time per time.
     fallen
         Whether it lies.
     notes
-        What was changed in the wishes, one line each.
+        What was changed in the choices, one line each.
     """
 
     time: float
     q: FloatArray
     reading: ContactReading
     push: FloatArray
-    wishes: Wishes
+    choices: Choices
     speed: float
     fallen: bool
     notes: tuple[str, ...]
@@ -104,7 +104,7 @@ class WalkRun:
     ----------
     robot
         With a floating base and point feet.
-    wishes
+    choices
         To start with.
 
     Raises
@@ -113,10 +113,10 @@ class WalkRun:
         For a robot that cannot walk, or a gait that it has not.
     """
 
-    def __init__(self, robot: Robot, wishes: Wishes | None = None) -> None:
+    def __init__(self, robot: Robot, choices: Choices | None = None) -> None:
         self.robot, self.terrain = robot, FlatTerrain()
-        self.wishes = wishes or Wishes()
-        self.believed = self.wishes.mu
+        self.choices = choices or Choices()
+        self.believed = self.choices.mu
         self.names = gait_names(len(robot.feet))
         self._least = TOUCH * robot.mass * GRAVITY
         self._feet = len(robot.feet)
@@ -124,8 +124,8 @@ class WalkRun:
 
     def restart(self) -> None:
         """Stand the robot up where it began."""
-        self.controller = self._controller(self.wishes)
-        self.world = MujocoWorld(self.robot, self.terrain, self.wishes.mu, payload=self.wishes.payload)
+        self.controller = self._controller(self.choices)
+        self.world = MujocoWorld(self.robot, self.terrain, self.choices.mu, payload=self.choices.payload)
         q = start_pose(self.robot, self.terrain)
         self.world.reset(q)
         on = np.ones(self._feet, dtype=bool)
@@ -143,26 +143,26 @@ class WalkRun:
         """Whether the robot lies."""
         return self.fell_at < math.inf
 
-    def _controller(self, wishes: Wishes) -> WalkingController:
-        """Return the controller for some wishes; a robot that stands has no velocity."""
-        velocity = (0.0, 0.0, 0.0) if wishes.gait == "stand" else wishes.velocity
+    def _controller(self, choices: Choices) -> WalkingController:
+        """Return the controller for some choices; a robot that stands has no velocity."""
+        velocity = (0.0, 0.0, 0.0) if choices.gait == "stand" else choices.velocity
         command, settings = VelocityCommand.constant(*velocity), WalkSettings(mu=self.believed)
-        return WalkingController(self.robot, command, wishes.gait, self.terrain, settings)
+        return WalkingController(self.robot, command, choices.gait, self.terrain, settings)
 
-    def wish(self, wishes: Wishes) -> None:
-        """Take new wishes while the robot walks; raises for those that cannot be, and then keeps the old."""
-        if wishes == self.wishes:
+    def choose(self, choices: Choices) -> None:
+        """Take new choices while the robot walks; raises for those that cannot be, and then keeps the old."""
+        if choices == self.choices:
             return
-        new = self._controller(wishes)
-        if wishes.gait != self.wishes.gait:
+        new = self._controller(choices)
+        if choices.gait != self.choices.gait:
             self.controller, self._began = new, self.time
         self.controller.command, self.controller.notes = new.command, new.notes
-        if wishes.payload != self.wishes.payload:
+        if choices.payload != self.choices.payload:
             q, v = self.world.state()
-            self.world = MujocoWorld(self.robot, self.terrain, wishes.mu, payload=wishes.payload)
+            self.world = MujocoWorld(self.robot, self.terrain, choices.mu, payload=choices.payload)
             self.world.reset(q, v)
-        self.world.set_friction(wishes.mu)
-        self.wishes = wishes
+        self.world.set_friction(choices.mu)
+        self.choices = choices
 
     def kick(self, force: FloatArray, duration: float = KICK) -> None:
         """Push the base with a (3,) force [N] from now on for `duration` [s]; `HARDEST` at the most."""
@@ -180,8 +180,8 @@ class WalkRun:
         if self.time - self.fell_at > LIE:
             self.restart()
         world, q_v = self.world, self.world.state()
-        felt = felt_feet(world.contact_foot, self._feet, self.reading, self._least)
-        command = self.controller.step(RobotState(*q_v, self.time - self._began, felt))
+        sensed = sensed_feet(world.contact_foot, self._feet, self.reading, self._least)
+        command = self.controller.step(RobotState(*q_v, self.time - self._began, sensed))
         try:
             world.step(command.torques, self.push)
         except SimulationError:
@@ -200,7 +200,7 @@ class WalkRun:
         """Return what it is like now."""
         notes = tuple(self.controller.notes)
         q = self.world.state()[0]
-        return Moment(self.time, q, self.reading, self.push.copy(), self.wishes, speed, self.fallen, notes)
+        return Moment(self.time, q, self.reading, self.push.copy(), self.choices, speed, self.fallen, notes)
 
     def strip(self) -> tuple[FloatArray, FloatArray]:
         """Return times (k,) [s] and normal forces (k, p) [N] of the last `STRIP` seconds."""
@@ -219,7 +219,7 @@ class WalkRun:
 class SharedRun:
     """Runs a robot by the clock for everyone who looks, in a thread of its own; without viewers it waits.
 
-    All viewers see the same robot. What one of them wishes holds for all; every method takes the same lock.
+    All viewers see the same robot. What one of them chooses holds for all; every method takes the same lock.
 
     Parameters
     ----------
@@ -253,10 +253,10 @@ class SharedRun:
             if self._viewers <= 0:
                 self._open.clear()
 
-    def wish(self, **changes: object) -> None:
-        """Change some of the wishes; raises for those that cannot be."""
+    def choose(self, **changes: object) -> None:
+        """Change some of the choices; raises for those that cannot be."""
         with self._lock:
-            self._run.wish(replace(self._run.wishes, **changes))  # type: ignore[arg-type]
+            self._run.choose(replace(self._run.choices, **changes))  # type: ignore[arg-type]
 
     def kick(self, force: FloatArray) -> None:
         """Push the base with a (3,) force [N]."""

@@ -39,5 +39,5 @@ def text(*parts: str) -> str:
 
 
 def refusal(line: str) -> str:
-    """Return what is said to a browser whose wish was refused."""
+    """Return what is said to a browser whose choice was refused."""
     return text(paragraph(f"Refused: {line}", "color: #b3001b; font-weight: bold;")) if line else ""

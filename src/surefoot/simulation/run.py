@@ -94,7 +94,7 @@ def run(
     return log
 
 
-def felt_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
+def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
     """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
     out = np.zeros(feet, dtype=bool)
     out[contact_foot[reading.forces[:, 2] > least]] = True
@@ -203,7 +203,7 @@ class _Run:
             self.ground.advance(now, reading)
             push = push_at(scenario.pushes, now)
             q, v = world.state()
-            state = sensing.state(q, v, now, felt_feet(world.contact_foot, feet, reading, touch))
+            state = sensing.state(q, v, now, sensed_feet(world.contact_foot, feet, reading, touch))
             state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
             command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)

@@ -118,11 +118,11 @@ class EstimatedState(Sensing):
             self._started = True
         reading = self.sensors.read(q, v)
         start = clock.perf_counter()
-        felt = estimator.predict(reading)
+        sensed = estimator.predict(reading)
         spent = clock.perf_counter() - start
-        felt = self.sensors.touches(felt)
+        sensed = self.sensors.touches(sensed)
         start = clock.perf_counter()
-        touching = estimator.decide(felt)
+        touching = estimator.decide(sensed)
         estimate = estimator.update(touching, self._standing)
         self._spent = spent + clock.perf_counter() - start
         self._told = RobotState(*estimate, time, touching, forces=estimator.forces)

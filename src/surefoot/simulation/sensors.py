@@ -90,7 +90,7 @@ class TouchModel:
     torque_scale
         Standard deviation of each motor's factor between torque and current, off 1.
     missed
-        Share of the contacts whose force is never felt.
+        Share of the contacts whose force is never sensed.
     false
         How often a foot feels a force that is none, for `false_time` [1/s].
     false_time
@@ -252,11 +252,11 @@ class Sensors:
         else:
             true = mean_motion(self._before, (q, v), self.dt, self._arm)
         self._before = q, v
-        self._imu.append(self._felt(*true))
+        self._imu.append(self._sensed(*true))
         self._legs.append(self._counted(q[7:], v[6:]))
         return Reading(*self._imu[0], *self._legs[0])
 
-    def _felt(self, rate: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _sensed(self, rate: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what the IMU makes of its true motion; its biases walk."""
         imu, r, root = self.model.imu, self._random, np.sqrt(self.dt)
         noise = r.normal(size=(4, 3))

@@ -66,13 +66,13 @@ class Soles:
         for k in range(len(centres)):
             self._rest(k, centres, rotations)
 
-    def update(self, time: float, felt: BoolArray, centres: FloatArray, rotations: FloatArray) -> bool:
+    def update(self, time: float, sensed: BoolArray, centres: FloatArray, rotations: FloatArray) -> bool:
         """Move on to a time of the schedule [s]; return whether a foot has lifted or landed.
 
-        `felt` (n,) says which feet feel the ground; centres (n, 3) [m], rotations (n, 3, 3) are theirs.
+        `sensed` (n,) says which feet feel the ground; centres (n, 3) [m], rotations (n, 3, 3) are theirs.
         """
         before = self.feet.carrying.copy()
-        changed = self.feet.update(time, felt, centres)
+        changed = self.feet.update(time, sensed, centres)
         for k in np.flatnonzero(self.feet.carrying != before):
             if self.feet.carrying[k]:
                 self._rest(int(k), centres, rotations)

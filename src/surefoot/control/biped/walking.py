@@ -193,10 +193,10 @@ class BipedController(Controller):
         assert self.soles is not None
         feet, time = self.soles.feet, state.time
         clock = time - self._start
-        felt = feet.planned.copy() if state.contact is None else state.contact
-        changed = clock >= 0.0 and self.soles.update(clock, felt, now.centres, turned)
+        sensed = feet.planned.copy() if state.contact is None else state.contact
+        changed = clock >= 0.0 and self.soles.update(clock, sensed, now.centres, turned)
         self.body.height = min(self.body.height + self._rise * self.dt / self._start, self._height)
-        self.body.advance(self._wish(clock), now.com, self.dt)
+        self.body.advance(self._wanted(clock), now.com, self.dt)
         due = time - self._planned_at >= self._interval - 0.5 * self.dt
         if due or changed:
             self.body.fit_ground(self.soles.corners, min(time - self._planned_at, 1.0))
@@ -236,7 +236,7 @@ class BipedController(Controller):
         self.body.position[:2] = now.centres[:, :2].mean(axis=0)
         self.body.fit_ground(self.soles.corners, math.inf)
 
-    def _wish(self, clock: float) -> FloatArray:
+    def _wanted(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins."""
         return self.command.at(clock) if clock >= 0.0 else np.zeros(3)
 

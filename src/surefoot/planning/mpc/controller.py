@@ -287,8 +287,8 @@ class ContactImplicitMpc(Controller):
         if not math.isfinite(self._yaw):
             self._yaw = R
         most = RAMP * passed
-        wish = self.command.at(state.time)
-        self._velocity += np.clip(wish - self._velocity, -most, most)
+        wanted = self.command.at(state.time)
+        self._velocity += np.clip(wanted - self._velocity, -most, most)
         ahead = self._yaw + passed * self._velocity[2] - R
         self._yaw = R + min(max((ahead + math.pi) % (2.0 * math.pi) - math.pi, -LEAD), LEAD)
         yaw = self._yaw + self.settings.dt * self._velocity[2] * np.arange(self.settings.knots + 1)

@@ -76,13 +76,13 @@ class StandUpController(Controller):
             return self._told(self.whole_body.damping(state.v).torques, off)
         if self._since is None:
             self._begin(ROLLING, state)
-        felt = off if state.contact is None else np.asarray(state.contact, dtype=bool)
+        sensed = off if state.contact is None else np.asarray(state.contact, dtype=bool)
         assert self._since is not None
-        self._advance(state, state.time - self._since, felt)
-        if self.phase == STANDING and felt.any():
+        self._advance(state, state.time - self._since, sensed)
+        if self.phase == STANDING and sensed.any():
             now = self.whole_body.update(state.q, state.v)
-            body = self.whole_body.solve(self.landing.tasks(now, felt))
-            active = felt[self.whole_body.point_foot]
+            body = self.whole_body.solve(self.landing.tasks(now, sensed))
+            active = sensed[self.whole_body.point_foot]
             return TrackCommand(body.torques, body.forces, active, body.feasible, body.status, self.phase)
         target = self._target(state.time - self._since)
         return self._told(self.law.torques(target, state.q[7:], state.v[6:]), off)
@@ -90,7 +90,7 @@ class StandUpController(Controller):
     def _begin(self, phase: float, state: RobotState) -> None:
         self.phase, self._since, self._from = phase, state.time, state.q[7:].copy()
 
-    def _advance(self, state: RobotState, clock: float, felt: BoolArray) -> None:
+    def _advance(self, state: RobotState, clock: float, sensed: BoolArray) -> None:
         """Go to the next stage when the body is where that begins."""
         level = upright(state.q) > LEVEL and float(np.abs(state.v[:6]).max()) < STILL
         law = self.law
@@ -103,7 +103,7 @@ class StandUpController(Controller):
             self.tries += 1
             self._begin(RISING if level else ROLLING, state)
         elif self.phase == RISING and clock >= law.duration - self._rolled:
-            if felt.all() and level:
+            if sensed.all() and level:
                 self._begin(STANDING, state)
                 self.landing.begin(self.whole_body.update(state.q, state.v))
             elif not level:

@@ -148,7 +148,7 @@ class TrackingController(Controller):
         self.phase = GROUND
         self._reference: Reference | None = None
         self._clock, self._last = 0.0, -math.inf
-        self._unfelt = np.zeros(len(self.robot.feet))
+        self._unsensed = np.zeros(len(self.robot.feet))
 
     def step(self, state: RobotState) -> TrackCommand:
         """Return the command for a state; where no foot feels, the plan is taken for the contacts.
@@ -162,16 +162,16 @@ class TrackingController(Controller):
             self._begin(now, state)
         since = state.time - self._last if math.isfinite(self._last) else 0.0
         self._clock, self._last = self._clock + since, state.time
-        felt = self._planned_stance() if state.contact is None else np.asarray(state.contact, dtype=bool)
-        self._advance(now, state, felt)
+        sensed = self._planned_stance() if state.contact is None else np.asarray(state.contact, dtype=bool)
+        self._advance(now, state, sensed)
         if self.phase == FLYING:
             return self._fly(now, state)
-        stance = self._stance(felt, since)
+        stance = self._stance(sensed, since)
         if not stance.any():
             return self._fly(now, state)
         tasks = self._follow(now, stance) if self.phase == GROUND else self.landing.tasks(now, stance)
         body = self.whole_body.solve(tasks)
-        loose = ~self._support[stance & felt].any(axis=0)
+        loose = ~self._support[stance & sensed].any(axis=0)
         slow = self._not_too_fast(body.torques, state.v[6:])
         torques = self.motors.clip(
             self._braked(np.where(loose, slow, body.torques), state.v[6:]), state.v[6:]
@@ -195,7 +195,7 @@ class TrackingController(Controller):
         landed = self._flights[self._next - 1].end + 1e-9 if self._next else 0.0
         return self._reference.at(max(self._clock, landed)).stance
 
-    def _advance(self, now: Kinematics, state: RobotState, felt: BoolArray) -> None:
+    def _advance(self, now: Kinematics, state: RobotState, sensed: BoolArray) -> None:
         """Go from one phase to the next: by the plan into flight, by touch out of it."""
         assert self._reference is not None
         flights, clock = self._flights, self._clock
@@ -203,18 +203,18 @@ class TrackingController(Controller):
             if self._next < len(flights) and self._leaves(state, flights[self._next].start):
                 self.phase = FLYING
                 self.flight.begin(state.q[7:], state.v[6:])
-            elif clock >= self._reference.duration or (0 < self._next == len(flights) and felt.all()):
+            elif clock >= self._reference.duration or (0 < self._next == len(flights) and sensed.all()):
                 self._land(now)
         elif self.phase == FLYING:
             goal = flights[self._next]
-            if felt.any() and clock - goal.start > LEAST_FLIGHT * (goal.end - goal.start):
+            if sensed.any() and clock - goal.start > LEAST_FLIGHT * (goal.end - goal.start):
                 self._next += 1
                 if self._next == len(flights) and goal.landing.all():
                     self._land(now)
                 else:
                     self.phase, self._clock = GROUND, self._as_turned(now, goal.end)
                     self._reference = self._reference.laid(now.centres, goal.end, goal.landing)
-                self._unfelt[:] = np.where(felt, 0.0, math.inf)
+                self._unsensed[:] = np.where(sensed, 0.0, math.inf)
 
     def _leaves(self, state: RobotState, start: float) -> bool:
         """Return whether the flight begins: as planned, or just before when the legs cannot push any more."""
@@ -222,7 +222,7 @@ class TrackingController(Controller):
             return True
         fast = bool((np.abs(state.v[6:]) > FAST * self._speed_limits).any())
         planned = self._planned_stance()
-        lost = 2 * int((planned & (self._unfelt > GONE)).sum()) >= int(planned.sum())
+        lost = 2 * int((planned & (self._unsensed > GONE)).sum()) >= int(planned.sum())
         return self._clock >= start - EARLY and (fast or lost)
 
     def _as_turned(self, now: Kinematics, end: float) -> float:
@@ -236,10 +236,10 @@ class TrackingController(Controller):
         self.phase = LANDED
         self.landing.begin(now)
 
-    def _stance(self, felt: BoolArray, since: float) -> BoolArray:
+    def _stance(self, sensed: BoolArray, since: float) -> BoolArray:
         """Return which feet may push: those that should and feel the ground, or have just lost it."""
-        self._unfelt = np.where(felt, 0.0, self._unfelt + since)
-        touching = self._unfelt <= LOST_TIME
+        self._unsensed = np.where(sensed, 0.0, self._unsensed + since)
+        touching = self._unsensed <= LOST_TIME
         return np.asarray(touching & self._planned_stance() if self.phase == GROUND else touching)
 
     def _follow(self, now: Kinematics, stance: BoolArray) -> Tasks:

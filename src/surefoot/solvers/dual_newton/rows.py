@@ -1,6 +1,6 @@
 """Linear rows low <= T f <= high (joint torque limits) beside the cones, kept by multipliers.
 
-Every row becomes an unknown q in its interval and a heavily weighted wish T f - q = 0, whose multiplier
+Every row becomes an unknown q in its interval and a heavily weighted target T f - q = 0, whose multiplier
 is carried from one Newton solve to the next until the rows hold: the proximal method of multipliers
 [1]_. If no force fits, the multipliers grow along a direction that proves it, and the forces tend to
 those with the least squared violation [2]_.
