@@ -14,6 +14,8 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 
+_FLOAT = np.dtype(np.float64)
+
 
 def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
     """Return `value` as a float array of the wanted shape, with no NaN in it (infinity is allowed).
@@ -64,6 +66,10 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
 
 def finite_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
     """Like `real_array`, and infinite entries are refused too."""
+    if type(value) is np.ndarray and value.dtype is _FLOAT and (shape is None or value.shape == shape):
+        total = float(value.sum())
+        if total - total == 0.0:  # finite only if all entries are; anything else is looked at below
+            return value.copy()
     array = real_array(name, value, shape)
     bad = ~np.isfinite(array)
     if bad.any():

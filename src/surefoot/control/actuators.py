@@ -24,6 +24,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.motor_limits import DRIVING_SHARE, KNEE_SHARE, MotorLimits
+from surefoot.control.torque_kernels import friction_losses
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 from surefoot.robot.rotors import joint_figures
@@ -116,12 +117,11 @@ class Actuators:
 
         Dry friction is smoothed over `CREEP`: the direction of a joint that hardly moves is noise.
         """
-        return np.asarray(self.damping * speed + self.friction * np.tanh(speed / CREEP))
+        return friction_losses(np.asarray(speed, np.float64), self.damping, self.friction, CREEP)
 
     def bounds(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return least and largest motor torque (joints,) at joint speeds (joints,) [N m]."""
-        effort, driving = self.limits.effort, self.limits.driving_limit(speed)
-        return -np.where(speed < 0.0, driving, effort), np.where(speed > 0.0, driving, effort)
+        return self.limits.bounds(speed)
 
     def given(self, torques: FloatArray, speed: FloatArray) -> FloatArray:
         """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""

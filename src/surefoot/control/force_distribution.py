@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_array, real_number
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_array, real_number
 from surefoot.contact.solution import Status
 from surefoot.control.force_parameters import (
     contact_count,
@@ -317,8 +317,10 @@ class ForceDistributor:
             raise ProblemError(f"active must have shape {self._mu.shape}, got {on.shape}")
         layout.set_limits(self.work, self._low, self._high, on)
 
-    def set_bounds(self, normal_min: ArrayLike, normal_max: ArrayLike) -> None:
-        """Change the bounds on the normal forces, (n,) or numbers [N]; all contacts are switched on.
+    def set_bounds(
+        self, normal_min: ArrayLike, normal_max: ArrayLike, active: BoolArray | None = None
+    ) -> None:
+        """Change the bounds on the normal forces, (n,) or numbers [N]; contacts are on, or as (n,) `active`.
 
         A contact whose upper bound is zero carries exactly zero.
 
@@ -329,14 +331,11 @@ class ForceDistributor:
         """
         low = np.ascontiguousarray(normal_min, _FLOAT)
         high = np.ascontiguousarray(normal_max, _FLOAT)
-        shape = self._mu.shape
-        if (
-            low.shape != shape
-            or high.shape != shape
-            or layout.set_limits(self.work, low, high, self._all) >= 0
-        ):
+        shape, on = self._mu.shape, self._all if active is None else active
+        wrong = not low.shape == high.shape == on.shape == shape
+        if wrong or layout.set_limits(self.work, low, high, on) >= 0:
             self._low, self._high = normal_bounds(normal_min, normal_max, self._mu.size)
-            self.set_active(self._all)
+            self.set_active(on)
         else:
             self._low[:], self._high[:] = low, high
 

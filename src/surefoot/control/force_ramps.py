@@ -14,6 +14,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.gait import ContactSchedule
+from surefoot.kernels import kernel
 
 SAMPLES = 4
 """Instants within a step of the horizon that its mean bound is taken from."""
@@ -43,9 +44,10 @@ class ForceRamps:
         self._landed[carrying & ~self._carrying] = time
         self._carrying = carrying.copy()
         out = np.ones(len(carrying))
-        for k in np.flatnonzero(carrying):
-            end = self._lift_off(int(k), time)
-            out[k] = self._share(time - self._landed[k] + 1e-3, end - time)
+        for k, (on, landed) in enumerate(zip(carrying.tolist(), self._landed.tolist(), strict=True)):
+            if on:
+                used = min(time - landed + 1e-3, self._lift_off(k, time) - time)
+                out[k] = min(max(used / self.length, 0.0), 1.0)
         return out
 
     def ahead(self, time: float, step: float, count: int) -> FloatArray:
@@ -54,21 +56,19 @@ class ForceRamps:
         Feet that carry now keep the ramp of their touchdown; later stances are those of the schedule.
         """
         fine = time + step * (np.arange(count * SAMPLES) + 0.5) / SAMPLES
-        out = np.ones((count, self.schedule.feet))
-        last = float(fine[-1])
+        last, stances = float(fine[-1]), []
         for k in range(self.schedule.feet):
-            shares = np.ones(len(fine))
             if self._carrying[k]:
                 begin, end = float(self._landed[k]), self._lift_off(k, time)
             else:
                 begin, end = self._next_stance(k, time)
             while begin <= last:
-                inside = (fine >= begin) & (fine < end)
-                shares[inside] = self._share(fine[inside] - begin, end - fine[inside])
+                stances.append((k, begin, end))
                 if end > last:
                     break
                 begin, end = self._next_stance(k, end)
-            out[:, k] = shares.reshape(count, SAMPLES).mean(axis=1)
+        out = np.empty((count, self.schedule.feet))
+        mean_shares(np.array(stances, dtype=np.float64).reshape(-1, 3), fine, self.length, out)
         return out
 
     def _lift_off(self, k: int, time: float) -> float:
@@ -83,6 +83,25 @@ class ForceRamps:
             return max(begin, time), end
         return end, self.schedule.phase(k, end)[2]
 
-    def _share(self, since: FloatArray | float, left: FloatArray | float) -> FloatArray:
-        """Return the bound on a foot that has carried `since` and will for what is `left` [s], as a share."""
-        return np.clip(np.minimum(since, left) / self.length, 0.0, 1.0)
+
+@kernel
+def mean_shares(stances: FloatArray, times: FloatArray, length: float, out: FloatArray) -> None:
+    """Fill (count, n) means of the feet's shares, 0 to 1, over equally many of the times; 1 outside stances.
+
+    Parameters
+    ----------
+    stances
+        (m, 3) foot, begin and end of stances in order, none overlapping another of its foot [-, s, s].
+    times
+        (k count,) rising [s].
+    length
+        Of a ramp [s].
+    """
+    count, samples = len(out), len(times) // len(out)
+    out[:] = 1.0
+    for i in range(len(stances)):
+        foot, begin, end = int(stances[i, 0]), stances[i, 1], stances[i, 2]
+        for t in range(count * samples):
+            if begin <= times[t] < end:
+                share = min(max(min(times[t] - begin, end - times[t]) / length, 0.0), 1.0)
+                out[t // samples, foot] -= (1.0 - share) / samples

@@ -163,6 +163,7 @@ class Gait(_ModeTable):
         twice = np.tile(np.diff(self.switching), 2), np.tile(self.table, (2, 1))  # a flight may span the end
         self._refuse_flight(f"gait {name}", *twice, max_flight)
         self._intervals = [self._foot_intervals(foot) for foot in range(self.feet)]
+        self._last = [(True, math.inf, math.inf)] * self.feet
 
     @classmethod
     def from_phases(
@@ -239,6 +240,9 @@ class Gait(_ModeTable):
 
     def phase(self, foot: int, time: float) -> tuple[bool, float, float]:
         """Return whether a foot carries at a time, and when that phase began and will end [s]."""
+        last = self._last[foot]
+        if last[1] <= time + SAME_TIME < last[2]:  # most questions are about the same phase
+            return last
         spans = self._intervals[foot]
         if len(spans) == 1:
             return True, -math.inf, math.inf
@@ -248,7 +252,8 @@ class Gait(_ModeTable):
             for shift in (0.0, self.period):
                 if start - shift - SAME_TIME <= local < end - shift - SAME_TIME:
                     base = turn * self.period - shift
-                    return on, base + start, base + end
+                    self._last[foot] = found = on, base + start, base + end
+                    return found
         raise AssertionError("the intervals of a foot cover its period")  # pragma: no cover
 
     def scaled(self, period: float) -> Gait:

@@ -17,6 +17,7 @@ References
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 import numpy as np
@@ -24,6 +25,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, real_number
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
 
 LONGEST = 0.03
@@ -60,20 +62,53 @@ class DelayMeter:
 
     def commanded(self, torques: FloatArray) -> None:
         """Note (joints,) torques that were commanded in this step [N m]."""
-        self._asked[1:] = self._asked[:-1]
-        self._asked[0] = np.nan_to_num(torques)
         self._seen += 1
+        note(self._asked, self._seen, torques)
 
     def reported(self, torques: FloatArray) -> int:
         """Return the delay in steps, after (joints,) torques that the motors say they gave last [N m]."""
-        if self._seen and np.isfinite(torques).all():
-            miss = self._asked - torques
-            self._misfit *= self._keep
-            self._misfit += np.einsum("ij,ij->i", miss, miss)
-            best = int(np.argmin(self._misfit[: self._seen]))
-            if EVIDENCE * self._misfit[best] < self._misfit[self.steps]:
-                self.steps = best
+        if self._seen:
+            self.steps = fitting(self._asked, self._seen, torques, self._keep, self._misfit, self.steps)
         return self.steps
+
+
+@kernel
+def note(asked: FloatArray, count: int, torques: FloatArray) -> None:
+    """Write (joints,) torques [N m], the count-th of all, into a ring (rows, joints); 0 if not finite."""
+    row = asked[(count - 1) % len(asked)]
+    for j in range(len(torques)):
+        row[j] = torques[j] if math.isfinite(torques[j]) else 0.0
+
+
+@kernel
+def fitting(
+    asked: FloatArray, count: int, torques: FloatArray, keep: float, misfit: FloatArray, steps: int
+) -> int:
+    """Return which delay in steps fits (joints,) reported torques [N m] best, after those before.
+
+    Parameters
+    ----------
+    asked, count
+        (rows, joints) ring of commands [N m], and how many there were.
+    torques
+        (joints,) that the motors tell; ones that are not finite change nothing.
+    keep, misfit
+        How much of the past is kept, and (rows,) sums of squares for each delay [N² m²]; changed.
+    steps
+        What was believed so far; kept unless another fits `EVIDENCE` times better.
+    """
+    for j in range(len(torques)):
+        if not math.isfinite(torques[j]):
+            return steps
+    rows, best = len(asked), 0
+    for k in range(rows):
+        misfit[k] *= keep
+        row = asked[(count - 1 - k) % rows]
+        for j in range(len(torques)):
+            misfit[k] += (row[j] - torques[j]) ** 2
+        if k < count and misfit[k] < misfit[best]:
+            best = k
+    return best if EVIDENCE * misfit[best] < misfit[steps] else steps
 
 
 class LatencyCompensation(Controller):

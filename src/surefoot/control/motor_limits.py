@@ -8,6 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.torque_kernels import motor_bounds
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 
@@ -58,27 +59,20 @@ class MotorLimits:
             limits = np.asarray(getattr(self, name), dtype=np.float64)
             if limits.ndim != 1 or not (limits > 0.0).all():
                 raise ProblemError(f"{name} limits must be positive, one for every joint, got {limits}")
+            object.__setattr__(self, name, limits)
         for name in ("knee", "driving"):
             share = getattr(self, name)
             if not 0.0 <= share <= 1.0:
                 raise ProblemError(f"{name} must be a share from 0 to 1, got {share:g}")
 
-    def driving_limit(self, speed: FloatArray) -> FloatArray:
-        """Return the largest torque along the motion at joint speeds (joints,) of either sign [N m]."""
-        share = np.abs(speed) / self.speed
-        if self.knee >= 1.0:
-            falling = (share < 1.0).astype(np.float64)
-        else:
-            falling = np.clip((1.0 - share) / (1.0 - self.knee), 0.0, 1.0)
-        endless = np.isinf(self.effort) & (falling == 0.0)  # 0 times infinity is no torque
-        return np.asarray(self.driving * falling * np.where(endless, 1.0, self.effort))
+    def bounds(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the least and the largest torque (joints,) at joint speeds (joints,) [rad/s]: [N m]."""
+        return motor_bounds(np.asarray(speed, np.float64), self.effort, self.speed, self.knee, self.driving)
 
     def clip(self, torques: FloatArray, speed: FloatArray) -> FloatArray:
         """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""
-        driving = self.driving_limit(speed)
-        high = np.where(speed > 0.0, driving, self.effort)
-        low = np.where(speed < 0.0, driving, self.effort)
-        return np.asarray(np.minimum(np.maximum(torques, -low), high))
+        low, high = self.bounds(speed)
+        return np.asarray(np.minimum(np.maximum(torques, low), high))
 
 
 def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:

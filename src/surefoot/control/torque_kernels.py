@@ -1,4 +1,4 @@
-"""Compiled last pieces of whole-body control: the torques of contact forces, and whether motors give them."""
+"""Compiled last pieces of whole-body control: the torques of contact forces, and what motors give of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.kernels import kernel
+from surefoot.kernels import inline_kernel, kernel
 
 
 @kernel
@@ -74,3 +74,73 @@ def exceeded(
                 heavy = max(heavy, share)
         most = max(most, size - half[j])
     return light, heavy, most, finite
+
+
+@inline_kernel
+def _driving(speed: float, effort: float, fastest: float, knee: float, driving: float) -> float:
+    """Return a motor's largest torque along the motion [N m]; see `MotorLimits`."""
+    share = abs(speed) / fastest
+    if knee >= 1.0:
+        falling = 1.0 if share < 1.0 else 0.0
+    else:
+        falling = min(max((1.0 - share) / (1.0 - knee), 0.0), 1.0)
+    return 0.0 if falling == 0.0 else driving * falling * effort  # 0 times infinity is no torque
+
+
+@kernel
+def motor_bounds(
+    speed: FloatArray, effort: FloatArray, fastest: FloatArray, knee: float, driving: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the least and largest torques (joints,) of motors at joint speeds (joints,) [N m].
+
+    Parameters
+    ----------
+    speed
+        (joints,) [rad/s]; NaN counts as none.
+    effort, fastest, knee, driving
+        (joints,) [N m], (joints,) [rad/s], and shares: those of `MotorLimits`.
+    """
+    low, high = -effort, effort.copy()
+    for j in range(len(speed)):
+        if speed[j] > 0.0:
+            high[j] = _driving(speed[j], effort[j], fastest[j], knee, driving)
+        elif speed[j] < 0.0:
+            low[j] = -_driving(speed[j], effort[j], fastest[j], knee, driving)
+    return low, high
+
+
+@kernel
+def usable_range(
+    low: FloatArray, high: FloatArray, losses: FloatArray, effort: FloatArray, least: float,
+    middle: FloatArray, half: FloatArray, scale: FloatArray,
+) -> None:  # fmt: skip
+    """Fill middle, half and scale (joints,) of the range of torques that move the legs; see `TorqueRange`.
+
+    Parameters
+    ----------
+    low, high
+        (joints,) bounds of the motors [N m].
+    losses
+        (joints,) what friction takes [N m].
+    effort
+        (joints,) bounds of the command [N m].
+    least
+        Half the range is at least this share of the effort.
+    """
+    for j in range(len(effort)):
+        bottom, top = max(low[j], -effort[j]), min(high[j], effort[j])
+        if math.isfinite(bottom) and math.isfinite(top):
+            middle[j] = 0.5 * (top + bottom) - losses[j]
+            half[j] = max(0.5 * (top - bottom), least * effort[j])
+            scale[j] = effort[j] / half[j] if math.isfinite(half[j]) else 1.0
+        else:
+            middle[j], half[j], scale[j] = 0.0, math.inf, 1.0
+
+
+@kernel
+def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray, creep: float) -> FloatArray:
+    """Return the torques that friction takes at joint speeds: (joints,) [N m]; see `Actuators.losses`."""
+    out = np.empty(len(speed))
+    for j in range(len(speed)):
+        out[j] = damping[j] * speed[j] + friction[j] * math.tanh(speed[j] / creep)
+    return out

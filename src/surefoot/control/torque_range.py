@@ -10,6 +10,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.actuators import Actuators
+from surefoot.control.torque_kernels import usable_range
 
 LEAST_SHARE = 0.02
 """Half the range is at least this share of the effort: a motor that spins away still brakes."""
@@ -42,22 +43,17 @@ class TorqueRange:
     ) -> None:
         self.effort, self.actuators, self.compensation = effort, actuators, compensation
         self.middle, self.losses = np.zeros_like(effort), np.zeros_like(effort)
-        self.half, self.scale = effort, np.ones_like(effort)
+        self.half, self.scale = effort.copy(), np.ones_like(effort)
 
     def update(self, speed: FloatArray) -> None:
         """Bring the range up to the joints' speeds (joints,) [rad/s]; those not finite count as rest."""
         if self.actuators is None:
             return
-        speed = np.nan_to_num(speed, nan=0.0, posinf=0.0, neginf=0.0)
+        if not np.isfinite(speed).all():
+            speed = np.where(np.isfinite(speed), speed, 0.0)
         self.losses = self.compensation * self.actuators.losses(speed)
         low, high = self.actuators.bounds(speed)
-        low, high = np.maximum(low, -self.effort), np.minimum(high, self.effort)
-        bounded = np.isfinite(low) & np.isfinite(high)
-        with np.errstate(invalid="ignore"):
-            self.middle = np.where(bounded, 0.5 * (high + low) - self.losses, 0.0)
-            half = np.where(bounded, 0.5 * (high - low), np.inf)
-            self.half = np.maximum(half, LEAST_SHARE * self.effort)
-            self.scale = np.where(np.isfinite(self.half), self.effort / self.half, 1.0)
+        usable_range(low, high, self.losses, self.effort, LEAST_SHARE, self.middle, self.half, self.scale)
 
     def excess(self, torques: FloatArray) -> FloatArray:
         """Return by how much (joints,) torques are beyond the range, negative inside [N m]."""

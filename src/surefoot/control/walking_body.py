@@ -87,6 +87,8 @@ class VelocityCommand:
 
     def at(self, time: float) -> FloatArray:
         """Return (3,) forward, left [m/s] and yaw rate [rad/s] at a time [s]."""
+        if len(self.times) == 1:
+            return np.asarray(self.values[0])
         k = int(np.searchsorted(self.times, time + 1e-9, side="right")) - 1
         return np.asarray(self.values[max(k, 0)])
 
@@ -132,9 +134,10 @@ class BodyPlan:
             Step [s].
         """
         limit = self.acceleration * dt
+        now = self.velocity.tolist()
         for k, most in enumerate((limit, limit, limit / self.height)):
-            self.velocity[k] += min(max(command[k] - self.velocity[k], -most), most)
-        self.yaw += self.velocity[2] * dt
+            self.velocity[k] = now[k] + min(max(float(command[k]) - now[k], -most), most)
+        self.yaw += float(self.velocity[2]) * dt
         vx, vy = self._flow()
         self.position[0] += vx * dt
         self.position[1] += vy * dt

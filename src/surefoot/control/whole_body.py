@@ -136,6 +136,7 @@ class WholeBodyController:
         bounds = self.mu, np.full(count, normal_min), np.full(count, normal_max)
         self._distributor = ForceDistributor(*bounds, 1.0, self._force_weight)
         self._limited = ForceDistributor(*bounds, 1.0, self._force_weight, torque_limit=self.limits)
+        self._bounds: tuple[list[float], list[float]] | None = None
         self._stance = np.ones(feet, dtype=bool)
         self._loose: BoolArray = np.logical_not(self._support[:, 6:].any(axis=0))
         self._H, self._c = np.zeros((nv, nv)), np.zeros(nv)
@@ -233,10 +234,14 @@ class WholeBodyController:
 
     def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
         """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""
-        at, on = self.point_foot, self._stance[self.point_foot]
+        given = low.tolist(), high.tolist()
+        if given == self._bounds:
+            return  # most of the time: between the ramps of a stance
+        self._bounds = given
+        at = self.point_foot
+        on, least, most = self._stance[at], low[at], high[at]
         for distributor in (self._distributor, self._limited):
-            distributor.set_bounds(low[at], high[at])
-            distributor.set_active(on)
+            distributor.set_bounds(least, most, on)
 
     def dynamics(self) -> tuple[FloatArray, FloatArray]:
         """Return mass matrix (nv, nv) [kg, kg m²] and bias forces (nv,) [N, N m] of the last `update`."""

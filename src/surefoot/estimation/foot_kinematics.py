@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.estimation.inekf_kernels import foresee
 from surefoot.kernels import kernel
 from surefoot.numerics.points import point_velocity
 from surefoot.robot import Robot
@@ -95,6 +96,44 @@ def roll(
 
 
 @kernel
+def follow_stances(
+    contact: BoolArray, pace: FloatArray, sliding: float, settling: float, dt: float, age: FloatArray,
+    touching: BoolArray, landed: BoolArray,
+) -> bool:  # fmt: skip
+    """Fill which feet (n,) stand and which of them have just landed; return whether one does in this step.
+
+    Parameters
+    ----------
+    contact, pace
+        (n,) which touch, and their speeds over the ground [m/s].
+    sliding, settling
+        Speed from which a foot does not stand [m/s], and time in which it has just landed [s].
+    dt, age
+        Length of a step, and (n,) how long each foot stands, -dt in the air [s]; changed.
+    touching, landed
+        (n,) filled.
+    """
+    new = False
+    for k in range(len(contact)):
+        touching[k] = contact[k] and pace[k] <= sliding
+        age[k] = age[k] + dt if touching[k] else -dt
+        landed[k] = age[k] < settling
+        new = new or (touching[k] and age[k] < 0.5 * dt)
+    return new
+
+
+@kernel
+def places_seen(
+    X: FloatArray, centres: FloatArray, arm: FloatArray, rolled: FloatArray, out: FloatArray
+) -> None:
+    """Fill (n, 3) places of the feet from the IMU, body axes, less what they have rolled in world axes [m]."""
+    for k in range(len(centres)):
+        for r in range(3):
+            back = X[0, r] * rolled[k, 0] + X[1, r] * rolled[k, 1] + X[2, r] * rolled[k, 2]  # Rᵀ rolled
+            out[k, r] = centres[k, r] - arm[r] - back
+
+
+@kernel
 def base_state(X: FloatArray, turn: FloatArray, arm: FloatArray, q: FloatArray, v: FloatArray) -> None:
     """Fill the base's part of q and v in Pinocchio's order from the filter's state; see `over_ground`."""
     for r in range(3):
@@ -122,6 +161,40 @@ def base_state(X: FloatArray, turn: FloatArray, arm: FloatArray, q: FloatArray, 
     size = math.sqrt(q[3] * q[3] + q[4] * q[4] + q[5] * q[5] + q[6] * q[6])
     for r in range(3, 7):
         q[r] /= size if q[6] >= 0.0 else -size
+
+
+@kernel
+def state_ahead(
+    X: FloatArray, bias: FloatArray, gyros: FloatArray, accelerometers: FloatArray, dt: float,
+    arm: FloatArray, joints: FloatArray, speeds: FloatArray, early: FloatArray, late: FloatArray,
+    span: float, ahead: float,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return q (nq,) [m, rad] and v (nv,) [m/s, rad/s] of the filter's state, moved on to now.
+
+    Parameters
+    ----------
+    X, bias, arm
+        (3, 5 + n), (6,), (3,) state of the filter and place of the IMU; see `over_ground`.
+    gyros, accelerometers
+        (m, 3) [rad/s], (m, 3) [m/s²] readings from the filter's time on, `dt` apart [s].
+    joints, speeds
+        (joints,) [rad], [rad/s] at the filter's time.
+    early, late, span
+        (joints,) speeds [rad/s] at two times and what is between them [s], for the accelerations.
+    ahead
+        How far the joints go on with them [s].
+    """
+    n = len(joints)
+    q, v, now, turn = np.empty(7 + n), np.empty(6 + n), X[:, :5].copy(), np.empty(3)
+    foresee(now, bias, gyros, accelerometers, dt)
+    for r in range(3):
+        turn[r] = gyros[len(gyros) - 1, r] - bias[r]
+    base_state(now, turn, arm, q, v)
+    for j in range(n):
+        rate = (late[j] - early[j]) / span
+        q[7 + j] = joints[j] + ahead * (speeds[j] + 0.5 * ahead * rate)
+        v[6 + j] = speeds[j] + ahead * rate
+    return q, v
 
 
 class FootKinematics:

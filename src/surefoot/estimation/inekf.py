@@ -153,6 +153,7 @@ class InvariantFilter:
         self.standing[:] = False
         w = self.noise
         self._densities = np.full(4 + self.n, w.foot**2)
+        self._walks, self._none = np.square([w.foot, w.landing]), np.zeros(self.n, dtype=bool)
         self._densities[:4] = np.square([w.gyro, w.accelerometer, w.gyro_drift, w.accelerometer_drift])
 
     def _start(self, v: FloatArray, p: FloatArray) -> FloatArray:
@@ -216,21 +217,11 @@ class InvariantFilter:
         landed
             (n,) which of them may still move a little, see `FilterNoise.landing`; None for none.
         """
-        w = self.noise
-        for k in range(self.n):
-            if self.standing[k] and not touching[k]:
-                kernels.forget_foot(self.covariance, k)
-                self.standing[k] = False
-            fresh = landed is not None and landed[k]
-            self._densities[4 + k] = w.landing**2 if fresh else w.foot**2
-        kernels.correct(
-            self.X, self.bias, self.covariance, self.standing, places, spreads, self.gate,
-            self.distances, self.used,
+        fresh = self._none if landed is None else landed
+        kernels.observe_feet(
+            self.X, self.bias, self.covariance, self.standing, places, spreads, touching, fresh,
+            self._walks, self._densities, self.gate, self.distances, self.used,
         )  # fmt: skip
-        for k in range(self.n):
-            if touching[k] and not self.used[k]:
-                kernels.add_foot(self.X, self.covariance, k, places[k], spreads[k])
-                self.standing[k] = True
         return self.used.copy()
 
     def observe_height(self, k: int, normal: FloatArray, excess: float, deviation: float) -> bool:

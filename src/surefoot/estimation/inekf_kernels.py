@@ -293,3 +293,27 @@ def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: Fl
             for a in range(3):
                 for b in range(3):
                     P[j + r, j + s] += R[r, a] * spread[a, b] * R[s, b]
+
+
+@kernel
+def observe_feet(
+    X: FloatArray, bias: FloatArray, P: FloatArray, on: BoolArray, places: FloatArray, spreads: FloatArray,
+    touching: BoolArray, landed: BoolArray, walks: FloatArray, densities: FloatArray, gate: float,
+    distances: FloatArray, used: BoolArray,
+) -> None:  # fmt: skip
+    """Forget feet that have left, correct with those that stand, and add those that are new or slid.
+
+    `touching` and `landed` (n,) say which feet touch and which may still move; `walks` (2,) are the variances
+    per second of a foot's place when it stands and when it has landed, which go to `densities` (4 + n,)
+    [m²/s]. The rest is as in `correct`.
+    """
+    for k in range(on.shape[0]):
+        if on[k] and not touching[k]:
+            forget_foot(P, k)
+            on[k] = False
+        densities[4 + k] = walks[1] if landed[k] else walks[0]
+    correct(X, bias, P, on, places, spreads, gate, distances, used)
+    for k in range(on.shape[0]):
+        if touching[k] and not used[k]:
+            add_foot(X, P, k, places[k], spreads[k])
+            on[k] = True

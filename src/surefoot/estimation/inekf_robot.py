@@ -7,7 +7,14 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.estimation.foot_kinematics import FootKinematics, base_state, over_ground, roll
+from surefoot.estimation.foot_kinematics import (
+    FootKinematics,
+    base_state,
+    follow_stances,
+    over_ground,
+    places_seen,
+    roll,
+)
 from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_from_quaternion
@@ -108,6 +115,7 @@ class InvariantEkf:
         self._turn = velocity[3:6].copy()
         self._joints, self._speeds = start[7:].copy(), velocity[6:].copy()
         self._rolled, self._age, self._pace = np.zeros((n, 3)), np.full(n, -self.dt), np.zeros(n)
+        self._places, (self._touching, self._landed) = np.zeros((n, 3)), np.zeros((2, n), dtype=np.bool_)
         self.normals = np.tile([0.0, 0.0, 1.0], (n, 1))
         self._feet.update(self._joints, self._speeds)
         self._turned = np.ascontiguousarray(R @ self._feet.rotations)
@@ -137,14 +145,23 @@ class InvariantEkf:
         feet, body, arm = self._feet, self.filter, self.imu_position
         feet.update(self._joints, self._speeds)
         over_ground(body.X, self._turn, arm, feet.centres, feet.velocities, self._pace)
-        touching = np.asarray(contact, dtype=bool) & (self._pace <= SLIDING)
+        touching, landed = self._touching, self._landed
+        new = follow_stances(
+            np.asarray(contact, dtype=np.bool_),
+            self._pace,
+            SLIDING,
+            SETTLING,
+            self.dt,
+            self._age,
+            touching,
+            landed,
+        )
         roll(body.X, feet.rotations, self.normals, self._radii, touching, self._turned, self._rolled)
-        self._age = np.where(touching, self._age + self.dt, -self.dt)
-        landed = self._age < SETTLING
-        places = feet.centres - arm - self._rolled @ body.rotation  # rows: Rᵀ rolled
-        used = body.observe(places, feet.spreads, touching, landed)
-        for k in np.flatnonzero(touching & (self._age < 0.5 * self.dt)):
-            self._land(int(k))
+        places_seen(body.X, feet.centres, arm, self._rolled, self._places)
+        used = body.observe(self._places, feet.spreads, touching, landed)
+        if new:
+            for k in np.flatnonzero(touching & (self._age < 0.5 * self.dt)):
+                self._land(int(k))
         return used
 
     def _land(self, k: int) -> None:
@@ -155,6 +172,11 @@ class InvariantEkf:
         normal = self.normals[k] = self.ground.normal(place[:2])
         excess = float(place[2] - self.ground.height(place[:2])) * normal[2] - self._soles[k]
         self.filter.observe_height(k, self.normals[k], excess, HEIGHT)
+
+    @property
+    def legs(self) -> tuple[FloatArray, FloatArray]:
+        """The (joints,) angles [rad] and speeds [rad/s] that it was told last."""
+        return self._joints, self._speeds
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""

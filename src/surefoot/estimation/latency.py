@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.estimation.foot_kinematics import base_state
-from surefoot.estimation.inekf_kernels import foresee
+from surefoot.estimation.foot_kinematics import state_ahead
 
 if TYPE_CHECKING:
     from surefoot.estimation.inekf_robot import InvariantEkf
@@ -59,6 +58,7 @@ class Latency:
         self._held, self._ahead = late[0], min(self.steps * dt, FURTHEST)
         self._imu: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=self.steps - late[0] + 1)
         self._legs: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=self.steps - late[1] + 1)
+        self._gyros, self._forces = np.zeros((2, self.steps + late[0] + 1, 3))
         self._speeds: deque[FloatArray] = deque(maxlen=1 + max(round(WINDOW / dt), 1))
         self._torques: deque[FloatArray] = deque(maxlen=self.steps + 1)
 
@@ -82,16 +82,15 @@ class Latency:
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, rad] and v (nv,) [m/s, rad/s] of now, Pinocchio's order."""
-        q, v = self._ekf.state()
+        ekf = self._ekf
         if self.steps == 0 or not self._imu:
-            return q, v
-        waiting = [*list(self._imu)[1:], *([self._imu[-1]] * self._held)]
-        gyros, forces = np.array([w[0] for w in waiting]), np.array([w[1] for w in waiting])
-        body = self._ekf.filter
-        X = body.X[:, :5].copy()
-        foresee(X, body.bias, gyros, forces, self._ekf.dt)
-        base_state(X, gyros[-1] - body.bias[:3], self._ekf.imu_position, q, v)
-        rates = (self._speeds[-1] - self._speeds[0]) / (max(len(self._speeds) - 1, 1) * self._ekf.dt)
-        q[7:] += self._ahead * (v[6:] + 0.5 * self._ahead * rates)
-        v[6:] += self._ahead * rates
-        return q, v
+            return ekf.state()
+        last = len(self._imu) - 1
+        for i in range(last + self._held):  # the last reading is held
+            self._gyros[i], self._forces[i] = self._imu[min(i + 1, last)]
+        count = last + self._held
+        span = max(len(self._speeds) - 1, 1) * ekf.dt
+        return state_ahead(
+            ekf.filter.X, ekf.filter.bias, self._gyros[:count], self._forces[:count], ekf.dt, ekf.imu_position,
+            *ekf.legs, self._speeds[0], self._speeds[-1], span, self._ahead,
+        )  # fmt: skip

@@ -25,6 +25,7 @@ from surefoot.estimation.contact_odds import (
     observer_gain,
     quiet_bandwidth,
 )
+from surefoot.estimation.credible import credible, known
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.latency import Latency
 from surefoot.spatial import GRAVITY
@@ -159,7 +160,7 @@ class StateEstimator:
         self._first, self._reading = False, reading
         ekf.joints(reading.positions, reading.speeds)
         q, v = ekf.state()
-        if np.isfinite(q).all() and np.isfinite(v).all():
+        if known(q, v):
             detector.observe(q, v, ekf.normals)
             self.forces = detector.forces
             self._sensed = (self.forces * ekf.normals).sum(axis=1) > self._least
@@ -197,8 +198,8 @@ class StateEstimator:
             (n,) which of them are meant to stand, by the plan; None for all.
         """
         meant = contact if standing is None else contact & standing
-        for k in np.flatnonzero(meant & ~self._stood):
-            self.ground.stood(int(k), self.detector.points[k])
+        for k in np.flatnonzero(meant & ~self._stood).tolist():
+            self.ground.stood(k, self.detector.points[k])
             plane = self.ground.normal()
             if plane is not None:
                 self.ekf.normals[k] = plane
@@ -225,9 +226,7 @@ class StateEstimator:
             body.doubt_velocity(watch.doubted)
         if self.health is not Health.GOOD:
             return
-        speed = float(np.linalg.norm(body.velocity))
-        biased = np.abs(body.bias).reshape(2, 3).max(axis=1)
-        if not (speed <= watch.fastest and (biased <= self._largest).all()):
+        if not credible(body.X, body.bias, watch.fastest, self._largest):
             self.health = Health.DIVERGED
         elif self._alone >= watch.patience:
             half = self._unheard >= 0.5 * self._alone

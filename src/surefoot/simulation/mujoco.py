@@ -245,7 +245,7 @@ class MujocoWorld:
             centres, self._frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
             contact.geom, addresses, contact.frame, data.efc_force, self._geoms,
         )  # fmt: skip
-        others = None if self._links is None else self._links.force(data)
+        others = None if self._links is None else self._links.force(data, addresses)
         return ContactReading(forces, gaps, velocities, positions, others, normals)
 
     def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -6,13 +6,64 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.collision import Geometry
 from surefoot.collision.shapes import Box, Capsule, Shape
+from surefoot.kernels import kernel
 from surefoot.robot import Robot
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz, rotation_from_quaternion
 
 LINK, FOOT = "link:", "foot:"
+
+
+@kernel
+def feet_on_ground(pairs: IntArray, role: IntArray, rows: IntArray) -> None:
+    """Set the rows (c,) of all contacts but those of a foot and the ground to -1.
+
+    Parameters
+    ----------
+    pairs
+        (c, 2) geoms.
+    role
+        (geoms,) 1 for a foot, 2 for the ground, 0 for anything else.
+    rows
+        (c,) first constraint row of each contact; changed.
+    """
+    for c in range(len(rows)):
+        if role[pairs[c, 0]] + role[pairs[c, 1]] != 3:
+            rows[c] = -1
+
+
+@kernel
+def other_rows(
+    types: IntArray, ids: IntArray, forces: FloatArray, first: IntArray, on_ground: IntArray,
+    kinds: IntArray, stop: int,
+) -> IntArray:  # fmt: skip
+    """Return the constraint rows (k,) of joints at their stops and of contacts but the feet's on the ground.
+
+    Parameters
+    ----------
+    types, ids, forces
+        (rows,) kind, contact or joint, and force [N, N m] of every row.
+    first
+        (c,) first row of each contact, -1 for none.
+    on_ground
+        (c,) the same for the feet's on the ground, -1 for all others.
+    kinds, stop
+        Which types are contacts, and which joints at their stops.
+    """
+    out = np.empty(len(types), dtype=np.int64)
+    count = 0
+    for r in range(len(types)):
+        taken = types[r] == stop
+        for kind in kinds:
+            if types[r] == kind:
+                c = ids[r]
+                taken = on_ground[c] < 0 and first[c] >= 0 and forces[first[c]] > 0.0
+        if taken:
+            out[count] = r
+            count += 1
+    return out[:count].copy()
 
 
 def add_links(mujoco: Any, spec: Any, robot: Robot, geometry: Geometry, surface: dict[str, Any]) -> None:
@@ -82,38 +133,39 @@ class LinkContacts:
     def __init__(self, mujoco: Any, model: Any, feet: IntArray, ground: list[int]) -> None:
         self._nv = int(model.nv)
         kinds = mujoco.mjtConstraint
-        self._kinds = [
-            int(kinds.mjCNSTR_CONTACT_FRICTIONLESS),
-            int(kinds.mjCNSTR_CONTACT_PYRAMIDAL),
-            int(kinds.mjCNSTR_CONTACT_ELLIPTIC),
-        ]
+        contacts = (kinds.mjCNSTR_CONTACT_FRICTIONLESS, kinds.mjCNSTR_CONTACT_PYRAMIDAL)
+        self._kinds = np.array([int(kind) for kind in (*contacts, kinds.mjCNSTR_CONTACT_ELLIPTIC)])
         self._stop = int(kinds.mjCNSTR_LIMIT_JOINT)
-        self._foot, self._ground = np.zeros(model.ngeom, dtype=bool), np.zeros(model.ngeom, dtype=bool)
-        self._foot[feet], self._ground[ground] = True, True
-
-    def _feet_on_ground(self, pairs: IntArray) -> BoolArray:
-        """Return which of the pairs (c, 2) of geoms are a foot and the ground."""
-        if not len(pairs):
-            return np.zeros(0, dtype=bool)
-        return np.asarray((self._foot[pairs] & self._ground[pairs[:, ::-1]]).any(axis=1))
+        self._role = np.zeros(model.ngeom, dtype=np.int64)
+        self._role[feet], self._role[ground] = 1, 2
+        self._still = np.zeros(self._nv)
 
     def addresses(self, data: Any) -> IntArray:
         """Return the first constraint row of the contacts of feet on the ground (c,), -1 for all others."""
         contact = data.contact
-        return np.where(self._feet_on_ground(contact.geom), contact.efc_address, -1).astype(np.int32)
+        rows = contact.efc_address.copy()
+        feet_on_ground(contact.geom, self._role, rows)
+        return np.asarray(rows)
 
     def others(self, data: Any) -> IntArray:
         """Return the indices (k,) of the contacts that carry a force and are no foot's on the ground."""
         contact = data.contact
-        out = np.flatnonzero(~self._feet_on_ground(contact.geom) & (contact.efc_address >= 0))
-        return np.asarray(out[data.efc_force[contact.efc_address[out]] > 0.0])
+        first = np.asarray(contact.efc_address)
+        out = np.flatnonzero((self.addresses(data) < 0) & (first >= 0))
+        return np.asarray(out[data.efc_force[first[out]] > 0.0])
 
-    def force(self, data: Any) -> FloatArray:
-        """Return their generalised force and that of joints at their stops (nv,), in Pinocchio's axes."""
-        rows = np.isin(data.efc_type, self._kinds) & np.isin(data.efc_id, self.others(data))
-        rows |= data.efc_type == self._stop
-        if not rows.any():
-            return np.zeros(self._nv)
+    def force(self, data: Any, addresses: IntArray | None = None) -> FloatArray:
+        """Return their generalised force and that of joints at their stops (nv,), in Pinocchio's axes.
+
+        `addresses` are those of the method, if they are known.
+        """
+        contact = data.contact
+        given = self.addresses(data) if addresses is None else addresses
+        rows = other_rows(
+            data.efc_type, data.efc_id, data.efc_force, contact.efc_address, given, self._kinds, self._stop
+        )
+        if not len(rows):
+            return self._still.copy()
         jacobian = np.asarray(data.efc_J).reshape(-1, self._nv)
         out = np.asarray(jacobian[rows].T @ data.efc_force[rows])
         w, x, y, z = data.qpos[3:7].tolist()

@@ -63,3 +63,54 @@ def mean_readings(
         now[r] = (now[r] - before[r]) / dt
     now[2] += GRAVITY
     _rotate(-i, -j, -k, m, now, force)
+
+
+@inline_kernel
+def _stepped(value: float, step: float) -> float:
+    """Round to a multiple of a step; a step of zero changes nothing."""
+    return value if step == 0.0 else step * np.rint(value / step)
+
+
+@kernel
+def imu_reading(
+    rate: FloatArray, force: FloatArray, biases: FloatArray, noise: FloatArray, scales: FloatArray,
+    steps: FloatArray, ranges: FloatArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return what an IMU makes of its true motion, (3,) [rad/s] and (3,) [m/s²]; its biases walk.
+
+    Parameters
+    ----------
+    rate, force
+        (3,) [rad/s], (3,) [m/s²] true means.
+    biases
+        (2, 3) of both [rad/s], [m/s²]; changed.
+    noise
+        (4, 3) standard normal numbers: for the walks of the biases, then for the readings.
+    scales
+        (4,) that they are multiplied by.
+    steps, ranges
+        (2,) smallest difference and largest value of both.
+    """
+    gyro, accelerometer = np.empty(3), np.empty(3)
+    for r in range(3):
+        for i in range(2):
+            biases[i, r] += scales[i] * noise[i, r]
+            true = rate[r] if i == 0 else force[r]
+            told = _stepped(true + biases[i, r] + scales[2 + i] * noise[2 + i, r], steps[i])
+            told = min(max(told, -ranges[i]), ranges[i])
+            if i == 0:
+                gyro[r] = told
+            else:
+                accelerometer[r] = told
+    return gyro, accelerometer
+
+
+@kernel
+def counted(
+    true: FloatArray, offsets: FloatArray, scale: float, noise: FloatArray, step: float
+) -> FloatArray:
+    """Return what encoders make of (joints,) angles or speeds: off, noisy, in steps [rad] or [rad/s]."""
+    out = np.empty(len(true))
+    for j in range(len(true)):
+        out[j] = _stepped(true[j] + offsets[j] + scale * noise[j], step)
+    return out

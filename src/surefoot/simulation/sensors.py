@@ -12,7 +12,7 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import FilterNoise, Reading
 from surefoot.robot import Robot
-from surefoot.simulation.sensor_kernels import mean_readings
+from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 
@@ -214,9 +214,15 @@ class Sensors:
         self.model, self.robot, self.dt = model, robot, dt
         self._random = r = np.random.default_rng([0 if seed is None else seed, 2])
         imu, encoders, touch = model.imu, model.encoders, model.touch
-        self.gyro_bias = imu.gyro_bias * r.normal(size=3)
-        self.accelerometer_bias = imu.accelerometer_bias * r.normal(size=3)
-        self._offsets = encoders.bias * r.normal(size=robot.joints)
+        self.biases = np.array([imu.gyro_bias * r.normal(size=3), imu.accelerometer_bias * r.normal(size=3)])
+        root = np.sqrt(dt)
+        drifts = root * imu.gyro_drift, root * imu.accelerometer_drift
+        self._imu_figures = (
+            np.array([*drifts, imu.gyro_noise / root, imu.accelerometer_noise / root]),
+            np.array([imu.gyro_step, imu.accelerometer_step]),
+            np.array([imu.gyro_range, imu.accelerometer_range]),
+        )
+        self._offsets, self._exact = encoders.bias * r.normal(size=robot.joints), np.zeros(robot.joints)
         self._factors = 1.0 + touch.torque_scale * r.normal(size=robot.joints)
         usual = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.0) / max(robot.joints, 1)
         self._torque_noise = touch.torque_noise * usual
@@ -228,6 +234,16 @@ class Sensors:
         self._touched, self._hidden = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         self._false_until = np.zeros(n)
         self._time = 0.0
+
+    @property
+    def gyro_bias(self) -> FloatArray:
+        """(3,) bias of the gyro now [rad/s]."""
+        return self.biases[0].copy()
+
+    @property
+    def accelerometer_bias(self) -> FloatArray:
+        """(3,) bias of the accelerometer now [m/s²]."""
+        return self.biases[1].copy()
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
@@ -258,25 +274,16 @@ class Sensors:
 
     def _sensed(self, rate: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what the IMU makes of its true motion; its biases walk."""
-        imu, r, root = self.model.imu, self._random, np.sqrt(self.dt)
-        noise = r.normal(size=(4, 3))
-        self.gyro_bias = self.gyro_bias + imu.gyro_drift * root * noise[0]
-        self.accelerometer_bias = self.accelerometer_bias + imu.accelerometer_drift * root * noise[1]
-        gyro = rate + self.gyro_bias + imu.gyro_noise / root * noise[2]
-        force = force + self.accelerometer_bias + imu.accelerometer_noise / root * noise[3]
-        return (
-            np.clip(_stepped(gyro, imu.gyro_step), -imu.gyro_range, imu.gyro_range),
-            np.clip(
-                _stepped(force, imu.accelerometer_step), -imu.accelerometer_range, imu.accelerometer_range
-            ),
-        )
+        noise = self._random.normal(size=(4, 3))
+        return imu_reading(rate, force, self.biases, noise, *self._imu_figures)
 
     def _counted(self, angles: FloatArray, speeds: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what the encoders make of the joints."""
         encoders, noise = self.model.encoders, self._random.normal(size=(2, len(angles)))
-        angles = angles + self._offsets + encoders.noise * noise[0]
-        speeds = speeds + encoders.speed_noise * noise[1]
-        return _stepped(angles, encoders.step), _stepped(speeds, encoders.speed_step)
+        return (
+            counted(angles, self._offsets, encoders.noise, noise[0], encoders.step),
+            counted(speeds, self._exact, encoders.speed_noise, noise[1], encoders.speed_step),
+        )
 
     def torques(self, true: FloatArray) -> FloatArray:
         """Return (joints,) torques as the motors' currents tell them [N m]."""
@@ -294,8 +301,3 @@ class Sensors:
             self._false_until = np.where(starts, self._time + touch.false_time, self._false_until)
         self._touched = contact.copy()
         return np.asarray((contact & ~self._hidden) | (self._false_until > self._time))
-
-
-def _stepped(value: FloatArray, step: float) -> FloatArray:
-    """Round to multiples of a step; a step of zero changes nothing."""
-    return value if step == 0.0 else step * np.round(value / step)
