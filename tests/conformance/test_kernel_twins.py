@@ -66,8 +66,11 @@ control.allocation       draw_to_parallel     control/test_standing.py::test_dra
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
-control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
+control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
+control.latency          fitting              control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
+control.latency          note                 control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
 control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
+control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
 control.mpc_model        finish               control/test_mpc_model.py::test_the_prediction_is_the_march by solve
@@ -84,7 +87,10 @@ control.swing_even       even_swing           control/test_swing_even.py::test_v
 control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration
 control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
 control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
+control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
+control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
+control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
 control.walking_kernels  plane_through        control/test_walking_kernels.py::test_the_plane_is_that_of_least_squares
@@ -118,36 +124,42 @@ equilibrium.scaling      apply                equilibrium/test_equilibrium_kerne
 equilibrium.scaling      corrector_target     equilibrium/test_equilibrium_kernels.py::test_the_corrector_solves_the_jordan_equation
 equilibrium.scaling      scale                equilibrium/test_equilibrium_kernels.py::test_the_scaling_takes_both_points_to_the_same
 equilibrium.scaling      step_to_boundary     equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
-estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
-estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
-estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
-estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
-estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
-estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
-estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
-estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
-estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
-estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
-estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
-estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
-estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
-estimation.foot_kinematics base_state         estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
-estimation.foot_kinematics feet_by_joints     estimation/test_foot_kinematics.py::test_feet_by_joints_is_its_sum
-estimation.foot_kinematics over_ground        estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
-estimation.foot_kinematics roll               estimation/test_foot_kinematics.py::test_a_sphere_rolls_as_far_as_it_turns
-estimation.inekf_kernels add_foot             estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
-estimation.inekf_kernels correct              estimation/test_inekf.py::test_a_correction_is_the_textbooks
-estimation.inekf_kernels correct_height       estimation/test_inekf.py::test_a_known_height_is_a_correction_with_one_row
-estimation.inekf_kernels foresee              estimation/test_inekf.py::test_the_state_alone_goes_on_as_with_its_covariance
-estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
-estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
+estimation.credible      credible             estimation/test_foot_kinematics.py::test_what_no_robot_has_is_not_credible
+estimation.credible      known                estimation/test_foot_kinematics.py::test_what_no_robot_has_is_not_credible
 estimation.cube_contact  exchange             estimation/test_cube_motion.py::test_impulses_obey_the_laws_of_the_problem_as_numpy_writes_it
 estimation.cube_contact  place                estimation/test_cube_motion.py::test_corners_and_their_speeds_are_those_of_a_rotated_box
 estimation.cube_contact  rise                 estimation/test_cube_motion.py::test_corners_and_their_speeds_are_those_of_a_rotated_box
 estimation.cube_motion   fly                  estimation/test_cube_motion.py::test_fly_turns_slowly_and_not_at_all
 estimation.cube_motion   simulate             estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.cube_motion   step                 estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
+estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
+estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
+estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
+estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
+estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
+estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
+estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
+estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
+estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
+estimation.foot_kinematics base_state         estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics feet_by_joints     estimation/test_foot_kinematics.py::test_feet_by_joints_is_its_sum
+estimation.foot_kinematics follow_stances       estimation/test_foot_kinematics.py::test_stances_have_an_age
+estimation.foot_kinematics over_ground        estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics places_seen          estimation/test_foot_kinematics.py::test_places_are_seen_from_the_imu_and_less_what_has_rolled
+estimation.foot_kinematics roll               estimation/test_foot_kinematics.py::test_a_sphere_rolls_as_far_as_it_turns
+estimation.foot_kinematics state_ahead          estimation/test_foot_kinematics.py::test_the_state_ahead_is_that_of_its_parts
 estimation.friction  follow_friction      estimation/test_friction_tracker.py::test_kernel_against_plain_python
+estimation.inekf_kernels add_foot             estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
+estimation.inekf_kernels correct              estimation/test_inekf.py::test_a_correction_is_the_textbooks
+estimation.inekf_kernels correct_height       estimation/test_inekf.py::test_a_known_height_is_a_correction_with_one_row
+estimation.inekf_kernels foresee              estimation/test_inekf.py::test_the_state_alone_goes_on_as_with_its_covariance
+estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
+estimation.inekf_kernels observe_feet         estimation/test_inekf.py::test_feet_are_forgotten_used_and_added_one_after_the_other
+estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
+estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
+estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
+estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
+estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
 numerics.cholesky        cholesky             numerics/test_cholesky.py::test_factor_and_solves
 numerics.cholesky        guarded_cholesky     numerics/test_cholesky.py::test_the_guarded_factor_is_the_plain_one_and_tells_its_least_pivot
 numerics.cholesky        invert               numerics/test_cholesky.py::test_factor_and_solves
@@ -202,6 +214,11 @@ planning.shooting.state_space retract planning/shooting/test_costs.py::test_diff
 planning.shooting.state_space rotation_of planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 planning.shooting.state_space turn_between planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
+simulation.mujoco_links  feet_on_ground       simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy
+simulation.mujoco_links  other_rows           simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy
+simulation.sensor_kernels counted              simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
+simulation.sensor_kernels imu_reading          simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
+simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
@@ -257,7 +274,6 @@ solvers.stopping         force_error          solvers/test_solver_kernels.py::te
 solvers.stopping         project              solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         velocity_error       solvers/test_solver_kernels.py::test_projection_and_errors
-simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
 stepping.arithmetic      apply_impulses       stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
 stepping.arithmetic      assemble             stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity
 stepping.arithmetic      factorise            stepping/test_arithmetic.py::test_factor_and_solves

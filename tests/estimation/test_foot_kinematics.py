@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio
 import pytest
 
+from surefoot.estimation.credible import credible, known
 from surefoot.estimation.detection_kernels import foot_forces, observe_momentum
 from surefoot.estimation.extended_poses import exponential
 from surefoot.estimation.foot_kinematics import (
@@ -13,11 +14,14 @@ from surefoot.estimation.foot_kinematics import (
     FootKinematics,
     base_state,
     feet_by_joints,
+    follow_stances,
     over_ground,
+    places_seen,
     roll,
+    state_ahead,
 )
 from surefoot.robot import load_robot
-from surefoot.spatial import rotation_about, rotation_from_normal, rotation_from_quaternion
+from surefoot.spatial import GRAVITY, rotation_about, rotation_from_normal, rotation_from_quaternion
 
 
 @pytest.mark.parametrize("name", ["go2", "g1"])
@@ -126,3 +130,69 @@ def test_forces_are_damped_least_squares() -> None:
         square = A @ A.T + damping**2 * np.trace(A @ A.T) * np.eye(len(A))
         expected = np.zeros(3) if k == 2 else np.linalg.solve(square, A @ residual[6:])[:3]
         np.testing.assert_allclose(forces[k], expected, atol=1e-10)
+
+
+def test_stances_have_an_age() -> None:
+    random, dt, n = np.random.default_rng(8), 0.01, 4
+    age, touching, landed = np.full(n, -dt), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+    since = np.zeros(n, dtype=int)  # steps that each foot has stood
+    for _ in range(200):
+        contact, pace = random.random(n) < 0.9, random.uniform(0.0, 0.6, n)
+        new = follow_stances(contact, pace, 0.55, 0.025, dt, age, touching, landed)
+        stands = contact & (pace <= 0.55)
+        since = np.where(stands, since + 1, 0)
+        np.testing.assert_array_equal(touching, stands)
+        np.testing.assert_array_equal(landed, since <= 3)  # 0.025 s after the first
+        assert new == (since == 1).any()
+
+
+def test_places_are_seen_from_the_imu_and_less_what_has_rolled() -> None:
+    random = np.random.default_rng(9)
+    X = exponential(0.3 * random.normal(size=15))
+    centres, rolled, out = random.normal(size=(2, 3)), random.normal(size=(2, 3)), np.zeros((2, 3))
+    places_seen(X, centres, np.array([0.1, 0.2, 0.3]), rolled, out)
+    np.testing.assert_allclose(out, centres - [0.1, 0.2, 0.3] - rolled @ X[:, :3])
+
+
+def test_the_state_ahead_is_that_of_its_parts() -> None:
+    random, dt = np.random.default_rng(10), 2e-3
+    X, bias, arm = exponential(0.5 * random.normal(size=15)), 0.1 * random.normal(size=6), np.full(3, 0.05)
+    gyros, forces = random.normal(size=(3, 3)), 9.0 + random.normal(size=(3, 3))
+    joints, speeds, early, late = random.normal(size=(4, 12))
+    before = X.copy()
+    q, v = state_ahead(X, bias, gyros, forces, dt, arm, joints, speeds, early, late, 0.02, 0.004)
+    np.testing.assert_array_equal(X, before)
+    rotation, velocity, place = X[:, :3], X[:, 3], X[:, 4]
+    for rate, force in zip(gyros, forces, strict=True):  # far smaller steps, by the midpoint
+        for _ in range(400):
+            h = dt / 400
+            middle = rotation @ rotation_about(rate - bias[:3], 0.5 * h * np.linalg.norm(rate - bias[:3]))
+            gain = middle @ (force - bias[3:]) + [0.0, 0.0, -GRAVITY]
+            place, velocity = place + h * velocity + 0.5 * h * h * gain, velocity + h * gain
+            rotation = rotation @ rotation_about(rate - bias[:3], h * np.linalg.norm(rate - bias[:3]))
+    turn = gyros[-1] - bias[:3]
+    np.testing.assert_allclose(rotation_from_quaternion(q[3:7]), rotation, atol=1e-9)
+    np.testing.assert_allclose(q[:3], place - rotation @ arm, atol=1e-9)
+    np.testing.assert_allclose(v[:3], rotation.T @ velocity - np.cross(turn, arm), atol=1e-7)
+    np.testing.assert_allclose(v[3:6], turn)
+    rate = (late - early) / 0.02
+    np.testing.assert_allclose(v[6:], speeds + 0.004 * rate)
+    np.testing.assert_allclose(q[7:], joints + 0.004 * speeds + 0.5 * 0.004**2 * rate)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300])
+def test_what_no_robot_has_is_not_credible(value: float) -> None:
+    largest = np.array([1.0, 2.0])
+    for k in range(13):
+        q, v = np.ones(7), np.ones(6)
+        (q if k < 7 else v)[k if k < 7 else k - 7] = value
+        assert known(q, v) == bool(np.isfinite(value))
+    for k in range(6):
+        bias = np.zeros(6)
+        bias[k] = value
+        assert not credible(np.zeros((3, 9)), bias, 10.0, largest)
+        bias[k] = 1.5
+        assert credible(np.zeros((3, 9)), bias, 10.0, largest) == (k >= 3)
+    X = np.zeros((3, 9))
+    X[1, 3] = value
+    assert not credible(X, np.zeros(6), 10.0, largest)

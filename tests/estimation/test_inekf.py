@@ -347,3 +347,31 @@ def test_doubt_and_errors_are_told() -> None:
         InvariantFilter(0)
     with pytest.raises(ProblemError, match="gyro must be"):
         FilterNoise(gyro=-1.0)
+
+
+def test_feet_are_forgotten_used_and_added_one_after_the_other() -> None:
+    filter, plain, random = random_filter(2), random_filter(2), np.random.default_rng(2)
+    n = filter.n
+    for _ in range(20):
+        places, spreads = random.normal(size=(n, 3)), np.tile(0.01 * np.eye(3), (n, 1, 1))
+        touching, landed = random.random(n) < 0.7, random.random(n) < 0.5
+        walks, densities = np.array([1e-6, 1e-4]), np.zeros(4 + n)
+        kernels.observe_feet(
+            filter.X, filter.bias, filter.covariance, filter.standing, places, spreads, touching, landed,
+            walks, densities, 9.0, filter.distances, filter.used,
+        )  # fmt: skip
+        np.testing.assert_array_equal(densities, [0, 0, 0, 0, *np.where(landed, 1e-4, 1e-6)])
+        for k in np.flatnonzero(plain.standing & ~touching):
+            kernels.forget_foot(plain.covariance, k)
+        plain.standing &= touching
+        kernels.correct(
+            plain.X, plain.bias, plain.covariance, plain.standing, places, spreads, 9.0, plain.distances,
+            plain.used,
+        )  # fmt: skip
+        for k in np.flatnonzero(touching & ~plain.used):
+            kernels.add_foot(plain.X, plain.covariance, k, places[k], spreads[k])
+        plain.standing |= touching
+        np.testing.assert_array_equal(filter.standing, plain.standing)
+        np.testing.assert_array_equal(filter.used, plain.used)
+        np.testing.assert_array_equal(filter.X, plain.X)
+        np.testing.assert_array_equal(filter.covariance, plain.covariance)

@@ -10,7 +10,7 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, load_robot
-from surefoot.simulation.sensor_kernels import mean_readings
+from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings
 from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel, mean_motion
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
@@ -179,3 +179,23 @@ def test_a_level_scales_what_is_wrong_and_nothing_else() -> None:
     assert twice.filter_noise().gyro >= usual.filter_noise().gyro
     with pytest.raises(ProblemError, match="level must be"):
         usual.scaled(-1.0)
+
+
+def test_readings_are_those_of_plain_numpy() -> None:
+    random = np.random.default_rng(3)
+    scales, steps, ranges = np.array([1e-3, 2e-3, 0.1, 0.3]), np.array([0.01, 0.0]), np.array([1.0, 20.0])
+    biases = random.normal(size=(2, 3))
+    walked = biases.copy()
+    for _ in range(20):
+        rate, force, noise = random.normal(size=3), 10.0 * random.normal(size=3), random.normal(size=(4, 3))
+        gyro, accelerometer = imu_reading(rate, force, biases, noise, scales, steps, ranges)
+        walked += scales[:2, None] * noise[:2]
+        np.testing.assert_allclose(biases, walked)
+        told = rate + walked[0] + scales[2] * noise[2]
+        np.testing.assert_allclose(gyro, np.clip(0.01 * np.round(told / 0.01), -1.0, 1.0), atol=1e-12)
+        told = force + walked[1] + scales[3] * noise[3]
+        np.testing.assert_allclose(accelerometer, np.clip(told, -20.0, 20.0), atol=1e-12)
+    true, offsets, noise = random.normal(size=(3, 12))
+    expected = 0.05 * np.round((true + offsets + 0.2 * noise) / 0.05)
+    np.testing.assert_allclose(counted(true, offsets, 0.2, noise, 0.05), expected, atol=1e-12)
+    np.testing.assert_allclose(counted(true, offsets, 0.2, noise, 0.0), true + offsets + 0.2 * noise)

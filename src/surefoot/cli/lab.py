@@ -97,13 +97,13 @@ def push(
     from surefoot.arrays import real_number
     from surefoot.cli.robots import load
     from surefoot.lab.push import PushPage
-    from surefoot.lab.push_run import SharedRun, WalkRun, Wishes
+    from surefoot.lab.push_run import Choices, SharedRun, WalkRun
 
     real_number("--mu", mu, low=0.0, high=1.2)
     real_number("--payload", payload, low=0.0, high=10.0)
     model = load(robot, urdf, feet, feet_needed=True)
     with plain_console(stderr=True).status("starting the robot (a first run compiles)"):
-        run = WalkRun(model, Wishes(mu=mu, payload=payload, gait=gait))
+        run = WalkRun(model, Choices(mu=mu, payload=payload, gait=gait))
     everyone = SharedRun(run)
     try:
         return _serve(lambda: PushPage(everyone, run.contact_names, run.names), host, port, seconds)

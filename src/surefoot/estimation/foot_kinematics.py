@@ -126,7 +126,7 @@ def follow_stances(
 def places_seen(
     X: FloatArray, centres: FloatArray, arm: FloatArray, rolled: FloatArray, out: FloatArray
 ) -> None:
-    """Fill (n, 3) places of the feet from the IMU, body axes, less what they have rolled in world axes [m]."""
+    """Fill (n, 3) places of the feet from the IMU [m], body axes, less their (n, 3) rolls, world axes."""
     for k in range(len(centres)):
         for r in range(3):
             back = X[0, r] * rolled[k, 0] + X[1, r] * rolled[k, 1] + X[2, r] * rolled[k, 2]  # Rᵀ rolled

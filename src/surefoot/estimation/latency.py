@@ -91,6 +91,6 @@ class Latency:
         count = last + self._held
         span = max(len(self._speeds) - 1, 1) * ekf.dt
         return state_ahead(
-            ekf.filter.X, ekf.filter.bias, self._gyros[:count], self._forces[:count], ekf.dt, ekf.imu_position,
-            *ekf.legs, self._speeds[0], self._speeds[-1], span, self._ahead,
+            ekf.filter.X, ekf.filter.bias, self._gyros[:count], self._forces[:count], ekf.dt,
+            ekf.imu_position, *ekf.legs, self._speeds[0], self._speeds[-1], span, self._ahead,
         )  # fmt: skip

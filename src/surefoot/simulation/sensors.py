@@ -238,12 +238,12 @@ class Sensors:
     @property
     def gyro_bias(self) -> FloatArray:
         """(3,) bias of the gyro now [rad/s]."""
-        return self.biases[0].copy()
+        return np.array(self.biases[0])
 
     @property
     def accelerometer_bias(self) -> FloatArray:
         """(3,) bias of the accelerometer now [m/s²]."""
-        return self.biases[1].copy()
+        return np.array(self.biases[1])
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
