@@ -47,7 +47,7 @@ def test_the_usable_range_is_within_motors_and_command() -> None:
     assert (~bounded).sum() == 2
     np.testing.assert_allclose(middle[bounded], (0.5 * (top + bottom) - losses)[bounded])
     np.testing.assert_allclose(half[bounded], np.maximum(0.5 * (top - bottom), 0.02 * effort)[bounded])
-    np.testing.assert_allclose(scale[bounded], (effort / half)[bounded])
+    np.testing.assert_allclose(scale[bounded], effort[bounded] / half[bounded])
     assert (middle[~bounded] == 0.0).all()
     assert np.isinf(half[~bounded]).all()
     assert (scale[~bounded] == 1.0).all()
@@ -55,14 +55,9 @@ def test_the_usable_range_is_within_motors_and_command() -> None:
 
 def test_the_delay_that_fits_is_that_of_plain_sums() -> None:
     random, rows, joints, keep = np.random.default_rng(7), 6, 3, 0.9
-    asked, misfit, given, steps, plain, believed = (
-        np.zeros((rows, joints)),
-        np.zeros(rows),
-        [],
-        0,
-        np.zeros(rows),
-        0,
-    )
+    asked, misfit, plain = np.zeros((rows, joints)), np.zeros(rows), np.zeros(rows)
+    given: list[np.ndarray] = []
+    steps = believed = 0
     for count in range(40):
         delay = 2 if count < 20 else 4
         if count:

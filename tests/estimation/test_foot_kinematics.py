@@ -166,10 +166,12 @@ def test_the_state_ahead_is_that_of_its_parts() -> None:
     for rate, force in zip(gyros, forces, strict=True):  # far smaller steps, by the midpoint
         for _ in range(400):
             h = dt / 400
-            middle = rotation @ rotation_about(rate - bias[:3], 0.5 * h * np.linalg.norm(rate - bias[:3]))
+            size = float(np.linalg.norm(rate - bias[:3]))
+            axis = (rate - bias[:3]) / size
+            middle = rotation @ rotation_about(axis, 0.5 * h * size)
             gain = middle @ (force - bias[3:]) + [0.0, 0.0, -GRAVITY]
             place, velocity = place + h * velocity + 0.5 * h * h * gain, velocity + h * gain
-            rotation = rotation @ rotation_about(rate - bias[:3], h * np.linalg.norm(rate - bias[:3]))
+            rotation = rotation @ rotation_about(axis, h * size)
     turn = gyros[-1] - bias[:3]
     np.testing.assert_allclose(rotation_from_quaternion(q[3:7]), rotation, atol=1e-9)
     np.testing.assert_allclose(q[:3], place - rotation @ arm, atol=1e-9)
