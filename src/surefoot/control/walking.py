@@ -201,6 +201,7 @@ class WalkingController(Controller):
         self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
         self._planned_at = self._aimed_at = -math.inf
         self._held = False  # the gait does not follow the speed fast enough
+        self._untold = True  # what has been learned of the load since it was told
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
         self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
@@ -217,8 +218,9 @@ class WalkingController(Controller):
         late = self._interval - 0.5 * self.dt
         due = time - self._planned_at >= late
         self._load.observe(state)
-        if due:
+        if self._untold and not due:  # in a step without a plan and without footholds
             self._load.tell(None if self.feet is None else self.body)
+            self._untold = False
         now = self.whole_body.update(state.q, state.v)
         if self.feet is None:
             self._begin(now, state)
@@ -244,6 +246,7 @@ class WalkingController(Controller):
             self._aimless or time - self._aimed_at >= late
         ):  # never in the step of a plan: no step should take long
             self._aim(now, clock, time)
+            self._untold = True
         body = self.whole_body.solve(self._tasks(now, clock, time))
         self._load.acted(time, state.v, body.torques, feet.carrying)
         assert self._plan is not None
