@@ -21,7 +21,7 @@ LOST_TIME = 0.03
 """A foot in stance without contact for this long is looked for below [s]."""
 FREEZE, FREEZE_ROUGH = 0.75, 0.4
 """After this share of the swing the target stays where it is; where the path must clear edges, earlier."""
-DESCENT = 0.06
+DESCENT = 0.12
 """Speed towards the ground at touchdown, as a share of sqrt(g h)."""
 SEARCH = 0.3
 """Acceleration with which a late foot goes down from there, as a share of g."""

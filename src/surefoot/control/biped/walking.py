@@ -30,7 +30,6 @@ from surefoot.control.gait_library import named_gait
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcPlan
 from surefoot.control.walking import WalkCommand
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
-from surefoot.control.walking_feet import DESCENT
 from surefoot.control.walking_kernels import slope_frames
 from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError, ProblemError
@@ -39,6 +38,8 @@ from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
 from surefoot.terrain import FlatTerrain, Terrain
 
+DESCENT = 0.06
+"""Speed of a sole towards the ground at touchdown, as a share of sqrt(g h)."""
 PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
 
