@@ -99,8 +99,22 @@ def test_the_reference_follows_the_ground_under_the_feet() -> None:
     reference = plan.reference(4, 0.05)
     # a damped fit: the slope is a little less than that of the feet
     assert plan.slope == pytest.approx([0.2, 0.0], abs=1e-3)
-    rise = 0.1 + 0.3 * np.hypot(1.0, plan.slope[0])
+    rise = 0.1 + 0.3 / np.hypot(1.0, plan.slope[0])  # lower uphill
     assert reference.position[:, 2] - rise == pytest.approx(plan.slope[0] * 0.025 * np.arange(5), abs=1e-6)
     normal = np.array([-plan.slope[0], 0.0, 1.0]) / np.hypot(1.0, plan.slope[0])
     assert reference.rotation[0][:, 2] == pytest.approx(normal)
     assert reference.linear_velocity[0] == pytest.approx([0.5, 0.0, 0.5 * plan.slope[0]])
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.0, 2.5])
+def test_the_body_is_lower_uphill_and_stands_along_the_normal_downhill(yaw: float) -> None:
+    """The same point of the same slope, from two sides: heights at a right angle to it are h cos² and h."""
+    up = np.array([np.cos(yaw), np.sin(yaw)])
+    heights = []
+    for sense in (1.0, -1.0, 0.0):
+        plan = BodyPlan(0.3, np.array([0.0, 0.0, 0.3]), yaw)
+        across = np.array([-up[1], up[0]])
+        plan.follow_plane(0.0, 0.4 * (sense * up + (1.0 - abs(sense)) * across), np.inf)
+        heights.append(plan.position[2] / np.hypot(1.0, 0.4))
+    square = 1.0 / (1.0 + 0.4**2)
+    assert heights == pytest.approx([0.3 * square, 0.3, 0.3 * np.sqrt(square)], rel=1e-12)

@@ -159,8 +159,17 @@ class BodyPlan:
         self.position[2] = self.ground + self._rise()
 
     def _rise(self) -> float:
-        """Return the wanted height over the ground along the vertical: `height` along the ground's normal."""
-        return self.height * math.sqrt(1.0 + float(self.slope @ self.slope))
+        """Return the wanted height over the ground along the vertical.
+
+        Downhill that is `height` along the ground's normal. Feet stand below the body along the vertical and
+        not along the normal: uphill they trail, which would stretch the knees, so there the body is at
+        `height` times the slope's squared cosine along the normal; across the slope, times the cosine.
+        """
+        climb = self.slope[0] * math.cos(self.yaw) + self.slope[1] * math.sin(self.yaw)
+        steepness = math.hypot(self.slope[0], self.slope[1])
+        if steepness < 1e-9:
+            return self.height
+        return self.height * (1.0 + steepness * steepness) ** float(-0.5 * climb / steepness)
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""
