@@ -169,7 +169,8 @@ class BodyPlan:
         steepness = math.hypot(self.slope[0], self.slope[1])
         if steepness < 1e-9:
             return self.height
-        return self.height * (1.0 + steepness * steepness) ** float(-0.5 * climb / steepness)
+        share = float(climb) / steepness
+        return self.height * math.exp(-0.5 * share * math.log1p(steepness * steepness))
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""
