@@ -104,3 +104,29 @@ def test_the_reference_follows_the_ground_under_the_feet() -> None:
     normal = np.array([-plan.slope[0], 0.0, 1.0]) / np.hypot(1.0, plan.slope[0])
     assert reference.rotation[0][:, 2] == pytest.approx(normal)
     assert reference.linear_velocity[0] == pytest.approx([0.5, 0.0, 0.5 * plan.slope[0]])
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.0, 2.5])
+def test_the_body_is_lower_uphill_and_stands_along_the_normal_downhill(yaw: float) -> None:
+    """The same point of the same slope, from two sides: heights at a right angle to it are h cos² and h."""
+    up = np.array([np.cos(yaw), np.sin(yaw)])
+    heights = []
+    for sense in (1.0, -1.0, 0.0):
+        plan = BodyPlan(0.3, np.array([0.0, 0.0, 0.3]), yaw, lowered=1.0)
+        across = np.array([-up[1], up[0]])
+        plan.follow_plane(0.0, 0.4 * (sense * up + (1.0 - abs(sense)) * across), np.inf)
+        heights.append(plan.position[2] / np.hypot(1.0, 0.4))
+    square = 1.0 / (1.0 + 0.4**2)
+    assert heights == pytest.approx([0.3 * square, 0.3, 0.3 * np.sqrt(square)], rel=1e-12)
+
+
+def test_the_body_comes_down_without_a_jump() -> None:
+    plan = BodyPlan(0.3, np.array([0.0, 0.0, 0.3]), 0.0)
+    plan.follow_plane(0.0, np.array([0.4, 0.0]), np.inf)
+    heights = [plan.position[2]]
+    assert heights[0] == pytest.approx(0.3 * np.hypot(1.0, 0.4))
+    for _ in range(3000):
+        plan.advance(np.zeros(3), np.zeros(3), 1e-3)
+        heights.append(plan.position[2])
+    assert heights[-1] == pytest.approx(0.3 / np.hypot(1.0, 0.4), rel=1e-4)
+    assert np.abs(np.diff(heights)).max() < 0.2e-3  # less than 0.2 m/s

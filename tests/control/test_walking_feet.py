@@ -5,7 +5,7 @@ import pytest
 
 from surefoot.control.gait import Gait
 from surefoot.control.walking_feet import EARLY, LOST_TIME, Feet
-from surefoot.terrain import FlatTerrain
+from surefoot.terrain import FlatTerrain, SlopeTerrain
 
 TROT = Gait.from_phases("trot", 0.4, 0.5, [0.0, 0.5, 0.5, 0.0])
 CENTRES = np.array([[0.2, 0.15, 0.02], [0.2, -0.15, 0.02], [-0.2, 0.15, 0.02], [-0.2, -0.15, 0.02]])
@@ -81,3 +81,22 @@ def test_an_aimed_foot_flies_to_its_target_over_its_apex(feet: Feet) -> None:
     assert max(heights) == pytest.approx(0.02 + 0.06, abs=1e-3)
     feet.aim(1, np.array([9.0, 9.0]))  # too late to change
     assert feet.target[1, 0] == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 20.0, -20.0])
+def test_a_swing_over_a_plane_is_as_high_above_it_whatever_its_slope(degrees: float) -> None:
+    """The path's highest point over the ground, along the vertical, is the clearance."""
+    ground, radius, clearance = SlopeTerrain(degrees), 0.02, 0.06
+    gait = Gait.from_phases("trot", 0.4, 0.5, (0.0, 0.5, 0.5, 0.0))
+    places = np.array([[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]])
+    centres = np.column_stack([places, ground.height(places) + radius / np.cos(np.radians(degrees))])
+    feet = Feet(gait, ground, np.full(4, radius), clearance, 0.0, centres)
+    feet.update(0.201, np.ones(4, dtype=bool), centres)
+    k = int(np.flatnonzero(~feet.carrying)[0])
+    feet.aim(k, centres[k, :2] + [0.2, 0.0])
+    path = []
+    for time in np.linspace(0.201, 0.399, 100):
+        feet.share[k] = (time - 0.2) / 0.2
+        path.append(feet.motions(float(time))[k, 0])
+    above = np.array(path)[:, 2] - ground.height(np.array(path)[:, :2])
+    assert above.max() - above[0] == pytest.approx(clearance, abs=2e-3)

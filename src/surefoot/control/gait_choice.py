@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
+from surefoot.control.stair_gait import stair_gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
@@ -129,6 +130,9 @@ def choose_gait(body: Body, command: VelocityCommand, gait: str | ContactSchedul
     own = named_gait(gait, feet, body.height)
     if own.swing_time == 0.0:
         return Chosen(own, command, [], own.period, lambda other: other)
+    stairs = _on_stairs(body, command, own) if gait == "trot" else None
+    if stairs is not None:
+        return stairs
     pattern = PATTERNS[feet][gait]
     pace, least = _pace(body, pattern), LEAST_DUTY.get(gait, HURRIED_DUTY)
     hurry = _Hurry(body.limits(pace, True, least), command)
@@ -148,6 +152,22 @@ def choose_gait(body: Body, command: VelocityCommand, gait: str | ContactSchedul
     )
     notes = [*hurry.notes, said] if hurry.most > 0.0 else hurry.notes
     return Chosen(schedule, hurry.command, notes, quickest.period, hurry.limit)
+
+
+def _on_stairs(body: Body, command: VelocityCommand, own: Gait) -> Chosen | None:
+    """Return the trot in step with stairs, None where a trot keeps to its own timing."""
+    told = body.terrain, command, body.height, own.period, len(body.robot.feet)
+    gait = stair_gait(*told)
+    if gait is None:
+        return None
+    chosen = _fixed(body, command, gait)
+    if chosen.notes:  # slowed: in step with the speed that is left
+        slower = stair_gait(body.terrain, chosen.command, *told[2:])
+        if slower is not None:
+            chosen = replace(_fixed(body, chosen.command, slower), notes=chosen.notes)
+    period = chosen.shortest
+    said = f"in step with the stairs the trot's cycle takes {period:.2f} s, {own.period:.2f} s elsewhere"
+    return replace(chosen, notes=[*chosen.notes, said])
 
 
 def _fixed(body: Body, command: VelocityCommand, schedule: ContactSchedule) -> Chosen:

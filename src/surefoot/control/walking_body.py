@@ -19,6 +19,8 @@ LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
+LOWERING = 0.3
+"""Time constant with which the body comes down to the height that suits a slope [s]."""
 ACCELERATION = 0.12
 """Largest change of the wanted velocity, as a share of g."""
 
@@ -111,6 +113,8 @@ class BodyPlan:
         Height of the ground below the wanted place [m], smoothed.
     acceleration
         Largest change of the wanted velocity [m/s²].
+    lowered
+        How far the body has come down to the height that suits the slope, from 0 at the start to 1.
     """
 
     height: float
@@ -120,6 +124,7 @@ class BodyPlan:
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
     acceleration: float = ACCELERATION * GRAVITY
+    lowered: float = 0.0
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
@@ -147,6 +152,7 @@ class BodyPlan:
         if far > lead:
             self.position[0], self.position[1] = com[0] + x * lead / far, com[1] + y * lead / far
         self.ground += (self.slope[0] * vx + self.slope[1] * vy) * dt
+        self.lowered += (1.0 - self.lowered) * dt / LOWERING
         self.position[2] = self.ground + self._rise()
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
@@ -162,8 +168,19 @@ class BodyPlan:
         self.position[2] = self.ground + self._rise()
 
     def _rise(self) -> float:
-        """Return the wanted height over the ground along the vertical: `height` along the ground's normal."""
-        return self.height * math.sqrt(1.0 + float(self.slope @ self.slope))
+        """Return the wanted height over the ground along the vertical.
+
+        Downhill and at the start it is `height` along the ground's normal. Feet stand below the body along
+        the vertical and not along the normal: uphill they trail, which would stretch the knees, so there the
+        body comes down to `height` times the slope's squared cosine along the normal; across the slope, times
+        the cosine.
+        """
+        steepness = math.hypot(self.slope[0], self.slope[1])
+        if steepness < 1e-9:
+            return self.height
+        climb = float(self.slope[0] * math.cos(self.yaw) + self.slope[1] * math.sin(self.yaw))
+        power = 0.5 - 0.5 * self.lowered * (1.0 + climb / steepness)
+        return self.height * math.exp(power * math.log1p(steepness * steepness))
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""

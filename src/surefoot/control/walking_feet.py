@@ -196,12 +196,12 @@ class Feet:
         self.target[k, 2] = float(self.terrain.height(xy)) + self.radii[k] / normal[2]
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)
-        ground = np.zeros(0)  # on a plane, no place of the path is higher than both its ends
-        if not self._plane:
+        if self._plane:  # the bump is put on the line between both ends, which is as steep as the plane
+            self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
+        else:
             path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
             ground = self.terrain.height(path) + self.radii[k]
-        self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
-        if not self._plane:
+            self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
             self._lift_first[k] = clear_lift(
                 self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
                 0.5 * float(self.radii[k]),

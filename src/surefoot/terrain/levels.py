@@ -51,10 +51,11 @@ class LevelsTerrain(Terrain):
             # the closest point of the block beside: on its face, or on its edge for a point above it
             across, up = x - near, np.maximum(z - top, 0.0)
             away = np.hypot(across, up)
-            closer = beside & (top > tops[at]) & (z >= tops[at]) & (away < distance) & (away > 0.0)
+            closer = beside & (top > tops[at]) & (z >= tops[at]) & (away < distance)
             distance = np.where(closer, away, distance)
-            length = np.where(closer, away, 1.0)
-            normal[..., 0] = np.where(closer, across / length, normal[..., 0])
+            length = np.where(away > 0.0, away, 1.0)
+            outward = np.where(away > 0.0, across / length, -side)  # a point on the face
+            normal[..., 0] = np.where(closer, outward, normal[..., 0])
             normal[..., 2] = np.where(closer, up / length, normal[..., 2])
         return distance, normal
 
