@@ -146,12 +146,15 @@ def front_page() -> str:
 _LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s:]+)\)")
 
 
+_PLACE = re.compile(r'^<a id="([\w-]+)"></a>$', re.MULTILINE)
+
+
 def without_code_links(path: Path) -> str:
-    """Return a page whose links to folders and files outside the site are code spans."""
+    """Return a page whose links to folders and files outside the site are code spans, anchors MyST's."""
 
     def kept(found: re.Match[str]) -> str:
         target = (path.parent / found[2]).resolve()
         inside = target.suffix in (".md", ".png", ".svg") and target.is_file()
         return found[0] if inside else f"{found[1]} (`{target.relative_to(ROOT)}`)"
 
-    return _LINK.sub(kept, path.read_text(encoding="utf-8"))
+    return _PLACE.sub(r"(\1)=", _LINK.sub(kept, path.read_text(encoding="utf-8")))

@@ -119,6 +119,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write_tosses(random_tosses(8, [0.2, 0.1, 0.05], seed=seed, frames=90), place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
+    CleanRun(duration=0.3).make().save(place / "crate.npz")
+    steps = (ROOT / "docs" / "first-steps.md").read_text(encoding="utf-8")
+    (place / "mine.yaml").write_text(steps.split("```yaml\n")[1].split("```")[0])
     log = CleanRun(duration=0.3).make()
     log["forces"][100:200, 0] *= -1.0
     log.save(place / "fallen.npz")

@@ -94,12 +94,15 @@ def _add_arrows(scene: Any, name: str, shape: Arrows) -> Any:
     return scene.add_arrows(
         name, shape.points.astype(np.float32), shape.colour,
         shaft_radius=shape.width, head_radius=2.2 * shape.width, head_length=5.0 * shape.width,
+        position=shape.position,
     )  # fmt: skip
 
 
 def _change_arrows(handle: Any, old: Arrows, new: Arrows) -> None:
     if new.points is not old.points:
         handle.points = new.points.astype(np.float32)
+    if new.position != old.position:
+        handle.position = new.position
     _change_colours(handle, old, new)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -32,6 +33,8 @@ def contact_shapes(
 ) -> dict[str, Shape]:
     """Return cones and arrows of the contacts that carry, those outside their cones in another colour.
 
+    Each contact has its own arrow, `/forces/` and its name, which travels with its cone.
+
     Parameters
     ----------
     names
@@ -55,15 +58,21 @@ def contact_shapes(
         known & (along > np.where(known, mu, 0.0) * forces[:, 2] * (1.0 + BROKEN))
     )
     for k, name in enumerate(names):
-        if good[k] and math.isfinite(mu[k]):
-            colour = draw.BAD if outside[k] else draw.CONE
+        if not good[k]:
+            continue
+        out[f"/forces/{name}"] = draw.arrow_at(places[k], vectors[k], draw.BAD if outside[k] else draw.FORCE)
+        if known[k]:
             x, y, z = places[k].tolist()
-            surface = cone_surface(float(mu[k]), CONE_HEIGHT, frames[k])
+            surface = _surface(float(mu[k]), frames[k].tobytes())
+            colour = draw.BAD if outside[k] else draw.CONE
             out[f"/cones/{name}"] = draw.Mesh(surface, fan(SIDES), colour, 0.35, (x, y, z))
-    for name, chosen, colour in (("held", good & ~outside, draw.FORCE), ("broken", good & outside, draw.BAD)):
-        if chosen.any():
-            out[f"/forces/{name}"] = draw.arrows(places[chosen], vectors[chosen], colour)
     return out
+
+
+@lru_cache(maxsize=256)
+def _surface(mu: float, frame: bytes) -> FloatArray:
+    """Return a cone's surface, the very same array for the same cone: it is not sent again."""
+    return cone_surface(mu, CONE_HEIGHT, np.frombuffer(frame).reshape(3, 3))
 
 
 def force_rows(names: Sequence[str], forces: FloatArray, mu: FloatArray) -> str:

@@ -66,11 +66,16 @@ class Lines:
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """Arrows: (n, 2, 3) tails and tips [m], the shaft's radius `width` [m]."""
+    """Arrows: (n, 2, 3) tails and tips [m] from `position` [m], the shaft's radius `width` [m].
+
+    A browser moves positions at once, but shows new points a picture or more later: what travels with a
+    moving shape has its place in `position`.
+    """
 
     points: FloatArray
     colour: Colour
     width: float = 0.008
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +123,12 @@ def arrows(starts: FloatArray, vectors: FloatArray, colour: Colour, width: float
     starts, vectors = np.atleast_2d(starts), np.atleast_2d(vectors)
     long = np.linalg.norm(vectors, axis=1) > 1e-6
     return Arrows(np.stack([starts, starts + vectors], axis=1)[long], colour, width)
+
+
+def arrow_at(place: FloatArray, vector: FloatArray, colour: Colour, width: float = 0.008) -> Arrows:
+    """Return one arrow that travels with a (3,) place [m], its tail there, along a (3,) vector [m]."""
+    x, y, z = np.asarray(place, dtype=np.float64).tolist()
+    return Arrows(np.stack([np.zeros(3), np.asarray(vector)])[None], colour, width, (x, y, z))
 
 
 def outline(corners: FloatArray, colour: Colour, width: float = 2.0) -> Lines:

@@ -139,7 +139,8 @@ class PushPage(Page):
             **contact_shapes(self._names, places, frames, reading.forces, mu, weight),
         }
         if moment.push.any():
-            shapes["/push"] = draw.arrows(q[:3] - ARROW * moment.push, ARROW * moment.push, draw.PUSH, 0.015)
+            vector = ARROW * moment.push
+            shapes["/push"] = draw.arrow_at(q[:3] - vector, vector, draw.PUSH, 0.015)
         if self._pull is not None:
             shapes["/pull"] = draw.arrows(self._pull[0], self._pull[1] - self._pull[0], draw.PUSH, 0.008)
         return Drawing(shapes, self._text(moment, mu), strip(times, normal, self._names, weight))

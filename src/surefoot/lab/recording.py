@@ -274,7 +274,7 @@ class RecordingPage(Page):
         push = np.asarray(rec.log["push"][row]) if "push" in rec.log else np.zeros(3)
         if push.any() and np.isfinite(push).all() and rec.pose is not None:
             vector, at = push / rec.weight, np.asarray(rec.pose[row, :3]) - [*origin, 0.0]
-            shapes["/push"] = draw.arrows(at - vector, vector, draw.PUSH, 0.015)
+            shapes["/push"] = draw.arrow_at(at - vector, vector, draw.PUSH, 0.015)
         return Drawing(shapes, text(*head, *map(paragraph, rec.notes)), rec.strip(now, self._spans))
 
     def _origin(self, row: int) -> FloatArray:

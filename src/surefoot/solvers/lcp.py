@@ -14,6 +14,7 @@ from surefoot.arrays import FloatArray, real_number
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, SolverNotFound, unknown_name
+from surefoot.solvers.backends import NO_PATH
 from surefoot.solvers.lcp_proof import farkas
 from surefoot.solvers.solver import ALMOST_FACTOR, Settings
 
@@ -140,6 +141,8 @@ def solve_lcp(
     ('solved', [4.0, 7.0])
     """
     names = lcp_solver_names()
+    if solver == "path":
+        raise SolverNotFound(NO_PATH)
     if solver not in names:
         raise SolverNotFound(unknown_name("LCP solver", solver, names))
     settings = Settings(

@@ -13,6 +13,7 @@ from surefoot.solvers.backends.clarabel import Clarabel
 from surefoot.solvers.backends.daqp import Daqp
 from surefoot.solvers.backends.ecos import Ecos
 from surefoot.solvers.backends.highs import Highs
+from surefoot.solvers.backends.mosek import Mosek, licensed
 from surefoot.solvers.backends.osqp import Osqp
 from surefoot.solvers.backends.piqp import Piqp
 from surefoot.solvers.backends.program import ConeProgram, End, Outcome
@@ -33,8 +34,15 @@ __all__ = [
 ]
 
 BACKENDS: dict[str, type[Backend]] = {
-    kind.name: kind for kind in (Clarabel, Ecos, Scs, Osqp, ProxQp, Piqp, Daqp, Quadprog, Highs)
+    kind.name: kind for kind in (Clarabel, Ecos, Scs, Osqp, ProxQp, Piqp, Daqp, Quadprog, Highs, Mosek)
 }
+
+
+NO_PATH = (
+    "PATH is not among the solvers: it is closed, and no Python package brings it (path-capi-python only "
+    "calls one that is there); for complementarity problems use solve_lcp(problem, solver='lemke')"
+)
+"""What is said to who asks for PATH by name."""
 
 
 def backend(name: str, options: Options | None = None) -> Backend:
@@ -43,17 +51,22 @@ def backend(name: str, options: Options | None = None) -> Backend:
     Raises
     ------
     SolverNotFound
-        If there is none of that name.
+        If there is none of that name; of MOSEK also where it is not installed, and, in its first call, where
+        it has no licence.
     MissingExtra
         If its package is not installed.
     """
+    if name == "path":
+        raise SolverNotFound(NO_PATH)
     if name not in BACKENDS:
         raise SolverNotFound(f"unknown backend {name!r}; valid names: {', '.join(BACKENDS)}")
     return BACKENDS[name](options)
 
 
 def installed(name: str) -> bool:
-    """Tell whether a backend's package can be imported."""
+    """Tell whether a backend's package can be imported, and MOSEK has a licence."""
+    if name == "mosek":
+        return licensed()
     packages = {"highs": ("qpsolvers", "highspy")}.get(name, (BACKENDS[name].package,))
     return all(importlib.util.find_spec(package) is not None for package in packages)
 
