@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.swing import RISE, apex_height, clear_lift, minimum_jerk, swing_motion
+from surefoot.control.swing import DOWN, RISE, apex_height, clear_lift, minimum_jerk, swing_motion
+from surefoot.control.swing_even import even_swing
 from surefoot.terrain import FlatTerrain, StairsTerrain
 
 PLACES = st.tuples(*[st.floats(-0.3, 0.3)] * 3).map(np.array)
@@ -30,7 +31,7 @@ def test_a_swing_starts_and_ends_at_rest_and_peaks_at_its_apex(
 def test_velocity_and_acceleration_are_derivatives(
     start: np.ndarray, target: np.ndarray, duration: float, descent: float, share: float
 ) -> None:
-    corners = np.array([0.08, RISE, 0.5 * (1.0 + RISE), 0.92])
+    corners = np.array([0.08, RISE, 0.75, 0.92, DOWN])
     step = 1e-5
     if np.abs(corners - share).min() < 3.0 * step:
         share += 1e-3
@@ -76,3 +77,19 @@ def test_a_foot_before_a_riser_lifts_first() -> None:
     for share in np.linspace(0.0, 1.0, 101):
         place = swing_motion(start, target, apex, share, 0.2, 0.0, lift)[0]
         assert place[2] >= stairs.height(place[:2] + np.array([radius, 0.0])) + radius - 1e-3
+
+
+@given(PLACES, PLACES, st.floats(0.02, 0.2), st.floats(0.15, 0.5), st.floats(0.05, 0.3))
+@settings(max_examples=60, deadline=None)
+def test_the_foot_meets_the_ground_with_its_descent(
+    start: np.ndarray, target: np.ndarray, rise: float, duration: float, descent: float
+) -> None:
+    """Where it passes the target's height it moves straight down with four fifths of the speed."""
+    apex = max(start[2], target[2]) + rise
+    for swing in (swing_motion, even_swing):
+        paths = np.array(
+            [swing(start, target, apex, s, duration, descent) for s in np.linspace(0.9, 1.0, 101)]
+        )
+        first = int(np.flatnonzero(paths[:, 0, 2] <= target[2] + 1e-9)[0])
+        assert first == 50
+        assert paths[first, 1] == pytest.approx([0.0, 0.0, -0.8 * descent], abs=1e-9)

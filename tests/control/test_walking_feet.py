@@ -78,7 +78,8 @@ def test_an_aimed_foot_flies_to_its_target_over_its_apex(feet: Feet) -> None:
     for time in np.linspace(0.0, 0.199, 40):
         feet.update(float(time), UP, CENTRES)
         heights.append(feet.motions(float(time))[1, 0, 2])
-    assert max(heights) == pytest.approx(0.02 + 0.06, abs=1e-3)
+    gain = 0.08 * feet.descent * 0.2  # which the descent takes
+    assert max(heights) == pytest.approx(0.02 + 0.06 + gain, abs=3e-4)
     feet.aim(1, np.array([9.0, 9.0]))  # too late to change
     assert feet.target[1, 0] == pytest.approx(0.3)
 

@@ -9,9 +9,12 @@ trails behind a fast body is stretched less. Upwards it follows one smooth bump.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.control.swing import DOWN, sinking
 from surefoot.kernels import kernel
 
 RAMP = 0.15
@@ -20,8 +23,8 @@ RAMP = 0.15
 
 LAND = 0.9
 """Share of the swing after which the foot does not move along the ground any more."""
-DOWN = 0.92
-"""Share of the swing after which the foot only sinks at the speed of its descent, and meets the ground with it."""
+BUMP = 1.0 / ((6.0 / 11.0) ** 3 * (5.0 / 11.0) ** 2.5)
+"""Makes the height of the bump s³ (1 - s)^2.5 one."""
 
 
 @kernel
@@ -62,21 +65,24 @@ def ramped_step(share: float, ramp: float = RAMP) -> tuple[float, float, float]:
 
 @kernel
 def smooth_bump(share: float) -> tuple[float, float, float]:
-    """Return the bump 64 s³ (1 - s)³ of the share s over `DOWN`, and its two derivatives.
+    """Return the bump C s³ (1 - s)^2.5 of the share s over `DOWN`, 1 at s = 6/11, and its two derivatives.
 
-    Velocity and acceleration are zero at both ends: what is left to the ground is left to the descent.
+    Velocity and acceleration are zero at both ends: what is left to the ground is left to the descent. It
+    comes down faster than it went up: a foot that is close to the ground for long before it should land
+    touches it while it still moves along it.
 
     Examples
     --------
-    >>> [round(v, 6) for v in smooth_bump(0.5 * DOWN)[:2]]
+    >>> [round(v, 6) for v in smooth_bump(6.0 / 11.0 * DOWN)[:2]]
     [1.0, 0.0]
     """
     s = min(max(share / DOWN, 0.0), 1.0)
     r = 1.0 - s
+    root = math.sqrt(r)
     return (
-        64.0 * s * s * s * r * r * r,
-        192.0 * s * s * r * r * (r - s) / DOWN,
-        384.0 * s * r * (r * r - 3.0 * s * r + s * s) / (DOWN * DOWN),
+        BUMP * s * s * s * r * r * root,
+        BUMP * s * s * r * root * (3.0 - 5.5 * s) / DOWN,
+        BUMP * s * root * (6.0 * r * r - 15.0 * s * r + 3.75 * s * s) / (DOWN * DOWN),
     )
 
 
@@ -115,18 +121,9 @@ def even_swing(
     out[0, 2] += h * rise
     out[1, 2] += dh * rise / duration
     out[2, 2] += ddh * rise / (duration * duration)
-    # what the descent takes is gained on the way up
-    b, db, ddb = ramped_step(2.0 * share)
-    gain = 0.08 * descent * duration
-    out[0, 2] += gain * b
-    out[1, 2] += 2.0 * gain * db / duration
-    out[2, 2] += 4.0 * gain * ddb / (duration * duration)
-    # the descent is blended in over the last quarter, and carries on after it
-    late = max(share - 0.75, 0.0)
-    if late > 0.0:
-        ramp = min(4.0 * late, 1.0)
-        out[0, 2] -= descent * duration * (2.0 * late * late if late < 0.25 else late - 0.125)
-        out[1, 2] -= descent * ramp
-        if late < 0.25:
-            out[2, 2] -= 4.0 * descent / duration
+    gain, sunk, speed, change = sinking(share, duration, descent)
+    b, db, ddb = ramped_step(2.0 * share)  # what the descent takes is gained on the way up
+    out[0, 2] += gain * b - sunk
+    out[1, 2] += 2.0 * gain * db / duration - speed
+    out[2, 2] += 4.0 * gain * ddb / (duration * duration) - change
     return out
