@@ -82,3 +82,26 @@ def test_the_slope_rotation_is_a_rotation_along_the_surface(yaw: float, a: float
     assert np.allclose(R.T @ R, np.eye(3), rtol=0.0, atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
     assert np.cross(R[:, 2], [-a, -b, 1.0]) == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+@pytest.mark.parametrize("rise", [0.12, -0.12])
+def test_on_steps_a_foot_is_moved_between_the_edges(rise: float) -> None:
+    """As little as possible: away from a riser by the margin, and from one that it came down over by more."""
+    stairs, search, way = StairsTerrain(rise, 0.3), FootholdSearch(margin=0.045), np.array([0.15, 0.0])
+    behind = 0.09 if rise < 0.0 else 0.045
+    for x in np.linspace(0.01, 0.29, 29):
+        place = search.choose(stairs, np.array([0.3 + x, 0.1]), way)
+        assert place[1] == pytest.approx(0.1)
+        assert place[0] - 0.3 == pytest.approx(np.clip(x, behind, 0.3 - 0.045), abs=0.006)
+    narrow = StairsTerrain(rise, 0.08)
+    assert (search.choose(narrow, np.array([0.17, 0.0]), way)[0] % 0.08) == pytest.approx(
+        0.5 * (behind + 0.08 - 0.045), abs=0.011
+    )
+
+
+def test_without_edges_along_the_way_the_search_is_the_old_one() -> None:
+    rough, search = rough_ground(1, 0.02), FootholdSearch()
+    for place in np.random.default_rng(0).uniform(-1.0, 1.0, (5, 2)):
+        np.testing.assert_array_equal(
+            search.choose(rough, place, np.array([0.1, 0.0])), search.choose(rough, place)
+        )

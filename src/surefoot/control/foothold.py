@@ -26,6 +26,10 @@ from surefoot.terrain import Terrain
 CAPTURE_SHARE = 1.0
 """Share of the capture point's offset sqrt(h / g) by which a speed error moves the foothold; at 1 a pendulum
 would come to rest over it."""
+SHIN, LOW_STEP = 0.09, 0.03
+"""Distance that a descending foot keeps from the edge behind it, and what is a step [m]."""
+LOOK, FINE = 0.2, 0.005
+"""How far along the way edges are looked for, and in what steps [m]."""
 
 
 @kernel
@@ -126,10 +130,44 @@ class FootholdSearch:
     edge_weight: float = 3.0
     tilt_weight: float = 0.05
 
-    def choose(self, terrain: Terrain, place: FloatArray) -> FloatArray:
-        """Return the (2,) place [m] to step on, world axes; the nominal one on a plane."""
+    def choose(self, terrain: Terrain, place: FloatArray, way: FloatArray | None = None) -> FloatArray:
+        """Return the (2,) place [m] to step on, world axes; the nominal one on a plane.
+
+        On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges.
+        """
         if terrain.planar:
             return place
+        length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
+        if way is not None and length > 1e-6:
+            shift = self.step_shift(terrain, place, way / length)
+            if shift is not None:
+                return np.asarray(place + shift * way / length)
+        return self._best(terrain, place)
+
+    def step_shift(self, terrain: Terrain, place: FloatArray, along: FloatArray) -> float | None:
+        """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
+
+        At least the margin away from the next edge on either side, between them where they are too close;
+        `SHIN` from one behind over which the ground has come down: a shin leans back over it.
+        """
+        ways = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
+        heights = terrain.height(place + ways[:, None] * along)
+        jumps = heights[2:] - heights[:-2]
+        at = np.flatnonzero(np.abs(jumps) > max(2.0 * terrain.noise, LOW_STEP))
+        if not len(at):
+            return None
+        edges = ways[1:-1][at]
+        behind, ahead = edges[edges <= 0.0], edges[edges > 0.0]
+        low, high = -math.inf, math.inf
+        if len(behind):
+            falls = jumps[at[len(behind) - 1]] < 0.0
+            low = float(behind[-1]) + (SHIN if falls else self.margin)
+        if len(ahead):
+            high = float(ahead[0]) - self.margin
+        return 0.5 * (low + high) if low > high else min(max(0.0, low), high)
+
+    def _best(self, terrain: Terrain, place: FloatArray) -> FloatArray:
+        """Return the best (2,) place about one, by the ground around each [m]."""
         steps = np.linspace(-self.reach, self.reach, 9)
         grid = np.stack(np.meshgrid(steps, steps[::2], indexing="ij"), axis=-1).reshape(-1, 2)
         candidates = place + grid

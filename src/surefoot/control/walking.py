@@ -28,7 +28,7 @@ from surefoot.control.ground_sense import ground_sense
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
-from surefoot.control.walking_body import ACCELERATION, BodyPlan, VelocityCommand
+from surefoot.control.walking_body import ACCELERATION, DIP, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
@@ -278,7 +278,7 @@ class WalkingController(Controller):
         descent = DESCENT * math.sqrt(GRAVITY * self._height)
         self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, now.centres.copy())
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
-        self.body = BodyPlan(self._height, now.com.copy(), yaw)
+        self.body = BodyPlan(self._height, now.com.copy(), yaw, dip=0.0 if self.terrain.planar else DIP)
         self._follow_ground(math.inf)
 
     def _follow_ground(self, elapsed: float) -> None:

@@ -19,6 +19,8 @@ LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
+DIP = 0.2
+"""`BodyPlan.dip` on ground with steps: at a slope of 0.4, a tenth of the body's height less."""
 LOWERING = 0.3
 """Time constant with which the body comes down to the height that suits a slope [s]."""
 ACCELERATION = 0.12
@@ -115,6 +117,8 @@ class BodyPlan:
         Largest change of the wanted velocity [m/s²].
     lowered
         How far the body has come down to the height that suits the slope, from 0 at the start to 1.
+    dip
+        Share of the height that it comes down by over the slope that it descends [-].
     """
 
     height: float
@@ -125,6 +129,7 @@ class BodyPlan:
     ground: float = 0.0
     acceleration: float = ACCELERATION * GRAVITY
     lowered: float = 0.0
+    dip: float = 0.0
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
@@ -173,14 +178,15 @@ class BodyPlan:
         Downhill and at the start it is `height` along the ground's normal. Feet stand below the body along
         the vertical and not along the normal: uphill they trail, which would stretch the knees, so there the
         body comes down to `height` times the slope's squared cosine along the normal; across the slope, times
-        the cosine.
+        the cosine. Down steps a foot may stand half a step below their plane: see `dip`.
         """
         steepness = math.hypot(self.slope[0], self.slope[1])
         if steepness < 1e-9:
             return self.height
         climb = float(self.slope[0] * math.cos(self.yaw) + self.slope[1] * math.sin(self.yaw))
+        dip = self.dip * min(max(-climb, 0.0), 0.4) * self.lowered
         power = 0.5 - 0.5 * self.lowered * (1.0 + climb / steepness)
-        return self.height * math.exp(power * math.log1p(steepness * steepness))
+        return self.height * (1.0 - dip) * math.exp(power * math.log1p(steepness * steepness))
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""

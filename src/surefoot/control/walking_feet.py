@@ -189,7 +189,7 @@ class Feet:
         if share > FREEZE_ROUGH:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
-        xy = self._search.choose(self.terrain, place)
+        xy = self._search.choose(self.terrain, place, place - self.start[k, :2])
         normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
