@@ -68,8 +68,8 @@ class TimedController(Controller, Protocol):
         Whether that is a process of its own.
     starts
         When it begins to follow its command, having stood so far [s].
-    gait_start, gait_period
-        When a cycle of the gait began, and how long one takes [s].
+    gait_start
+        When a cycle of the gait began [s].
     posture
         (nq,) pose whose joints it starts from [m, -, rad]; None for the robot's nominal one.
     """
@@ -78,8 +78,11 @@ class TimedController(Controller, Protocol):
     apart: bool
     starts: float
     gait_start: float
-    gait_period: float
     posture: FloatArray | None
+
+    @property
+    def gait_period(self) -> float:
+        """How long a cycle of the gait takes [s]."""
 
     def close(self) -> None:
         """Let go of what the controller holds, as a process."""

@@ -82,6 +82,7 @@ control.standing_kernels grasp_map_of_points  control/test_standing.py::test_gra
 control.standing_kernels pd_wrench            control/test_standing.py::test_pd_wrench_kernel_against_plain_numpy
 control.standing_kernels within_limits        control/test_standing.py::test_within_limits_kernel
 control.swing            minimum_jerk         control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
+control.swing            sinking              control/test_swing.py::test_the_foot_meets_the_ground_with_its_descent by swing_motion
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
 control.swing_even       even_swing           control/test_swing_even.py::test_velocity_and_acceleration_are_derivatives
 control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration

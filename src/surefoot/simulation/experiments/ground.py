@@ -12,6 +12,8 @@ from surefoot.contact.laws.soft.law import SoftLaw
 
 STEPS_OF_MUJOCO = 4.0
 """MuJoCo's time constant in steps: twice the shortest that it takes."""
+NEAR_RIGID = (0.97, 0.99, 0.001, 0.5, 2.0)
+"""MuJoCo's impedance of hard ground; bodies here do not turn fast over it."""
 IMPEDANCE = 1e-4
 """The smallest that MuJoCo takes: the contact is then the spring and damper that is meant."""
 
@@ -22,7 +24,9 @@ def hard(world: str, dt: float) -> dict[str, Any]:
     The rigid world is rigid, Drake's own default follows its step, and MuJoCo is given a time constant that
     does.
     """
-    return {"solref": (STEPS_OF_MUJOCO * dt, 1.0)} if world in ("mujoco", "mjx") else {}
+    if world not in ("mujoco", "mjx"):
+        return {}
+    return {"solref": (STEPS_OF_MUJOCO * dt, 1.0), "solimp": NEAR_RIGID}
 
 
 def soft(world: str, law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:

@@ -19,8 +19,8 @@ from surefoot.collision import Box
 from surefoot.simulation.drake.world import SLIP, WORKER, near_rigid
 from surefoot.simulation.drake_python import Worker
 from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
-from surefoot.simulation.experiments.ground import STEPS_OF_MUJOCO
-from surefoot.simulation.mujoco import FRICTION_RATIO, IMPEDANCE, import_mujoco
+from surefoot.simulation.experiments.ground import NEAR_RIGID, STEPS_OF_MUJOCO
+from surefoot.simulation.mujoco import FRICTION_RATIO, import_mujoco
 from surefoot.simulation.scene import Body, Scene
 from surefoot.simulation.scene_world import SceneWorld
 from surefoot.spatial import GRAVITY
@@ -88,7 +88,7 @@ def _mujoco(dt: float) -> StackRun:
         f'size="{" ".join(repr(0.5 * x) for x in size)}"/></body>'
         for name, size, mass, height in zip(("lower", "upper"), SIZES, MASSES, _heights(), strict=True)
     )
-    soft = f'solref="{STEPS_OF_MUJOCO * dt!r} 1" solimp="{" ".join(map(repr, IMPEDANCE))}" condim="3"'
+    soft = f'solref="{STEPS_OF_MUJOCO * dt!r} 1" solimp="{" ".join(map(repr, NEAR_RIGID))}" condim="3"'
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="{dt!r}" cone="elliptic" impratio="{FRICTION_RATIO!r}" tolerance="1e-10" '
         f'iterations="50" gravity="0 0 {-GRAVITY!r}"/>'
