@@ -104,7 +104,7 @@ def test_a_stand_depends_on_its_ground(world: str) -> None:
 
 def test_soft_ground_is_sunk_into_and_gives_work_back() -> None:
     walk = make_experiment("walk", {"duration": 1.0})
-    stiff, soft = (walk.run(sample(time_constant=t, damping_ratio=1.0)) for t in (0.004, 0.06))
+    stiff, soft = (walk.run(sample(time_constant=t, damping_ratio=1.0)) for t in (0.004, 0.08))
     assert soft["sink"] > 10.0 * stiff["sink"]
     assert soft["ground_work"] > stiff["ground_work"] >= 0.0
     assert set(soft) == set(walk.columns)

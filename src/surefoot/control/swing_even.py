@@ -108,7 +108,7 @@ def even_swing(
     Examples
     --------
     >>> even_swing(np.zeros(3), np.array([0.1, 0.0, 0.0]), 0.05, 0.5, 0.2, 0.0)[0].round(6)
-    array([0.059552, 0.      , 0.048875])
+    array([0.059552, 0.      , 0.049798])
     """
     out = np.zeros((3, 3))
     length = LAND * duration
