@@ -66,9 +66,9 @@ def real_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None =
 
 def finite_array(name: str, value: ArrayLike, shape: Sequence[int | None] | None = None) -> FloatArray:
     """Like `real_array`, and infinite entries are refused too."""
-    if type(value) is np.ndarray and value.dtype is _FLOAT and (shape is None or value.shape == shape):
-        if np.isfinite(value).all():  # what the package hands to itself, at every step
-            return value.copy()
+    plain = type(value) is np.ndarray and value.dtype is _FLOAT and (shape is None or value.shape == shape)
+    if plain and np.isfinite(value).all():  # what the package hands to itself, at every step
+        return np.array(value)
     array = real_array(name, value, shape)
     bad = ~np.isfinite(array)
     if bad.any():
