@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.control.step_windows import FARTHEST, nearest_shift, step_windows
 from surefoot.control.walking_kernels import plane_through
 from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
@@ -26,10 +27,6 @@ from surefoot.terrain import Terrain
 CAPTURE_SHARE = 1.0
 """Share of the capture point's offset sqrt(h / g) by which a speed error moves the foothold; at 1 a pendulum
 would come to rest over it."""
-SHIN, LOW_STEP = 0.09, 0.03
-"""Distance that a descending foot keeps from the edge behind it, and what is a step [m]."""
-LOOK, FINE = 0.2, 0.005
-"""How far along the way edges are looked for, and in what steps [m]."""
 
 
 @kernel
@@ -145,26 +142,12 @@ class FootholdSearch:
         return self._best(terrain, place)
 
     def step_shift(self, terrain: Terrain, place: FloatArray, along: FloatArray) -> float | None:
-        """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
-
-        At least the margin away from the next edge on either side, between them where they are too close;
-        `SHIN` from one behind over which the ground has come down: a shin leans back over it.
-        """
-        ways = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
-        heights = terrain.height(place + ways[:, None] * along)
-        jumps = heights[2:] - heights[:-2]
-        at = np.flatnonzero(np.abs(jumps) > max(2.0 * terrain.noise, LOW_STEP))
-        if not len(at):
+        """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges."""
+        windows = step_windows(terrain, place, along, self.margin)
+        if windows is None:
             return None
-        edges = ways[1:-1][at]
-        behind, ahead = edges[edges <= 0.0], edges[edges > 0.0]
-        low, high = -math.inf, math.inf
-        if len(behind):
-            falls = jumps[at[len(behind) - 1]] < 0.0
-            low = float(behind[-1]) + (SHIN if falls else self.margin)
-        if len(ahead):
-            high = float(ahead[0]) - self.margin
-        return 0.5 * (low + high) if low > high else min(max(0.0, low), high)
+        shift = float(nearest_shift(windows, np.zeros(1))[0])
+        return shift if abs(shift) <= FARTHEST else None
 
     def _best(self, terrain: Terrain, place: FloatArray) -> FloatArray:
         """Return the best (2,) place about one, by the ground around each [m]."""

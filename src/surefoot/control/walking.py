@@ -28,6 +28,7 @@ from surefoot.control.ground_sense import ground_sense
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
+from surefoot.control.step_phase import StepPhase
 from surefoot.control.walking_body import ACCELERATION, DIP, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow, stance_places, turned_arms
@@ -179,6 +180,10 @@ class WalkingController(Controller):
         self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
         self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
+        self._steps = None
+        if isinstance(self.schedule, Gait) and self.terrain.highest_step > 0.0:
+            margin = 2.0 * float(self._radii.mean())
+            self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
         self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.channels = (*type(self).channels, *self._load.channels)
@@ -195,6 +200,8 @@ class WalkingController(Controller):
         if self._grip is not None:
             self._grip.reset()
         self._load.reset()
+        if self._steps is not None:
+            self._steps.reset()
         self.feet: Feet | None = None
         if isinstance(self.schedule, AdaptiveGait):
             self.schedule.reset()
@@ -242,9 +249,7 @@ class WalkingController(Controller):
         if changed or due:
             self._replan(now, clock, time)
             self._aimless |= changed
-        elif (
-            self._aimless or time - self._aimed_at >= late
-        ):  # never in the step of a plan: no step should take long
+        elif self._aimless or time - self._aimed_at >= late:  # never in the step of a plan, which takes long
             self._aim(now, clock, time)
             self._untold = True
         body = self.whole_body.solve(self._tasks(now, clock, time))
@@ -296,6 +301,9 @@ class WalkingController(Controller):
         command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
+        if self._steps is not None:
+            pace = self._steps.pace(math.hypot(command[0], command[1]), self.dt)
+            command = command * [pace, pace, 1.0]
         return command if self._grip is None else self._grip.limit(command)
 
     def _mind_friction(self, grip: Grip, state: RobotState, now: Kinematics) -> None:
@@ -313,6 +321,8 @@ class WalkingController(Controller):
         self._aimed_at, self._aimless = time, False
         if isinstance(self.schedule, AdaptiveGait):
             self._pace(self.schedule, now, clock)
+        if self._steps is not None and clock >= 0.0:
+            self._steps.look(self.body, clock)
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
             place = step_place(

@@ -19,7 +19,7 @@ LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
-DIP = 0.2
+DIP = 0.25
 """`BodyPlan.dip` on ground with steps: at a slope of 0.4, a tenth of the body's height less."""
 LOWERING = 0.3
 """Time constant with which the body comes down to the height that suits a slope [s]."""
