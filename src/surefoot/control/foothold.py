@@ -127,25 +127,44 @@ class FootholdSearch:
     edge_weight: float = 3.0
     tilt_weight: float = 0.05
 
-    def choose(self, terrain: Terrain, place: FloatArray, way: FloatArray | None = None) -> FloatArray:
+    def choose(
+        self,
+        terrain: Terrain,
+        place: FloatArray,
+        way: FloatArray | None = None,
+        before: FloatArray | None = None,
+    ) -> FloatArray:
         """Return the (2,) place [m] to step on, world axes; the nominal one on a plane.
 
-        On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges.
+        On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges: those
+        between which it was to stand `before` (2,) [m], where that was said and is near enough.
         """
         if terrain.planar:
             return place
         length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
         if way is not None and length > 1e-6:
-            shift = self.step_shift(terrain, place, way / length)
+            along = way / length
+            kept = None if before is None else float((before - place) @ along)
+            shift = self.step_shift(terrain, place, along, kept)
             if shift is not None:
-                return np.asarray(place + shift * way / length)
+                return np.asarray(place + shift * along)
         return self._best(terrain, place)
 
-    def step_shift(self, terrain: Terrain, place: FloatArray, along: FloatArray) -> float | None:
-        """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges."""
+    def step_shift(
+        self, terrain: Terrain, place: FloatArray, along: FloatArray, before: float | None = None
+    ) -> float | None:
+        """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
+
+        Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, that one is kept [m].
+        """
         windows = step_windows(terrain, place, along, self.margin)
         if windows is None:
             return None
+        if before is not None:
+            tread = int(np.abs(np.clip(before, *windows) - before).argmin())
+            shift = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+            if abs(shift) <= FARTHEST:
+                return shift
         shift = float(nearest_shift(windows, np.zeros(1))[0])
         return shift if abs(shift) <= FARTHEST else None
 

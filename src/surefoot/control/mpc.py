@@ -130,14 +130,19 @@ class ConvexMpc:
         self._bounds = np.tile(np.stack(limits, axis=1), (self.horizon, 1, 1))
         self._level = np.tile(np.eye(3), (self.horizon, self.feet, 1, 1))
         self._weights = self.weights.matrix()
+        self.pace(self.dt)
+        self.outside, self.fading = np.zeros(6), math.inf
+
+    def pace(self, dt: float) -> None:
+        """Take another length of a step [s]; the previous plan is forgotten."""
+        self.dt = real_number("dt", dt, low=1e-6, high=10.0)
         self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
         self._K = np.ascontiguousarray(np.linalg.inv(self._P))
         term = self.weights.momentum
         self._momentum: MomentumCost | None = None
         if term is not None and not term.idle:
-            self._momentum = MomentumCost(term, inertia, self._P, self.dt)
+            self._momentum = MomentumCost(term, np.asarray(self.inertia), self._P, self.dt)
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
-        self.outside, self.fading = np.zeros(6), math.inf
 
     def carry(self, mass: float, inertia: FloatArray) -> None:
         """Take another mass [kg] and (3, 3) inertia about the centre of mass, body axes [kg m²]."""

@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.gait import Gait
 from surefoot.control.step_windows import FINE, LOOK, nearest_shift, step_windows
 from surefoot.control.walking_body import BodyPlan
@@ -20,7 +21,7 @@ from surefoot.control.walking_kernels import turned_arms
 from surefoot.terrain import Terrain
 
 STRIDES = 3
-"""So many strides ahead of the next one are looked at."""
+"""So many strides ahead of the next one are looked at, on ground that is known."""
 PACE, CHANGE = 0.75, 0.15
 """Time in which the body takes up its place [s], and the largest share of its speed that this may cost."""
 IN_STEP = 0.1
@@ -51,10 +52,11 @@ class StepPhase:
         Of its speed with which the body goes on now, see `pace`.
     """
 
-    def __init__(self, terrain: Terrain, schedule: Gait, offsets: FloatArray, margin: float) -> None:
+    def __init__(
+        self, terrain: Terrain, schedule: Gait | AdaptiveGait, offsets: FloatArray, margin: float
+    ) -> None:
         self.terrain, self.schedule, self.offsets, self.margin = terrain, schedule, offsets, margin
-        steps = terrain.steepness > 0.0 and not terrain.planar
-        self._tread = terrain.highest_step / terrain.steepness if steps else 0.0
+        self._strides = 0 if terrain.learns else STRIDES
         self._ahead = np.arange(-0.5 * LOOK, 0.5 * LOOK + FINE, 2.0 * FINE)
         self.reset()
 
@@ -85,10 +87,10 @@ class StepPhase:
         place = body.position[:2] + arm + (self._touchdown(k, clock) + 0.5 * self.schedule.stance_time) * flow
         costs = self._costs[k]
         costs[:] = 0.0
-        ways = np.arange(-LOOK, LOOK + STRIDES * length, FINE)
+        ways = np.arange(-LOOK, LOOK + self._strides * length, FINE)
         windows = step_windows(self.terrain, place, stride / length, self.margin, ways)
         if windows is not None:
-            moved = self._ahead + length * np.arange(STRIDES + 1)[:, None]
+            moved = self._ahead + length * np.arange(self._strides + 1)[:, None]
             costs += np.square(nearest_shift(windows, moved.ravel()).reshape(moved.shape)).sum(axis=0)
         total = self._costs.sum(axis=0)
         total += EASE * np.square(self._ahead) + KEEP * np.square(self._ahead - self.lead)
@@ -106,9 +108,10 @@ class StepPhase:
 
     def _in_step(self, length: float) -> bool:
         """Return whether strides of a length [m] find the same part of each tread again."""
-        if length < 1e-3 or self._tread <= 0.0:
+        terrain = self.terrain
+        if length < 1e-3 or terrain.highest_step <= 0.0 or terrain.steepness <= 0.0:
             return False
-        strides = self._tread / length
+        strides = terrain.highest_step / (terrain.steepness * length)
         return round(strides) >= 1 and abs(strides / round(strides) - 1.0) < IN_STEP
 
     def _touchdown(self, k: int, clock: float) -> float:

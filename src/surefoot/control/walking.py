@@ -45,6 +45,8 @@ from surefoot.terrain import FlatTerrain, Terrain
 UNREST = 0.1
 """A body that should stand but moves faster than this share of sqrt(g h) takes steps, if its gait may."""
 
+APPROACH = 0.1
+"""Share of its speed with which a body comes near to steps, until its gait is in step with them."""
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
 
@@ -182,7 +184,8 @@ class WalkingController(Controller):
         self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
         self._steps = None
-        if isinstance(self.schedule, Gait) and self.terrain.highest_step > 0.0:
+        seen = self.terrain.highest_step > 0.0 or self.terrain.learns
+        if isinstance(self.schedule, (Gait, AdaptiveGait)) and seen:
             margin = 2.0 * float(self._radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
@@ -308,6 +311,8 @@ class WalkingController(Controller):
         command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
+        if isinstance(self.schedule, AdaptiveGait) and self.schedule.turning:
+            command = APPROACH * command
         if self._steps is not None:
             pace = self._steps.pace(math.hypot(command[0], command[1]), self.dt)
             command = command * [pace, pace, 1.0]
@@ -341,12 +346,18 @@ class WalkingController(Controller):
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
         assert self.feet is not None
-        wanted = max(self.command.at(max(clock, 0.0)), self.body.velocity, key=lambda v: float(v @ v))
+        share = 1.0 if self._steps is None else self._steps.share  # strides are those of the unhurried body
+        own = self.body.velocity / [share, share, 1.0]
+        wanted = max(self.command.at(max(clock, 0.0)), own, key=lambda v: float(v @ v))
         drift = now.com_velocity * [1.0, 1.0, 0.0]
         if not wanted.any() and float(np.linalg.norm(drift)) > UNREST * math.sqrt(GRAVITY * self._height):
             wanted = drift
         schedule.update(max(clock, 0.0), wanted)
         self._stance_time, self.feet.clearance = schedule.stance_time, schedule.pace.clearance
+        stride = schedule.wanted  # in step with the ground it is long, and the horizon with it
+        step = stride.pace.period / self.settings.steps_per_period if stride.in_step else self._mpc_dt
+        if abs(step / self.mpc.dt - 1.0) > 1e-3:
+            self.mpc.pace(step)
         self._held = not schedule.fits(LEAD * self.body.velocity)
 
     def _plan_forces(self, now: Kinematics, time: float) -> None:

@@ -146,8 +146,9 @@ def swing_paths(
     ends
         (2, n, 3) lift-off and wanted touchdown.
     timing
-        (n, 5) rows apex, share of the swing, its duration, share to lift first (negative over even
-        ground: `even_swing`), and the time since which the foot has been late, negative for one that is not.
+        (n, 6) rows apex, share of the swing, its duration, share to lift first (negative over even
+        ground: `even_swing`), the time since which the foot has been late, negative for one that is not, and
+        the share from which it only sinks.
     descent, search, fastest
         Speed towards the ground at the end [m/s]; acceleration with which a late foot goes down [m/s²], and
         largest speed that it gets so [m/s].
@@ -161,7 +162,14 @@ def swing_paths(
             path[:] = even_swing(ends[0, k], ends[1, k], timing[k, 0], timing[k, 1], timing[k, 2], descent)
         else:
             path[:] = swing_motion(
-                ends[0, k], ends[1, k], timing[k, 0], timing[k, 1], timing[k, 2], descent, timing[k, 3]
+                ends[0, k],
+                ends[1, k],
+                timing[k, 0],
+                timing[k, 1],
+                timing[k, 2],
+                descent,
+                timing[k, 3],
+                timing[k, 5],
             )
         if late >= 0.0:
             rush = min(late, fastest / search)
