@@ -66,6 +66,10 @@ class WholeBodyController:
         Of the tasks; None for the defaults.
     baumgarte
         (stiffness [1/s²], damping [1/s]) of the contact constraint.
+    effort_limits
+        (joints,) [N m]; None for the robot's own.
+    actuators
+        Motors whose torques it commands: rotors, limits at the joints' speeds, friction that it makes up for.
     sole_damping
         Rates at which soles that carry stop moving along the normal, and turning [1/s]; None for the damping
         of the contact constraint. A sole that does not lie as flat as is believed tips over the corners that
