@@ -1,7 +1,7 @@
-"""Tables of the docs that commands measure: kept in docs/tables with command and date, and set into their pages.
+"""Measured tables of the docs: kept in docs/tables with command and date, and set into their pages.
 
 Run: python -m docs.tables [NAME...] measures anew (all without a name) and sets the tables into the pages;
-with --check nothing is measured or written, and the exit code is 1 if a page says something else than its file.
+with --check nothing is measured or written, and the exit code is 1 if a page says something else.
 """
 
 from __future__ import annotations
@@ -55,17 +55,16 @@ def _rigid(told: Any) -> Rows:
     return [
         line("wall time of one simulated second, controller included", lambda w: f"{w['wall']:.3f} s"),
         line("world step, median", lambda w: f"{1e6 * w['step']['median']:.0f} µs"),
-        line("resting force against m g, worst of the last half second", lambda w: _percent(w["weight_error"])),
+        line(
+            "resting force against m g, worst of the last half second",
+            lambda w: f"{100.0 * w['weight_error']:.3f} %",
+        ),
         line("deepest penetration", lambda w: f"{1e3 * w['penetration']:.4f} mm"),
         line(
             "energy beyond the start's and the motors' work",
-            lambda w: "" if w["energy_made"] is None else f"{max(0.0, w['energy_made']):.0e} J",
+            lambda w: "" if w["energy_made"] is None else f"{max(0.0, w['energy_made']):.1g} J",
         ),
     ]
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.3f} %"
 
 
 def _verdicts(told: Any) -> Rows:
@@ -89,6 +88,20 @@ def _solref(told: Any) -> Rows:
     return [[f"{scale * row[key]:.3g}" for key, scale in scales.items()] for row in rows]
 
 
+def _softening(told: Any, table: str) -> Rows:
+    """Return a row per form and a column per problem: solved, iterations, time, gap times impulse, cost."""
+    cells: dict[str, dict[str, str]] = {}
+    for row in told[table]:
+        told_of = [f"{row['solved']}/{row['starts']}", f"{row['iterations']:.0f}", f"{row['seconds']:.1f} s"]
+        told_of.append(f"{row['product']:.0e}")
+        if row["cost"]:  # none where nothing is to be chosen, null where nothing was solved
+            told_of.append(f"{row['cost']:.2f}")
+        cells.setdefault(row["variant"], {})[row["problem"]] = ", ".join(told_of)
+    return [[variant, *(by[name] for name in PROBLEMS)] for variant, by in cells.items()]
+
+
+PROBLEMS = ("ball", "slide", "hopper", "push", "kicker")
+SOFTENING = "bench softening --table race --table recommended"
 TABLES = {
     "rigid": Table("bench rigid go2", "rigid-world.md", ("", "rigid", "MuJoCo"), _rigid),
     "verdicts": Table(
@@ -99,6 +112,10 @@ TABLES = {
     ),
     "questions": Table(
         "bench statics", "statics.md", ("question", "who", "median [µs]", "99 % [µs]", "ratio"), _questions
+    ),
+    "race": Table(SOFTENING, "softening.md", ("form", *PROBLEMS), lambda told: _softening(told, "race")),
+    "recommended": Table(
+        SOFTENING, "softening.md", ("form", *PROBLEMS), lambda told: _softening(told, "recommended")
     ),
     "solref": Table(
         "worlds solref --world mujoco",
