@@ -69,6 +69,9 @@ control.foothold         step_place           control/test_walking_kernels.py::t
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
 control.latency          fitting              control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
 control.latency          note                 control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
+control.mpc_arrays       gather               control/test_force_planner.py::test_arrays_of_a_horizon_against_numpy
+control.mpc_arrays       lowered              control/test_force_planner.py::test_arrays_of_a_horizon_against_numpy
+control.mpc_arrays       scatter              control/test_force_planner.py::test_arrays_of_a_horizon_against_numpy
 control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
@@ -92,6 +95,7 @@ control.torque_kernels   friction_losses      control/test_torque_kernels.py::te
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
 control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
+control.walking_kernels  mode_rows            control/test_walking_kernels.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
 control.walking_kernels  plane_through        control/test_walking_kernels.py::test_the_plane_is_that_of_least_squares

@@ -83,3 +83,37 @@ def test_it_stands_at_rest_and_walks_off_again() -> None:
     assert on[(times > 4.5) & (times < 5.5)].all()
     assert (~on[(times > 6.0)]).any(axis=0).all()
     assert math.isclose(swings(on).min(), 0.18, abs_tol=0.02)
+
+
+STEPS = Pace(0.75, 0.6, 0.06)
+OFFSETS = np.array([-0.0625, 0.4375, 0.5625, 0.0625])
+
+
+@pytest.mark.parametrize("seen", np.linspace(2.0, 2.4, 9))
+def test_into_step_with_the_ground_and_out_two_feet_carry_nearly_always(seen: float) -> None:
+    """Never more than 30 ms on less, no swing shorter than the trot's; `turning` tells when it is done."""
+    there = [False]
+
+    def choose(velocity: np.ndarray, now: str) -> Stride:
+        return Stride("trot", STEPS, OFFSETS, in_step=True) if there[0] else Stride("trot", QUICK, TROT)
+
+    gait = AdaptiveGait("trot", choose, choose(np.zeros(3), "trot"))
+    times, rows, turning = np.arange(0.0, 14.0, 1e-3), [], []
+    for i, t in enumerate(times.tolist()):
+        there[0] = seen <= t < 9.0
+        if i % 20 == 0:
+            gait.update(t, np.array([0.4, 0.0, 0.0]))
+            gait.horizon(t, 0.03, 10)
+        rows.append([gait.phase(k, t)[0] for k in range(4)])
+        turning.append(gait.turning)
+    on = np.array(rows)
+    few = (on.sum(axis=1) < 2) & (times > 0.5)
+    runs = np.diff(np.flatnonzero(np.diff(np.concatenate([[0], few.astype(int), [0]]))))[::2]
+    assert runs.max(initial=0) <= 30
+    assert swings(on).min() >= 0.9 * QUICK.period * (1.0 - QUICK.duty)
+    assert not any(turning[: int(1e3 * seen)])
+    done = times[np.flatnonzero(turning)[-1]]
+    assert seen + 1.0 < done < seen + 3.0
+    assert gait.fits(np.array([9.0, 0.0, 0.0]))  # whatever the speed: no body waits for it
+    steady = on[(times > done + 1.0) & (times < 9.0)]
+    assert steady.mean(axis=0) == pytest.approx(0.6, abs=0.05)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from surefoot.audit import audit_log, summarise_walk
+from surefoot.audit.laws import log_laws
+from surefoot.control.biped.soles import sole_damping
 from surefoot.control.biped.walking import BipedController
 from surefoot.control.walkers import default_gait, walking_controller
 from surefoot.control.walking import WalkingController
@@ -13,7 +15,8 @@ from surefoot.errors import ModelError, ProblemError
 from surefoot.robot import load_robot
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
-from surefoot.terrain import FlatTerrain
+from surefoot.spatial import GRAVITY
+from surefoot.terrain import FlatTerrain, rough_ground
 
 pytest.importorskip("mujoco")
 
@@ -33,6 +36,30 @@ def test_humanoids_walk_lawfully(name: str, speed: float) -> None:
     assert audit_log(log).lawful
     swings = (~log["planned"]).any(axis=0)
     assert swings.all()
+
+
+def test_soles_come_down_gently_on_rough_ground() -> None:
+    """Soles tip over the corners that touch: let down gently, no corner strikes the ground.
+
+    With no more damping than the contact constraint has, and no press, force times depth of a corner reaches
+    0.54 mm times m g here.
+    """
+    from surefoot.control.actuators import actuators_of
+    from surefoot.simulation.mujoco import MujocoWorld
+
+    robot, ground = load_robot("g1"), rough_ground(1, 0.03)
+    motors = actuators_of(robot, "real")
+    walk = VelocityCommand.constant(0.3)
+    controller = walking_controller(robot, walk, terrain=ground, actuators=motors)
+    log = run(MujocoWorld(robot, ground, 0.6, actuators=motors), controller, Scenario(4.0, 0.6, seed=1))
+    assert summarise_walk(log).outcome == "walked"
+    assert log_laws(log).complementarity_max < 0.25e-3 * robot.mass * GRAVITY
+
+
+@pytest.mark.parametrize("dt", [1e-3, 4e-3])
+def test_soles_settle_within_what_a_step_can_take(dt: float) -> None:
+    rates = sole_damping((16.0, 40.0), 3.8, dt)
+    assert rates == pytest.approx((50.0, 50.0) if dt > 1e-3 else (60.8, 152.0))
 
 
 def test_the_controller_follows_from_the_feet() -> None:

@@ -88,15 +88,15 @@ def test_the_slope_rotation_is_a_rotation_along_the_surface(yaw: float, a: float
 def test_on_steps_a_foot_is_moved_between_the_edges(rise: float) -> None:
     """As little as possible: away from a riser by the margin, and from one that it came down over by more."""
     stairs, search, way = StairsTerrain(rise, 0.3), FootholdSearch(margin=0.045), np.array([0.15, 0.0])
-    behind = 0.09 if rise < 0.0 else 0.045
+    behind = 0.13 if rise < 0.0 else 0.045
     for x in np.linspace(0.01, 0.29, 29):
-        place = search.choose(stairs, np.array([0.3 + x, 0.1]), way)
+        place = search.choose(stairs, np.array([0.6 + x, 0.1]), way)
         assert place[1] == pytest.approx(0.1)
-        assert place[0] - 0.3 == pytest.approx(np.clip(x, behind, 0.3 - 0.045), abs=0.006)
+        treads = np.clip(x, [behind - 0.3, behind, behind + 0.3], [-0.045, 0.255, 0.555])
+        assert abs(place[0] - 0.6 - x) == pytest.approx(np.abs(treads - x).min(), abs=0.006)
+        assert np.abs(place[0] - 0.6 - treads).min() < 0.006
     narrow = StairsTerrain(rise, 0.08)
-    assert (search.choose(narrow, np.array([0.17, 0.0]), way)[0] % 0.08) == pytest.approx(
-        0.5 * (behind + 0.08 - 0.045), abs=0.011
-    )
+    assert (search.choose(narrow, np.array([0.17, 0.0]), way)[0] % 0.08) == pytest.approx(0.04, abs=0.011)
 
 
 def test_without_edges_along_the_way_the_search_is_the_old_one() -> None:

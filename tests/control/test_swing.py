@@ -54,6 +54,18 @@ def test_a_late_foot_keeps_going_down() -> None:
     assert late[0, :2] == pytest.approx([0.1, 0.0])
 
 
+@pytest.mark.parametrize("down", [0.8, 0.85, 0.95])
+def test_a_foot_only_sinks_after_a_share(down: float) -> None:
+    """There it is at its target, above which it goes down straight, with four fifths of the descent."""
+    start, target = np.zeros(3), np.array([0.1, 0.02, 0.12])
+    at = swing_motion(start, target, 0.2, down, 0.3, 0.2, 0.08, down)
+    assert at[0] == pytest.approx(target, abs=1e-12)
+    assert at[1] == pytest.approx([0.0, 0.0, -0.16], abs=1e-9)
+    later = swing_motion(start, target, 0.2, 1.0, 0.3, 0.2, 0.08, down)
+    assert later[0, :2] == pytest.approx(target[:2])
+    assert 0.16 * (1.0 - down) * 0.3 <= target[2] - later[0, 2] <= 0.2 * (1.0 - down) * 0.3
+
+
 def test_the_smooth_step_is_the_minimum_jerk_polynomial() -> None:
     step = np.polynomial.Polynomial([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])
     for share in np.linspace(-0.1, 1.4, 31):

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from surefoot.control import walking_kernels as kernels
 from surefoot.control.foothold import raibert, step_place
+from surefoot.control.gait import Gait
 from surefoot.control.swing import swing_motion
 
 SEEDS = range(4)
@@ -69,12 +70,14 @@ def test_the_plane_is_that_of_least_squares(seed: int) -> None:
 def test_feet_in_the_air_follow_their_paths(seed: int, fastest: float) -> None:
     rng = np.random.default_rng(seed)
     ends, centres, twists = rng.normal(size=(2, 3, 3)), rng.normal(size=(3, 3)), rng.normal(size=(3, 6))
-    timing = np.array([[2.0, 0.3, 0.2, 0.1, -1.0], [2.0, 1.2, 0.2, 0.1, 0.04], [2.0, 0.5, 0.2, 0.1, -1.0]])
+    timing = np.array(
+        [[2.0, 0.3, 0.2, 0.1, -1.0, 0.95], [2.0, 1.2, 0.2, 0.1, 0.04, 0.85], [2.0, 0.5, 0.2, 0.1, -1.0, 0.9]]
+    )
     flying = np.array([True, True, False])
     out = kernels.swing_accelerations(flying, ends, timing, centres, twists, 0.1, 3.0, fastest, 400.0, 40.0)
     for k in range(3):
-        apex, share, duration, lift, late = timing[k]
-        path = swing_motion(ends[0, k], ends[1, k], apex, share, duration, 0.1, lift)
+        apex, share, duration, lift, late, down = timing[k]
+        path = swing_motion(ends[0, k], ends[1, k], apex, share, duration, 0.1, lift, down)
         if late >= 0.0:
             ramp = min(late, fastest / 3.0)  # then on at the largest speed
             path[:, 2] -= [1.5 * ramp**2 + 3.0 * ramp * (late - ramp), 3.0 * ramp, 3.0 * (ramp == late)]
@@ -125,3 +128,12 @@ def test_a_step_goes_where_raibert_puts_it_about_the_coming_hip(turn: float) -> 
     place = raibert(com[:2] + left * flow + hip, v[:2], flow, turn, 0.3, 0.2)
     place = place + 0.1 * turn * np.array([-hip[1], hip[0]])
     assert step_place(com, v, arm, yaw, wanted, left, 0.3, 0.2) == pytest.approx(place)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_rows_of_a_repeated_table_are_those_of_the_schedule(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    gait = Gait.from_phases("own", rng.uniform(0.3, 0.9), rng.uniform(0.3, 0.8, 4), rng.uniform(0.0, 1.0, 4))
+    start, step = rng.uniform(-2.0, 5.0), rng.uniform(0.01, 0.06)
+    middles = start + step * (np.arange(25) + 0.5)
+    np.testing.assert_array_equal(gait.horizon(start, step, 25), gait.contacts(middles))

@@ -104,8 +104,8 @@ def test_torques_accelerations_and_forces_obey_the_equations_of_motion(name: str
 @pytest.mark.parametrize("seed", range(4))
 def test_carrying_feet_obey_the_contact_constraint(name: str, seed: int) -> None:
     robot, q, v, tasks = random_case(name, seed)
-    damping = 12.0
-    controller = WholeBodyController(robot, baumgarte=(30.0, damping))
+    damping, sinking, turning = 12.0, 20.0, 35.0
+    controller = WholeBodyController(robot, baumgarte=(30.0, damping), sole_damping=(sinking, turning))
     tasks = replace(tasks, gaps=np.linspace(-0.01, 0.01, len(robot.feet)))
     command = controller.step(q, v, tasks)
     found = centre_accelerations(robot, q, v, command.accelerations)
@@ -119,9 +119,11 @@ def test_carrying_feet_obey_the_contact_constraint(name: str, seed: int) -> None
         reach = data.oMf[foot.frame].rotation @ foot.centre + arm
         slip = twist.linear + np.cross(twist.angular, reach)
         rolling = found[k, :3] + np.cross(found[k, 3:], arm)
-        assert rolling == pytest.approx(-damping * slip - 30.0 * tasks.gaps[k] * normal, abs=2e-6)
+        decay = damping * slip
         if foot.flat:
-            assert found[k, 3:] == pytest.approx(-damping * twist.angular, abs=2e-6)
+            decay += (sinking - damping) * float(normal @ slip) * normal
+            assert found[k, 3:] == pytest.approx(-turning * twist.angular, abs=2e-6)
+        assert rolling == pytest.approx(-decay - 30.0 * tasks.gaps[k] * normal, abs=2e-6)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -65,13 +65,16 @@ def test_feet_motion(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_contact_rows(seed: int) -> None:
-    """A rolling sphere keeps its lowest point's velocity; a sole keeps all six; Baumgarte's decay."""
+    """A rolling sphere keeps its lowest point's velocity; a sole keeps all six; Baumgarte's decay.
+
+    A sole's decays at rates of its own along the normal and about all axes.
+    """
     s = state(seed)
     centres, twists, drifts = motion(s)
     rows, wanted = np.full((18, NV), np.nan), np.full(18, np.nan)
     count = kernels.contact_rows(
         s["jacobian"], s["support"], s["flat"], s["stance"], centres, twists, drifts, s["arms"], s["gaps"],
-        s["normals"], 50.0, 7.0, rows, wanted,
+        s["normals"], (50.0, 7.0, 11.0, 13.0), rows, wanted,
     )  # fmt: skip
     expected, right = [], []
     for k in (0, 1):
@@ -79,10 +82,13 @@ def test_contact_rows(seed: int) -> None:
         slip = twists[k, :3] + np.cross(twists[k, 3:], s["arms"][k])
         drift = drifts[k, :3] + np.cross(drifts[k, 3:], s["arms"][k])
         expected.append(J[:3])
-        right.append(-drift - 7.0 * slip - 50.0 * s["gaps"][k] * s["normals"][k])
+        normal = s["normals"][k]
+        along = (normal @ slip) * normal
+        decay = 7.0 * (slip - along) + 11.0 * along if s["flat"][k] else 7.0 * slip
+        right.append(-drift - decay - 50.0 * s["gaps"][k] * normal)
         if s["flat"][k]:
             expected.append(J[3:])
-            right.append(-drifts[k, 3:] - 7.0 * twists[k, 3:])
+            right.append(-drifts[k, 3:] - 13.0 * twists[k, 3:])
     assert count == 9
     np.testing.assert_allclose(rows[:9], np.vstack(expected), atol=1e-12)
     np.testing.assert_allclose(wanted[:9], np.concatenate(right), atol=1e-12)

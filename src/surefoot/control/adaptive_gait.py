@@ -23,6 +23,10 @@ from surefoot.control.leg_demand import Pace
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
 """Most that times on the ground and in the air grow or shrink by from one cycle to the next, as factors, and
 that the feet's offsets move by, as a share of the period."""
+SLOW_OFFSET_STEP = 0.02
+"""The same for offsets into step with the ground and out of it: stances there are short."""
+NEARLY = 0.08
+"""A cycle whose period is so near to that of steps, as a share of it, is in step with them."""
 UNFIT = 1.1
 """A cycle is not fit for a speed if its feet would carry this much longer than they should there."""
 AHEAD = 0.6
@@ -47,12 +51,15 @@ class Stride:
         (n,) when each foot touches down, as shares of the period; not wrapped: -0.1 is just before the cycle.
     moving
         Whether feet are lifted at all.
+    in_step
+        Whether its period is that of steps on the ground: it is fit for the speed that it is for.
     """
 
     name: str
     pace: Pace
     offset: FloatArray
     moving: bool = True
+    in_step: bool = False
 
 
 Choose = Callable[[FloatArray, str], Stride]
@@ -110,10 +117,18 @@ class AdaptiveGait(ContactSchedule):
             while len(stances) > 1 and stances[0][1] < time - AHEAD:
                 del stances[0]
 
+    @property
+    def turning(self) -> bool:
+        """Whether the newest cycle is not yet in step with the ground, and should be."""
+        if not self.wanted.in_step or self._resting:
+            return False
+        turned = float(np.abs(self.stride.offset - self.wanted.offset).max())
+        return turned > SLOW_OFFSET_STEP or abs(self.period / self.wanted.pace.period - 1.0) > NEARLY
+
     def fits(self, velocity: FloatArray) -> bool:
         """Return whether the newest cycle is fit for a (3,) velocity [m/s, m/s, rad/s]."""
         wanted = self._choose(velocity, self.wanted.name)
-        if not wanted.moving or self._resting:
+        if not wanted.moving or self._resting or self.wanted.in_step:
             return True
         turned = float(np.abs(self.stride.offset - wanted.offset).max())
         return turned < OFFSET_STEP and self.stance_time < UNFIT * wanted.pace.stance_time
@@ -187,7 +202,8 @@ def _between(now: Stride, wanted: Stride) -> Stride:
     stance = a.stance_time * _bounded(b.stance_time / a.stance_time, STANCE_STEP)
     air, wanted_air = a.period - a.stance_time, b.period - b.stance_time
     air *= _bounded(wanted_air / air, AIR_STEP)
-    offset = now.offset + np.clip(wanted.offset - now.offset, -OFFSET_STEP, OFFSET_STEP)
+    most = OFFSET_STEP if wanted.in_step == now.in_step and not wanted.in_step else SLOW_OFFSET_STEP
+    offset = now.offset + np.clip(wanted.offset - now.offset, -most, most)
     return replace(wanted, pace=Pace(stance + air, stance / (stance + air), b.clearance), offset=offset)
 
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.control.step_windows import FARTHEST, nearest_shift, step_windows
 from surefoot.control.walking_kernels import plane_through
 from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
@@ -26,10 +27,6 @@ from surefoot.terrain import Terrain
 CAPTURE_SHARE = 1.0
 """Share of the capture point's offset sqrt(h / g) by which a speed error moves the foothold; at 1 a pendulum
 would come to rest over it."""
-SHIN, LOW_STEP = 0.09, 0.03
-"""Distance that a descending foot keeps from the edge behind it, and what is a step [m]."""
-LOOK, FINE = 0.2, 0.005
-"""How far along the way edges are looked for, and in what steps [m]."""
 
 
 @kernel
@@ -130,41 +127,46 @@ class FootholdSearch:
     edge_weight: float = 3.0
     tilt_weight: float = 0.05
 
-    def choose(self, terrain: Terrain, place: FloatArray, way: FloatArray | None = None) -> FloatArray:
+    def choose(
+        self,
+        terrain: Terrain,
+        place: FloatArray,
+        way: FloatArray | None = None,
+        before: FloatArray | None = None,
+    ) -> FloatArray:
         """Return the (2,) place [m] to step on, world axes; the nominal one on a plane.
 
-        On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges.
+        On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges: those
+        between which it was to stand `before` (2,) [m], where that was said and is near enough.
         """
         if terrain.planar:
             return place
         length = 0.0 if way is None else math.hypot(float(way[0]), float(way[1]))
         if way is not None and length > 1e-6:
-            shift = self.step_shift(terrain, place, way / length)
+            along = way / length
+            kept = None if before is None else float((before - place) @ along)
+            shift = self.step_shift(terrain, place, along, kept)
             if shift is not None:
-                return np.asarray(place + shift * way / length)
+                return np.asarray(place + shift * along)
         return self._best(terrain, place)
 
-    def step_shift(self, terrain: Terrain, place: FloatArray, along: FloatArray) -> float | None:
+    def step_shift(
+        self, terrain: Terrain, place: FloatArray, along: FloatArray, before: float | None = None
+    ) -> float | None:
         """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
 
-        At least the margin away from the next edge on either side, between them where they are too close;
-        `SHIN` from one behind over which the ground has come down: a shin leans back over it.
+        Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, that one is kept [m].
         """
-        ways = np.arange(-LOOK, LOOK + 0.5 * FINE, FINE)
-        heights = terrain.height(place + ways[:, None] * along)
-        jumps = heights[2:] - heights[:-2]
-        at = np.flatnonzero(np.abs(jumps) > max(2.0 * terrain.noise, LOW_STEP))
-        if not len(at):
+        windows = step_windows(terrain, place, along, self.margin)
+        if windows is None:
             return None
-        edges = ways[1:-1][at]
-        behind, ahead = edges[edges <= 0.0], edges[edges > 0.0]
-        low, high = -math.inf, math.inf
-        if len(behind):
-            falls = jumps[at[len(behind) - 1]] < 0.0
-            low = float(behind[-1]) + (SHIN if falls else self.margin)
-        if len(ahead):
-            high = float(ahead[0]) - self.margin
-        return 0.5 * (low + high) if low > high else min(max(0.0, low), high)
+        if before is not None:
+            tread = int(np.abs(np.clip(before, *windows) - before).argmin())
+            shift = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
+            if abs(shift) <= FARTHEST:
+                return shift
+        shift = float(nearest_shift(windows, np.zeros(1))[0])
+        return shift if abs(shift) <= FARTHEST else None
 
     def _best(self, terrain: Terrain, place: FloatArray) -> FloatArray:
         """Return the best (2,) place about one, by the ground around each [m]."""

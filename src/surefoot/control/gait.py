@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.control.walking_kernels import mode_rows
 from surefoot.errors import ProblemError, unknown_name
 
 MAX_FLIGHT = 0.35
@@ -237,6 +238,10 @@ class Gait(_ModeTable):
         """Return which feet carry at (...) times [s]: (..., feet)."""
         t = np.mod(np.asarray(times, dtype=np.float64) + SAME_TIME, self.period)
         return np.asarray(self.table[self._starts.searchsorted(t, side="right") - 1])
+
+    def horizon(self, start: float, step: float, count: int) -> BoolArray:
+        """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
+        return mode_rows(self._starts, self.table, self.period, start + SAME_TIME, step, count)
 
     def phase(self, foot: int, time: float) -> tuple[bool, float, float]:
         """Return whether a foot carries at a time, and when that phase began and will end [s]."""

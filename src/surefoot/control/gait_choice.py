@@ -19,7 +19,7 @@ from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
-from surefoot.control.stair_gait import stair_gait
+from surefoot.control.stair_gait import DUTY, OFFSETS, stair_gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
@@ -136,11 +136,18 @@ def choose_gait(body: Body, command: VelocityCommand, gait: str | ContactSchedul
     pattern = PATTERNS[feet][gait]
     pace, least = _pace(body, pattern), LEAST_DUTY.get(gait, HURRIED_DUTY)
     hurry = _Hurry(body.limits(pace, True, least), command)
-    if hurry.most == 0.0 and command.values.any():  # one that begins at rest may be steered to any speed
+    if (
+        hurry.most == 0.0 and command.values.any() and not (body.terrain.learns and gait == "trot")
+    ):  # one that begins at rest may be steered to any speed
         steady = body.limits(pace, False)
         return Chosen(own, hurry.command, hurry.notes, own.period, lambda other: steady.limit(other).command)
 
     def stride(velocity: FloatArray, now: str) -> Stride:
+        steps = stair_gait(
+            body.terrain, VelocityCommand.constant(*velocity.tolist()), body.height, own.period, feet
+        )
+        if gait == "trot" and steps is not None:
+            return Stride(gait, Pace(steps.period, DUTY, body.clearance), np.array(OFFSETS), in_step=True)
         return Stride(gait, hurried(pace, hurry.at(velocity), least), np.array(pattern.offset))
 
     schedule = AdaptiveGait(gait, stride, stride(np.zeros(3), gait))

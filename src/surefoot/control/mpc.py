@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, real_number
 from surefoot.contact.solution import Status
-from surefoot.control import mpc_model
+from surefoot.control import mpc_arrays, mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.mpc_momentum import MomentumCost, MpcMomentum, Search
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
@@ -130,14 +130,19 @@ class ConvexMpc:
         self._bounds = np.tile(np.stack(limits, axis=1), (self.horizon, 1, 1))
         self._level = np.tile(np.eye(3), (self.horizon, self.feet, 1, 1))
         self._weights = self.weights.matrix()
+        self.pace(self.dt)
+        self.outside, self.fading = np.zeros(6), math.inf
+
+    def pace(self, dt: float) -> None:
+        """Take another length of a step [s]; the previous plan is forgotten."""
+        self.dt = real_number("dt", dt, low=1e-6, high=10.0)
         self._P = mpc_model.hessians(self._weights, self.weights.terminal, self.horizon, self.dt)
         self._K = np.ascontiguousarray(np.linalg.inv(self._P))
         term = self.weights.momentum
         self._momentum: MomentumCost | None = None
         if term is not None and not term.idle:
-            self._momentum = MomentumCost(term, inertia, self._P, self.dt)
+            self._momentum = MomentumCost(term, np.asarray(self.inertia), self._P, self.dt)
         self._points = np.full((self.horizon, self.feet, 3), np.nan)
-        self.outside, self.fading = np.zeros(6), math.inf
 
     def carry(self, mass: float, inertia: FloatArray) -> None:
         """Take another mass [kg] and (3, 3) inertia about the centre of mass, body axes [kg m²]."""
@@ -191,9 +196,12 @@ class ConvexMpc:
         """
         given = self._read(state, reference, foot_positions, contacts, frames, mu)
         if normal_share is not None:
-            given = given._replace(bounds=_lowered(given.bounds, normal_share))
+            share = np.asarray(normal_share, dtype=np.float64)
+            if share.shape != given.contacts.shape:
+                raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
+            given = given._replace(bounds=mpc_arrays.lowered(given.bounds, share))
         sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
-        point, total = self._points[given.contacts], 0
+        point, total = mpc_arrays.gather(self._points, given.contacts), 0
         for _ in range(self.passes):
             program = self._build(given, sway)
             if program is None:
@@ -208,8 +216,7 @@ class ConvexMpc:
                 given.ref_motion, self.dt,
             )  # fmt: skip
             sway = mpc_model.planned_sway(motion, given.ref_motion)
-        self._points = np.full_like(self._points, np.nan)
-        self._points[given.contacts] = point
+        mpc_arrays.scatter(point, given.contacts, self._points)
         status = Status.SOLVED if error <= self.tol else Status.MAX_ITERATIONS
         if self.tol < error <= ALMOST_FACTOR * self.tol:
             status = Status.ALMOST
@@ -329,14 +336,6 @@ class _Given(NamedTuple):
     motion: FloatArray
     ref_rotation: FloatArray
     ref_motion: FloatArray
-
-
-def _lowered(bounds: FloatArray, share: FloatArray) -> FloatArray:
-    """Return (N, n, 3) bounds whose largest normal forces are lowered to (N, n) shares of them."""
-    out = bounds.copy()
-    out[:, :, 2] *= share
-    out[:, :, 1] = np.minimum(out[:, :, 1], out[:, :, 2])
-    return out
 
 
 def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:

@@ -41,13 +41,15 @@ def minimum_jerk(share: float) -> tuple[float, float, float]:
 
 
 @inline_kernel
-def sinking(share: float, duration: float, descent: float) -> tuple[float, float, float, float]:
+def sinking(
+    share: float, duration: float, descent: float, down: float = DOWN
+) -> tuple[float, float, float, float]:
     """Return how a foot sinks at the end of a swing: what it has to gain before, way, speed and its change.
 
-    The speed grows to `descent` over the last quarter and stays; with the gain the path meets the ground
-    when the speed is four fifths of it, a twentieth of the swing before its end [m, m, m/s, m/s²].
+    The speed grows to `descent` over a quarter of the swing and stays; with the gain the path meets the
+    ground when the speed is four fifths of it, at the share `down` [m, m, m/s, m/s²].
     """
-    late = max(share - 0.75, 0.0)
+    late = max(share - down + 0.2, 0.0)
     way = descent * duration * (2.0 * late * late if late < 0.25 else late - 0.125)
     change = 4.0 * descent / duration if 0.0 < late < 0.25 else 0.0
     return 0.08 * descent * duration, way, descent * min(4.0 * late, 1.0), change
@@ -62,6 +64,7 @@ def swing_motion(
     duration: float,
     descent: float,
     lift_first: float = LIFT_FIRST,
+    down: float = DOWN,
 ) -> FloatArray:
     """Return place, velocity and acceleration of a foot in the air: (3, 3).
 
@@ -82,6 +85,8 @@ def swing_motion(
         Speed towards the ground at the end and after it [m/s], >= 0.
     lift_first
         Share of the swing before the foot moves sideways.
+    down
+        Share of the swing after which the foot only sinks; it does not move sideways either.
 
     Examples
     --------
@@ -89,16 +94,17 @@ def swing_motion(
     array([0.038944, 0.      , 0.05    ])
     """
     out = np.zeros((3, 3))
-    length = duration * (DOWN_LAST - lift_first)
-    b, db, ddb = minimum_jerk((share - lift_first) / (DOWN_LAST - lift_first))
+    straight = min(DOWN_LAST, down)
+    length = duration * (straight - lift_first)
+    b, db, ddb = minimum_jerk((share - lift_first) / (straight - lift_first))
     for i in range(2):
         d = target[i] - start[i]
         out[0, i], out[1, i], out[2, i] = start[i] + b * d, db * d / length, ddb * d / (length * length)
-    gain, sunk, speed, change = sinking(share, duration, descent)
+    gain, sunk, speed, change = sinking(share, duration, descent, down)
     if share < RISE:
         length, part, begin, end = duration * RISE, share / RISE, start[2], apex + gain
     else:
-        length, part = duration * (DOWN - RISE), (share - RISE) / (DOWN - RISE)
+        length, part = duration * (down - RISE), (share - RISE) / (down - RISE)
         begin, end = apex + gain, target[2] + gain
     b, db, ddb = minimum_jerk(part)
     d = end - begin

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
+from surefoot.control.step_detection import StepWatch
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
 from surefoot.spatial import rotation_from_quaternion
@@ -200,6 +201,8 @@ class MappedGround(GroundBelief):
     ----------
     map
         `ElevationMap`.
+    watch
+        For stairs.
     noise
         See there.
     """
@@ -208,6 +211,7 @@ class MappedGround(GroundBelief):
         self.map = ElevationMap(settings)
         self.noise = self.map.noise
         self._poses: deque[tuple[float, FloatArray]] = deque()
+        self.watch = StepWatch()
         self.map.see(
             np.zeros((1, 3)), np.ones(1)
         )  # compiled or loaded now, not in the first step with a scan
@@ -219,6 +223,7 @@ class MappedGround(GroundBelief):
         """See `GroundBelief.begin`."""
         self.map.begin(ground[:, :2].mean(axis=0), 0.0, np.zeros(2))
         self._poses.clear()
+        self.watch.reset()
         self._seen_at = state.time
         super().begin(state, ground, height)
         for point in ground:
@@ -245,6 +250,20 @@ class MappedGround(GroundBelief):
         self.map.move(state.q[:2])
         self.map.see(points, scan.variances, scan.time - self._seen_at)
         self._seen_at = scan.time
+        R = rotation_from_quaternion(state.q[3:7])
+        self.watch.look(self, state.q[:2], math.atan2(R[1, 0], R[0, 0]), state.time)
+
+    @property
+    def steepness(self) -> float:
+        """Rise over tread of the stairs that are seen [-]."""
+        steps = self.watch.steps
+        return 0.0 if steps is None else abs(steps.rise) / steps.tread
+
+    @property
+    def highest_step(self) -> float:
+        """Height of their steps [m]."""
+        steps = self.watch.steps
+        return 0.0 if steps is None else abs(steps.rise)
 
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the believed height under (..., 2) places [m]: (...)."""

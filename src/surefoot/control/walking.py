@@ -14,12 +14,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact import Status
 from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
+from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.force_ramps import ForceRamps
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_choice import Body, choose_gait
@@ -27,10 +28,11 @@ from surefoot.control.grip import Grip
 from surefoot.control.ground_sense import ground_sense
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
-from surefoot.control.mpc import BodyState, ConvexMpc, MpcPlan
+from surefoot.control.mpc import ConvexMpc
+from surefoot.control.step_phase import StepPhase
 from surefoot.control.walking_body import ACCELERATION, DIP, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
-from surefoot.control.walking_kernels import follow, stance_places, turned_arms
+from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
 from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
@@ -43,6 +45,8 @@ from surefoot.terrain import FlatTerrain, Terrain
 UNREST = 0.1
 """A body that should stand but moves faster than this share of sqrt(g h) takes steps, if its gait may."""
 
+APPROACH = 0.1
+"""Share of its speed with which a body comes near to steps, until its gait is in step with them."""
 LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
 
@@ -179,31 +183,38 @@ class WalkingController(Controller):
         self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
         self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
+        self._steps = None
+        seen = self.terrain.highest_step > 0.0 or self.terrain.learns
+        if isinstance(self.schedule, (Gait, AdaptiveGait)) and seen:
+            margin = 2.0 * float(self._radii.mean())
+            self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
         self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.channels = (*type(self).channels, *self._load.channels)
         self._normals = low, high
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
-        self._motion, self._now = np.zeros((5, 3)), np.zeros((3, 3))
+        self._now = np.zeros((3, 3))
+        self.planner = ForcePlanner(self.mpc, self._offsets, self._radii, self.dt)
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
-        self.mpc.reset()
+        self.planner.reset()
         self.whole_body.reset()
         if self._grip is not None:
             self._grip.reset()
         self._load.reset()
+        if self._steps is not None:
+            self._steps.reset()
         self.feet: Feet | None = None
         if isinstance(self.schedule, AdaptiveGait):
             self.schedule.reset()
         self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
-        self._planned_at = self._aimed_at = -math.inf
+        self._aimed_at = -math.inf
         self._held = False  # the gait does not follow the speed fast enough
         self._untold = True  # what has been learned of the load since it was told
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
-        self._plan: MpcPlan | None = None
         self._last: WalkCommand | None = None
 
     def step(self, state: RobotState) -> WalkCommand:
@@ -216,9 +227,11 @@ class WalkingController(Controller):
         if not computable(state.q, state.v):
             return self._blind(state.v)
         late = self._interval - 0.5 * self.dt
-        due = time - self._planned_at >= late
+        due = time - self.planner.begun >= late
         self._load.observe(state)
-        if self._untold and not due:  # in a step without a plan and without footholds
+        if self._untold and not (
+            due or self.planner.pending
+        ):  # in a step without a plan and without footholds
             self._load.tell(None if self.feet is None else self.body)
             self._untold = False
         now = self.whole_body.update(state.q, state.v)
@@ -240,19 +253,21 @@ class WalkingController(Controller):
         top = high * self.ramps.now(clock, feet.carrying)
         self.whole_body.bound_normals(np.minimum(low, top), top)
         if changed or due:
-            self._replan(now, clock, time)
+            self.planner.set_up(time, clock, feet, self.body, self.ramps, self._stance_time)
             self._aimless |= changed
-        elif (
-            self._aimless or time - self._aimed_at >= late
-        ):  # never in the step of a plan: no step should take long
+            if self.planner.plan is None:
+                self._plan_forces(now, time)
+        elif self.planner.pending:
+            self._plan_forces(now, time)
+        elif self._aimless or time - self._aimed_at >= late:  # never in the step of a plan, which takes long
             self._aim(now, clock, time)
             self._untold = True
         body = self.whole_body.solve(self._tasks(now, clock, time))
         self._load.acted(time, state.v, body.torques, feet.carrying)
-        assert self._plan is not None
+        assert self.planner.plan is not None
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
-            feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self._plan.status,
+            feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self.planner.plan.status,
             accelerations=body.accelerations, load=self._load.rows,
         )  # fmt: skip
         return self._last
@@ -296,6 +311,11 @@ class WalkingController(Controller):
         command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
+        if isinstance(self.schedule, AdaptiveGait) and self.schedule.turning:
+            command = APPROACH * command
+        if self._steps is not None:
+            pace = self._steps.pace(math.hypot(command[0], command[1]), self.dt)
+            command = command * [pace, pace, 1.0]
         return command if self._grip is None else self._grip.limit(command)
 
     def _mind_friction(self, grip: Grip, state: RobotState, now: Kinematics) -> None:
@@ -313,6 +333,8 @@ class WalkingController(Controller):
         self._aimed_at, self._aimless = time, False
         if isinstance(self.schedule, AdaptiveGait):
             self._pace(self.schedule, now, clock)
+        if self._steps is not None and clock >= 0.0:
+            self._steps.look(self.body, clock)
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
             place = step_place(
@@ -324,63 +346,36 @@ class WalkingController(Controller):
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
         assert self.feet is not None
-        wanted = max(self.command.at(max(clock, 0.0)), self.body.velocity, key=lambda v: float(v @ v))
+        share = 1.0 if self._steps is None else self._steps.share  # strides are those of the unhurried body
+        own = self.body.velocity / [share, share, 1.0]
+        wanted = max(self.command.at(max(clock, 0.0)), own, key=lambda v: float(v @ v))
         drift = now.com_velocity * [1.0, 1.0, 0.0]
         if not wanted.any() and float(np.linalg.norm(drift)) > UNREST * math.sqrt(GRAVITY * self._height):
             wanted = drift
         schedule.update(max(clock, 0.0), wanted)
         self._stance_time, self.feet.clearance = schedule.stance_time, schedule.pace.clearance
+        stride = schedule.wanted  # in step with the ground it is long, and the horizon with it
+        step = stride.pace.period / self.settings.steps_per_period if stride.in_step else self._mpc_dt
+        if abs(step / self.mpc.dt - 1.0) > 1e-3:
+            self.mpc.pace(step)
         self._held = not schedule.fits(LEAD * self.body.velocity)
 
-    def _replan(self, now: Kinematics, clock: float, time: float) -> None:
-        """Run the MPC for the feet's schedule from now on."""
-        feet = self.feet
-        assert feet is not None
-        s, N, dt = self.settings, self.settings.horizon, self._mpc_dt
-        contacts = self.schedule.horizon(clock, dt, N)
-        if clock < 0.0:
-            contacts[clock + dt * (np.arange(N) + 0.5) < 0.0] = True
-        contacts[0] = feet.carrying
-        for k in np.flatnonzero(feet.carrying & ~feet.planned):  # landed early: carries on
-            later = np.flatnonzero(contacts[1:, k])
-            contacts[: 1 + (later[0] if len(later) else 0), k] = True
-        reference = self.body.reference(N, dt)
-        places = self._foot_places(contacts, reference.position)
-        state = BodyState(now.rotation, now.com, now.com_velocity, now.angular_velocity)
-        self.mpc.shift(max(time - self._planned_at, 0.0) if math.isfinite(self._planned_at) else 0.0)
-        mu = None if self._grip is None else np.full(len(feet.radii), s.friction_share * self._grip.mu)
-        ramps = self.ramps.ahead(clock, dt, N)
-        self._plan = plan = self.mpc.solve(
-            state, reference, places, contacts, feet.frames, mu=mu, normal_share=ramps
-        )
-        self._planned_at = time
-        motion = self._motion
-        motion[0], motion[1], motion[2] = now.com, now.com_velocity, now.angular_velocity
-        motion[3] = (plan.linear_velocity[1] - plan.linear_velocity[0]) / dt
-        motion[4] = (plan.angular_velocity[1] - plan.angular_velocity[0]) / dt
-        self._from = now.rotation
-
-    def _foot_places(self, contacts: BoolArray, com: FloatArray) -> FloatArray:
-        """Return where each foot stands in each step of the horizon: (N, n, 3)."""
-        feet, body, dt = self.feet, self.body, self._mpc_dt
-        assert feet is not None
-        arms = turned_arms(self._offsets, body.yaw + body.velocity[2] * dt * np.arange(len(com)))
-        half = round(0.5 * self._stance_time / dt)
-        return stance_places(
-            contacts, feet.carrying, feet.ground, feet.target, feet.frames, self._radii, com, arms, half,
-            body.ground, body.position, body.slope,
-        )  # fmt: skip
+    def _plan_forces(self, now: Kinematics, time: float) -> None:
+        """Run the MPC on what has been set up."""
+        assert self.feet is not None
+        mu = None if self._grip is None else self.settings.friction_share * self._grip.mu
+        self.planner.solve(time, now, self.feet.frames, mu)
 
     def _tasks(self, now: Kinematics, clock: float, time: float) -> Tasks:
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
-        feet, plan = self.feet, self._plan
+        feet, planner = self.feet, self.planner
         assert feet is not None
-        assert plan is not None
+        assert planner.plan is not None
         self._now[0], self._now[1], self._now[2] = now.com, now.com_velocity, now.angular_velocity
         com, turn = follow(
-            self._motion, self._from, time - self._planned_at, self._now, now.rotation, *self._body_gain
+            planner.motion, planner.rotation, time - planner.made, self._now, now.rotation, *self._body_gain
         )
         wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         return Tasks(
-            feet.carrying, com, turn, wanted, self._still, plan.first, feet.frames, self._level
+            feet.carrying, com, turn, wanted, self._still, planner.plan.first, feet.frames, self._level
         )  # fmt: skip

@@ -19,7 +19,7 @@ LEAD = 0.05
 """The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
-DIP = 0.2
+DIP = 0.25
 """`BodyPlan.dip` on ground with steps: at a slope of 0.4, a tenth of the body's height less."""
 LOWERING = 0.3
 """Time constant with which the body comes down to the height that suits a slope [s]."""
@@ -202,9 +202,9 @@ class BodyPlan:
         """Return yaw (k,), centre of mass (k, 3) and its velocity (k, 3) at times from now [s]."""
         return cruise(self.position, self.yaw, self.velocity, self.slope, times)
 
-    def reference(self, steps: int, dt: float) -> BodyReference:
-        """Return the reference of the next `steps` steps of `dt` [s]."""
-        yaw, places, flow = self.places(dt * np.arange(steps + 1, dtype=np.float64))
+    def reference(self, steps: int, dt: float, ahead: float = 0.0) -> BodyReference:
+        """Return the reference of `steps` steps of `dt` [s], which begin `ahead` of now [s]."""
+        yaw, places, flow = self.places(ahead + dt * np.arange(steps + 1, dtype=np.float64))
         spin = np.zeros((steps + 1, 3))
         spin[:, 2] = self.velocity[2]
         return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)

@@ -10,7 +10,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.swing import LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
+from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import swing_accelerations, swing_paths
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -30,6 +30,11 @@ SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
 RETRY = 0.7
 """Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
 PATH_SAMPLES = 7
+CHOSEN = 0.1
+"""After this share of the swing a foot keeps to the tread that it is on its way to."""
+DOWN_NOISY, RAISE = 0.85, 0.7
+"""On noisy ground, the share of a swing after which a foot only sinks, and how much higher than believed the
+ground is taken for, over its noise: so that it is met gently where it is higher, too."""
 
 
 @dataclass
@@ -87,7 +92,8 @@ class Feet:
         self._late_from = np.zeros(n)
         self._plane = self.terrain.planar
         self._lift_first = np.full(n, -1.0 if self._plane else LIFT_FIRST)
-        self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 5))
+        self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 6))
+        self._timing[:, 5] = DOWN if self.terrain.noise == 0.0 else DOWN_NOISY
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
     def update(self, time: float, sensed: BoolArray, centres: FloatArray) -> bool:
@@ -189,11 +195,13 @@ class Feet:
         if share > FREEZE_ROUGH:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
-        xy = self._search.choose(self.terrain, place, place - self.start[k, :2])
+        way = place - self.start[k, :2]
+        xy = self._search.choose(self.terrain, place, way, self.target[k, :2] if share > CHOSEN else None)
         normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
-        self.target[k, 2] = float(self.terrain.height(xy)) + self.radii[k] / normal[2]
+        above = RAISE * self.terrain.noise + self.radii[k] / normal[2]
+        self.target[k, 2] = float(self.terrain.height(xy)) + above
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)
         if self._plane:  # the bump is put on the line between both ends, which is as steep as the plane

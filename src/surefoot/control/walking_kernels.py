@@ -146,8 +146,9 @@ def swing_paths(
     ends
         (2, n, 3) lift-off and wanted touchdown.
     timing
-        (n, 5) rows apex, share of the swing, its duration, share to lift first (negative over even
-        ground: `even_swing`), and the time since which the foot has been late, negative for one that is not.
+        (n, 6) rows apex, share of the swing, its duration, share to lift first (negative over even
+        ground: `even_swing`), the time since which the foot has been late, negative for one that is not, and
+        the share from which it only sinks.
     descent, search, fastest
         Speed towards the ground at the end [m/s]; acceleration with which a late foot goes down [m/s²], and
         largest speed that it gets so [m/s].
@@ -161,7 +162,14 @@ def swing_paths(
             path[:] = even_swing(ends[0, k], ends[1, k], timing[k, 0], timing[k, 1], timing[k, 2], descent)
         else:
             path[:] = swing_motion(
-                ends[0, k], ends[1, k], timing[k, 0], timing[k, 1], timing[k, 2], descent, timing[k, 3]
+                ends[0, k],
+                ends[1, k],
+                timing[k, 0],
+                timing[k, 1],
+                timing[k, 2],
+                descent,
+                timing[k, 3],
+                timing[k, 5],
             )
         if late >= 0.0:
             rush = min(late, fastest / search)
@@ -246,4 +254,21 @@ def turned_arms(offsets: FloatArray, yaw: FloatArray) -> FloatArray:
         for k in range(len(offsets)):
             x, y = offsets[k, 0], offsets[k, 1]
             out[i, k, 0], out[i, k, 1] = c * x - s * y, s * x + c * y
+    return out
+
+
+@kernel
+def mode_rows(
+    starts: FloatArray, table: BoolArray, period: float, start: float, step: float, count: int
+) -> BoolArray:
+    """Return the rows of a repeated table of modes in the middle of `count` steps [s] from `start` [s].
+
+    `starts` (m,) [s] are rising from 0, `table` is (m, feet); (count, feet).
+    """
+    out = np.empty((count, table.shape[1]), dtype=np.bool_)
+    for k in range(count):
+        t, row = (start + step * (k + 0.5)) % period, starts.size - 1
+        while row > 0 and starts[row] > t:
+            row -= 1
+        out[k] = table[row]
     return out

@@ -70,6 +70,11 @@ class WholeBodyController:
         (joints,) [N m]; None for the robot's own.
     actuators
         Motors whose torques it commands: rotors, limits at the joints' speeds, friction that it makes up for.
+    sole_damping
+        Rates at which soles that carry stop moving along the normal, and turning [1/s]; None for the damping
+        of the contact constraint. A sole that does not lie as flat as is believed tips over the corners that
+        touch, and one that does not touch yet falls, with nothing but the leg's inertia against it: high
+        rates let it down gently.
 
     Attributes
     ----------
@@ -92,6 +97,7 @@ class WholeBodyController:
         baumgarte: tuple[float, float] = (0.0, 20.0),
         effort_limits: FloatArray | None = None,
         actuators: Actuators | None = None,
+        sole_damping: tuple[float, float] | None = None,
     ) -> None:
         import pinocchio
 
@@ -105,7 +111,7 @@ class WholeBodyController:
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self._range = TorqueRange(self.limits, actuators)
         self.weights = weights or Weights()
-        self.baumgarte = baumgarte
+        self._baumgarte = (*baumgarte, *(sole_damping or (baumgarte[1], baumgarte[1])))
         self._set_points()
         self._set_sizes(mu, normal_min, normal_max)
         self._failed = WholeBodyCommand(
@@ -295,10 +301,9 @@ class WholeBodyController:
             tasks.frames, self.point_foot, self._rotations, self._places, self._offsets, self._radii,
             normals, arms, frames, points,
         )  # fmt: skip
-        stiffness, damping = self.baumgarte
         rows = 6 + kernels.contact_rows(
             self._jacobian, self._support, self._flat, tasks.stance, now.centres, now.twists, now.drifts,
-            arms, tasks.gaps, normals, stiffness, damping, self._E[6:], self._e[6:],
+            arms, tasks.gaps, normals, self._baumgarte, self._E[6:], self._e[6:],
         )  # fmt: skip
         self._E[:6] = self._mass_matrix[:6]
         self._e[:6] = self.outside - self._nle[:6]

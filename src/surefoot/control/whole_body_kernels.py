@@ -93,8 +93,7 @@ def contact_rows(
     arms: FloatArray,
     gaps: FloatArray,
     normals: FloatArray,
-    stiffness: float,
-    damping: float,
+    baumgarte: tuple[float, float, float, float],
     rows: FloatArray,
     wanted: FloatArray,
 ) -> int:
@@ -102,14 +101,15 @@ def contact_rows(
 
     A point foot is a sphere that rolls: v + ω x arm = 0 with the arm from its centre to the ground
     fixed in the world, so its rows differentiate to a_centre + α x arm, with no centripetal term. A
-    flat foot has its sole's six rows. Baumgarte: the velocity that is left decays with `damping` [1/s],
-    the gap along the normal with `stiffness` [1/s²].
+    flat foot has its sole's six rows. Baumgarte: a stiffness [1/s²] for the gap along the normal, and the
+    rates [1/s] at which what is left of the velocity decays, of a sole's along the normal, and of its turn.
 
     The Jacobian is (6, nv) and `support` (n, nv), as for `numerics.points.point_jacobian`; flat and stance
     are (n,) masks; centres, arms (n, 3) and gaps (n,) [m], twists (n, 6) [m/s, rad/s] and drifts (n, 6)
     [m/s², rad/s²] of the feet, normals (n, 3), all in world axes. Filled: rows (.., nv) and wanted (..,).
     """
     at = 0
+    stiffness, damping, sinking, turning = baumgarte
     for k in range(stance.shape[0]):
         if not stance[k]:
             continue
@@ -117,14 +117,18 @@ def contact_rows(
         point_jacobian(jacobian, support[k], point, rows[at : at + 3])
         arm = _three(arms[k], 0)
         slip, drift = cross(_three(twists[k], 3), arm), cross(_three(drifts[k], 3), arm)
+        push = stiffness * gaps[k]
+        if flat[k]:
+            for i in range(3):
+                push += (sinking - damping) * normals[k, i] * (twists[k, i] + slip[i])
         for i in range(3):
-            left = damping * (twists[k, i] + slip[i]) + stiffness * gaps[k] * normals[k, i]
+            left = damping * (twists[k, i] + slip[i]) + push * normals[k, i]
             wanted[at + i] = -(drifts[k, i] + drift[i]) - left
         at += 3
         if flat[k]:
             _turning_rows(jacobian, support[k], rows[at : at + 3])
             for i in range(3):
-                wanted[at + i] = -drifts[k, 3 + i] - damping * twists[k, 3 + i]
+                wanted[at + i] = -drifts[k, 3 + i] - turning * twists[k, 3 + i]
             at += 3
     return at
 

@@ -40,6 +40,12 @@ class BipedSettings:
     body_stiffness, swing_stiffness, joint_stiffness
         Natural frequencies of the feedback on the plan, of feet in the air and of the joints outside the
         legs, in units of sqrt(g / h).
+    sole_damping
+        Rates at which soles that carry stop moving along the ground's normal, and turning, in units of
+        sqrt(g / h); see `WholeBodyController`.
+    sole_press
+        Acceleration with which soles that carry press down beyond what keeps them at rest, as a share of g:
+        one that is hardly loaded yet stays on the ground, or finds it at this over the first rate.
     arm_swing
         Angle of the arms over the distance of the feet, in units of 1 / h.
     normal_min, normal_max
@@ -63,6 +69,8 @@ class BipedSettings:
     body_stiffness: float = 2.0
     swing_stiffness: float = 8.0
     joint_stiffness: float = 3.0
+    sole_damping: tuple[float, float] = (16.0, 40.0)
+    sole_press: float = 0.3
     arm_swing: float = 0.8
     normal_min: float = 0.002
     normal_max: float = 1.2

@@ -17,6 +17,8 @@ from surefoot.terrain import Terrain
 
 TURN_FIRST, TURN_LAST = 0.1, 0.9
 """A foot turns between these shares of its swing: it lifts and lands without turning."""
+DAMPED = 0.2
+"""Largest share of a velocity that the damping of a sole takes off in one step."""
 
 
 class Soles:
@@ -130,6 +132,29 @@ class Soles:
             turned = rotation_about(whole / angle, s * angle) @ turned
         time = length * float(feet.duration[k])
         return turned, whole * (ds / time), whole * (dds / (time * time))
+
+
+def sole_damping(rates: tuple[float, float], omega: float, dt: float) -> tuple[float, float]:
+    """Return rates [1/s] at which soles that carry come to rest, slow enough for steps of `dt` [s].
+
+    Parameters
+    ----------
+    rates
+        Along the normal, and turning, in units of omega.
+    omega
+        sqrt(g / h) [1/s].
+    dt
+        Time between steps of the controller [s].
+
+    Examples
+    --------
+    >>> sole_damping((16.0, 40.0), 4.0, 1e-3)
+    (64.0, 160.0)
+    >>> sole_damping((16.0, 40.0), 4.0, 2e-3)
+    (64.0, 100.0)
+    """
+    most = DAMPED / dt
+    return min(rates[0] * omega, most), min(rates[1] * omega, most)
 
 
 def level_rotations(robot: Robot) -> FloatArray:

@@ -21,7 +21,7 @@ from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
 from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
-from surefoot.control.biped.soles import Soles
+from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
@@ -145,8 +145,9 @@ class BipedController(Controller):
             self.robot.mass, self._inertia, len(points), s.horizon, self._mpc_dt, mu, low, high, s.mpc
         )
         self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._omega), None, s.actuators
-        )
+            self.robot, mu, low, high, s.whole_body, (self._omega**2, 2.0 * self._omega), None, s.actuators,
+            sole_damping(s.sole_damping, self._omega, self.dt),
+        )  # fmt: skip
         fine = self._mpc_dt / 2
         self._preview = PendulumPreview(
             self._omega, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
@@ -160,7 +161,7 @@ class BipedController(Controller):
         self._body_gain = (s.body_stiffness * self._omega) ** 2, 2.0 * s.body_stiffness * self._omega
         self._swing_gain = (s.swing_stiffness * self._omega) ** 2, 2.0 * s.swing_stiffness * self._omega
         self._point_foot = points.foot
-        self._level = np.zeros(2)
+        self._pressed = np.full(2, s.sole_press * self._height)
         self.facts = {
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
             "gait": self.schedule.name, "notes": list(self.notes),
@@ -347,7 +348,7 @@ class BipedController(Controller):
         lead, rate_of_lead = (c * float(a[0]) + s * float(a[1]) for a in apart)
         joints = self._posture.accelerations(state.q, state.v, lead, rate_of_lead)
         return Tasks(
-            feet.carrying, com, turn, wanted, joints, plan.first, feet.frames, self._level
+            feet.carrying, com, turn, wanted, joints, plan.first, feet.frames, self._pressed
         )  # fmt: skip
 
 
