@@ -35,13 +35,12 @@ test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gig
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)
 	SUREFOOT_RELEASE=1 $(BIN)/python -m pytest -q tests/test_release.py
 
-bench: setup ## every benchmark, one after the other
+bench: setup ## every benchmark, one after the other; sets the docs' measured tables anew
+	$(BIN)/python -m docs.tables
 	$(BIN)/surefoot bench forces --out runs
-	$(BIN)/surefoot bench statics
 	$(BIN)/surefoot bench contact --out runs
 	$(BIN)/surefoot bench contact --scale large --out runs
 	$(BIN)/surefoot bench momentum --out runs
-	$(BIN)/surefoot bench rigid
 	$(BIN)/surefoot bench walk --out runs
 	$(BIN)/surefoot bench faults --out runs
 

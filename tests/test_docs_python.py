@@ -26,3 +26,16 @@ def test_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     finally:
         for added in set(solvers.registry()) - before:
             solvers.registry().pop(added)
+
+
+def test_the_program_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("mujoco", reason="the README's program is of `surefoot[all]`")
+    monkeypatch.chdir(tmp_path)
+
+    def without_the_plan(block: str) -> str:
+        return "\n".join(line for line in block.splitlines() if "sf.plan(" not in line)  # half a minute
+
+    names = run_page("../README.md", edit=without_the_plan)
+    assert names["solution"].status.name == "SOLVED"
+    assert names["log"].fact("outcome") == "done"
+    assert len(names["batch"].status) == 100

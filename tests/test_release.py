@@ -118,3 +118,11 @@ def test_it_installs_in_a_clean_environment(extra: str, wheel: Path, tmp_path: P
     if extra in IMPORTED:
         subprocess.run([python, "-c", f"import {IMPORTED[extra]}"], cwd=tmp_path, check=True)
     subprocess.run([python, "-m", "surefoot", "doctor", "--no-draw"], cwd=tmp_path, check=True)
+
+
+def test_this_version_has_an_entry_in_the_changelog() -> None:
+    lines = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
+    versions = [line.removeprefix("## ").split(",")[0] for line in lines if line.startswith("## ")]
+    assert versions[0] == surefoot.__version__, "the newest entry is this version's"
+    assert len(set(versions)) == len(versions)
+    assert f"version: {surefoot.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from docs.site.recipe import COOKBOOK, Recipe, read_recipe, recipes, run_recipe
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize("recipe", recipes(), ids=lambda recipe: recipe.path.stem)
@@ -34,3 +38,15 @@ def test_a_wrong_output_and_a_stray_one_are_found(tmp_path: Path) -> None:
     page.write_text("# Sum\n\n```text\n3\n```\n")
     with pytest.raises(ValueError, match="output without code"):
         read_recipe(page)
+
+
+def test_make_docs_installs_what_the_recipes_need() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras, names, todo = project["optional-dependencies"], set[str](), ["docs"]
+    while todo:
+        for requirement in (Requirement(text) for text in extras[todo.pop()]):
+            names.add(requirement.name)
+            todo += requirement.extras if requirement.name == "surefoot" else []
+    needed = {name for recipe in recipes() for name in recipe.needs}
+    assert needed
+    assert needed <= names, "a recipe that the site does not run"
