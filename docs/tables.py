@@ -1,7 +1,8 @@
 """Measured tables of the docs: kept in docs/tables with command and date, and set into their pages.
 
-Run: python -m docs.tables [NAME...] measures anew (all without a name) and sets the tables into the pages;
-with --check nothing is measured or written, and the exit code is 1 if a page says something else.
+Run: python -m docs.tables [NAME...] measures anew (without a name all but the long ones) and sets the tables
+into the pages; with --check nothing is measured or written, and the exit code is 1 if a page says something
+else. --told FILE takes the JSON of a command that has run already, as a long one writes with --out.
 """
 
 from __future__ import annotations
@@ -40,12 +41,15 @@ class Table:
         Headings.
     rows
         Makes cells of the command's JSON.
+    long
+        Whether it takes hours: measured by name only.
     """
 
     command: str
     page: str
     columns: tuple[str, ...]
     rows: Callable[[Any], Rows]
+    long: bool = False
 
 
 def _rigid(told: Any) -> Rows:
@@ -100,6 +104,59 @@ def _softening(told: Any, table: str) -> Rows:
     return [[variant, *(by[name] for name in PROBLEMS)] for variant, by in cells.items()]
 
 
+def _stacks(told: Any, *beginnings: str, without: tuple[str, ...] = ()) -> Rows:
+    """Return a row per task of Surefoot's whose name begins with one of some words, all without any."""
+
+    def cell(value: float | None, digits: int, scale: float = 1.0) -> str:
+        return "-" if value is None else f"{scale * value:.{digits}f}"
+
+    rows = []
+    for row in told["rows"]:
+        name = row["task"]
+        if row["stack"] != "surefoot" or not name.startswith(beginnings or ("",)) or name.endswith(without):
+            continue
+        low, high = (100.0 * row["survival"][end] for end in ("low", "high"))
+        faults = "; ".join(f"{fault}: {count}" for fault, count in row["faults"].items())
+        rows.append(
+            [
+                f"`{name}`{'*' if row['must'] else ''}",
+                f"{row['survived']}/{row['trials']} ({low:.0f} to {high:.0f} %)",
+                str(row["held"]),
+                cell(row["forward"], 3),
+                cell(row["slip"], 1, 1e3),
+                cell(row["cost_of_transport"], 2),
+                cell(row["torque_use"], 2),
+                cell(row["speed_use"], 2),
+                f"{cell(row['step_us'], 0)}, {cell(row['step_p99_us'], 0)}",
+                cell(row["real_time"], 1),
+                faults.replace("|", "/"),
+            ]
+        )
+    return rows
+
+
+def _speeds(told: Any) -> Rows:
+    rows = []
+    for row in told:
+        vx, _, turn = row["wanted"]
+        name = f"{vx:g} m/s" if vx else f"turning at {turn:g} rad/s"
+        if row["wanted"] != row["commanded"]:
+            name += f", slowed to {row['commanded'][0]:.3g}"
+        rows.append(
+            [
+                name, str(row["good"]), str(row["lawful"]), f"{row['error']:.3f}", f"{1e3 * row['slip']:.1f}",
+                f"{row['speed_use']:.2f}", f"{row['torque_use']:.2f}",
+                f"{row['rate']:.1f}, {row['usual_rate']:.1f}",
+            ]
+        )  # fmt: skip
+    return rows
+
+
+STACKS = "bench stacks --stack surefoot --seeds 20"
+STACK_COLUMNS = (
+    "task", "survived", "held", "m/s", "slip [mm]", "CoT", "torque", "joint speed", "CPU, 99 % [µs]",
+    "x real", "what was wrong",
+)  # fmt: skip
 PROBLEMS = ("ball", "slide", "hopper", "push", "kicker")
 SOFTENING = "bench softening --table race --table recommended"
 TABLES = {
@@ -117,25 +174,43 @@ TABLES = {
     "recommended": Table(
         SOFTENING, "softening.md", ("form", *PROBLEMS), lambda told: _softening(told, "recommended")
     ),
+    "stacks": Table(
+        STACKS, "stacks.md", STACK_COLUMNS,
+        lambda told: _stacks(told, without=("-map", "-blind")), long=True,
+    ),
+    "bipeds": Table(STACKS, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),
+    "stairs": Table(
+        STACKS, "terrain-knowledge.md", STACK_COLUMNS, lambda told: _stacks(told, "stairs-", "ice"), long=True
+    ),
+    "speeds": Table(
+        "bench speeds --seeds 20", "speed-limits.md",
+        (
+            "velocity", "good", "lawful", "error", "slip [mm]", "joint speed", "torque",
+            "rate [N m/ms], 99.9 %",
+        ),
+        _speeds, long=True,
+    ),
     "solref": Table(
         "worlds solref --world mujoco",
         "worlds.md",
         ("time constant [s]", "rest depth [mm]", "deepest [mm]", "peak load / weight"),
         _solref,
     ),
-}
+}  # fmt: skip
 
 
-def measure(names: Iterable[str]) -> None:
-    """Run the commands of tables, each once, and write their files."""
+def measure(names: Iterable[str], told: Path | None = None) -> None:
+    """Run the commands of tables, each once, or take the JSON in a file, and write their tables' files."""
     answers: dict[str, Any] = {}
     for name in names:
         table = TABLES[name]
+        if told is not None:
+            answers[table.command] = json.loads(told.read_text(encoding="utf-8"))
         if table.command not in answers:
             print(f"surefoot {table.command}")
             words = [sys.executable, "-m", "surefoot", *shlex.split(table.command), "--json"]
-            told = subprocess.run(words, capture_output=True, text=True, check=True).stdout
-            answers[table.command] = json.loads(told)
+            said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+            answers[table.command] = json.loads(said)
         kept = {
             "command": f"surefoot {table.command}",
             "date": datetime.date.today().isoformat(),
@@ -173,13 +248,16 @@ def main() -> int:
     """Measure and set, or check; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", help=f"tables to measure, of {', '.join(TABLES)} (default: all)")
+    parser.add_argument("--told", type=Path, help="JSON that the tables' command has written; names needed")
     parser.add_argument("--check", action="store_true", help="measure and write nothing")
     given = parser.parse_args()
     unknown = sorted(set(given.names) - set(TABLES))
     if unknown:
         parser.error(f"no table {', '.join(unknown)}; there are {', '.join(TABLES)}")
+    if given.told is not None and not given.names:
+        parser.error("--told needs the names of the tables that it is for")
     if not given.check:
-        measure(given.names or TABLES)
+        measure(given.names or [name for name, table in TABLES.items() if not table.long], given.told)
     wrong = 0
     for page in sorted({table.page for table in TABLES.values()}):
         text = (DOCS / page).read_text(encoding="utf-8")

@@ -47,3 +47,47 @@ def test_measured_again_a_table_is_the_same(tmp_path: Path, monkeypatch: pytest.
     page = f"a\n{tables.markdown('solref')}\nb"
     assert tables.filled(page) == page
     assert tables.filled(page.replace("| 0.02 |", "| 0.03 |")) == page
+
+
+def test_a_long_table_takes_the_json_of_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    row = {
+        "stack": "surefoot", "task": "g1-0.3", "must": True, "trials": 20, "survived": 19, "held": 18,
+        "survival": {"low": 0.764, "high": 0.991}, "forward": 0.3012, "slip": 0.0004,
+        "cost_of_transport": None,
+        "torque_use": 0.7, "speed_use": 0.2, "step_us": 301.2, "step_p99_us": 900.0, "real_time": 1.24,
+        "faults": {"law: a | b": 1},
+    }  # fmt: skip
+    other = {**row, "stack": "another"}, {**row, "task": "ice"}
+    told = tmp_path / "told.json"
+    told.write_text(json.dumps({"rows": [row, *other]}), encoding="utf-8")
+    monkeypatch.setattr(tables, "FOLDER", tmp_path)
+    tables.measure(["bipeds"], told)
+    kept = json.loads((tmp_path / "bipeds.json").read_text(encoding="utf-8"))
+    assert kept["rows"] == [
+        [
+            "`g1-0.3`*",
+            "19/20 (76 to 99 %)",
+            "18",
+            "0.301",
+            "0.4",
+            "-",
+            "0.70",
+            "0.20",
+            "301, 900",
+            "1.2",
+            "law: a / b: 1",
+        ]
+    ]
+    assert kept["command"] == "surefoot bench stacks --stack surefoot --seeds 20"
+
+
+def test_long_tables_are_measured_by_name_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(tables, "measure", lambda names, told: asked.extend(names))
+    monkeypatch.setattr("sys.argv", ["tables"])
+    tables.main()
+    assert "rigid" in asked
+    assert not any(tables.TABLES[name].long for name in asked)
+    monkeypatch.setattr("sys.argv", ["tables", "--told", "x.json"])
+    with pytest.raises(SystemExit):
+        tables.main()
