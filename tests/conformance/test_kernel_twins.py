@@ -87,6 +87,7 @@ control.standing_kernels within_limits        control/test_standing.py::test_wit
 control.swing            minimum_jerk         control/test_swing.py::test_the_smooth_step_is_the_minimum_jerk_polynomial
 control.swing            sinking              control/test_swing.py::test_the_foot_meets_the_ground_with_its_descent by swing_motion
 control.swing            swing_motion         control/test_swing.py::test_velocity_and_acceleration_are_derivatives
+control.swing            swing_places         control/test_swing.py::test_places_along_a_swing_are_those_of_its_motion
 control.swing_even       even_swing           control/test_swing_even.py::test_velocity_and_acceleration_are_derivatives
 control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration
 control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says

@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.swing import DOWN, RISE, apex_height, clear_lift, minimum_jerk, swing_motion
+from surefoot.control.swing import (
+    DOWN,
+    RISE,
+    apex_height,
+    clear_lift,
+    minimum_jerk,
+    swing_motion,
+    swing_places,
+)
 from surefoot.control.swing_even import even_swing
 from surefoot.terrain import FlatTerrain, StairsTerrain
 
@@ -52,6 +60,13 @@ def test_a_late_foot_keeps_going_down() -> None:
     assert later[0, 2] - late[0, 2] == pytest.approx(-0.3 * 0.2 * 0.5)
     assert late[1] == pytest.approx([0.0, 0.0, -0.3])
     assert late[0, :2] == pytest.approx([0.1, 0.0])
+
+
+def test_places_along_a_swing_are_those_of_its_motion() -> None:
+    start, target, shares = np.zeros(3), np.array([0.1, 0.02, 0.12]), np.linspace(0.0, 1.0, 9)
+    places = swing_places(start, target, 0.2, shares, 0.16)
+    wanted = [swing_motion(start, target, 0.2, s, 0.3, 0.0, 0.16)[0] for s in shares]
+    np.testing.assert_allclose(places, wanted, rtol=0.0, atol=1e-15)
 
 
 @pytest.mark.parametrize("down", [0.8, 0.85, 0.95])

@@ -113,6 +113,17 @@ def swing_motion(
     return out
 
 
+@kernel
+def swing_places(
+    start: FloatArray, target: FloatArray, apex: float, shares: FloatArray, lift_first: float
+) -> FloatArray:
+    """Return the (k, 3) places [m] at (k,) shares of a swing without descent; see `swing_motion`."""
+    out = np.empty((shares.size, 3))
+    for k in range(shares.size):
+        out[k] = swing_motion(start, target, apex, shares[k], 1.0, 0.0, lift_first)[0]
+    return out
+
+
 def apex_height(start: FloatArray, target: FloatArray, ground: FloatArray, clearance: float) -> float:
     """Return the height that clears the ground below the path [m].
 
@@ -152,9 +163,9 @@ def clear_lift(
     reach = (radius + room) * along / length if length > 1e-6 else np.zeros(2)
     best, least = LIFT_FIRST, math.inf
     for lift in LIFT_LATER:
-        path = np.array([swing_motion(start, target, apex, s, 1.0, 0.0, lift)[0] for s in shares])
-        ground = np.maximum(terrain.height(path[:, :2]), terrain.height(path[:, :2] + reach))
-        miss = float(np.max(ground + radius - path[:, 2]))
+        path = swing_places(start, target, apex, shares, lift)
+        ground = terrain.height(np.concatenate([path[:, :2], path[:, :2] + reach])).reshape(2, -1).max(axis=0)
+        miss = float((ground + radius - path[:, 2]).max())
         if miss <= 0.0:
             return lift
         if miss < least - 1e-4:
