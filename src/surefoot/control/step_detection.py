@@ -52,7 +52,7 @@ def find_edges(heights: FloatArray) -> tuple[FloatArray, FloatArray]:
     Examples
     --------
     >>> places, jumps = find_edges(np.repeat([0.0, 0.12, 0.24], 30))
-    >>> places.tolist(), jumps.round(2).tolist()
+    >>> places.round(2).tolist(), jumps.round(2).tolist()
     ([29.5, 59.5], [0.12, 0.12])
     """
     change = heights[ACROSS:] - heights[:-ACROSS]

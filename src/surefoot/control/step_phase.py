@@ -25,7 +25,7 @@ STRIDES = 3
 PACE, CHANGE = 0.75, 0.15
 """Time in which the body takes up its place [s], and the largest share of its speed that this may cost."""
 IN_STEP = 0.1
-"""A stride that is so far from a whole tread, or a whole part of one, as a share of it, is out of step."""
+"""A stride that is so far from a tread, as a share of it, is out of step."""
 EASE, KEEP = 0.05, 1.0
 """What a move of the body costs, and one away from what was best before, against the same move of a foot."""
 
@@ -107,12 +107,11 @@ class StepPhase:
         return self.share
 
     def _in_step(self, length: float) -> bool:
-        """Return whether strides of a length [m] find the same part of each tread again."""
+        """Return whether a stride of a length [m] takes a tread: shorter ones find several parts of each."""
         terrain = self.terrain
         if length < 1e-3 or terrain.highest_step <= 0.0 or terrain.steepness <= 0.0:
             return False
-        strides = terrain.highest_step / (terrain.steepness * length)
-        return round(strides) >= 1 and abs(strides / round(strides) - 1.0) < IN_STEP
+        return abs(terrain.highest_step / (terrain.steepness * length) - 1.0) < IN_STEP
 
     def _touchdown(self, k: int, clock: float) -> float:
         """Return the time to the next touchdown of foot k [s]."""
