@@ -111,6 +111,10 @@ control.whole_body_kernels eliminate          control/test_whole_body.py::test_e
 control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
 control.whole_body_kernels place_points       control/test_whole_body_kernels.py::test_contact_points_are_on_their_feet
 control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
+control.whole_body_step force_problem         control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
+control.whole_body_step kinematics            control/test_whole_body_step.py::test_kinematics_are_those_of_pinocchio
+control.whole_body_step reduce                control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
+control.whole_body_step torques_of            control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
 equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
 equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
