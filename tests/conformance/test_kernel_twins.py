@@ -64,6 +64,9 @@ contact.scales           scales_dense         contact/test_scales.py::test_speed
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
 control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
+control.feet_kernels follow_phases            control/test_feet_kernels.py::test_feet_are_followed_one_by_one
+control.feet_kernels ramp_shares              control/test_feet_kernels.py::test_ramps_rise_and_fall
+control.feet_kernels set_timing               control/test_feet_kernels.py::test_timing_tells_late_feet
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
@@ -96,6 +99,8 @@ control.torque_kernels   friction_losses      control/test_torque_kernels.py::te
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
 control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
+control.walking_kernels  advance_body         control/test_feet_kernels.py::test_a_body_goes_where_it_should
+control.walking_kernels  body_rise            control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  mode_rows            control/test_walking_kernels.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
