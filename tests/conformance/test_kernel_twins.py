@@ -98,6 +98,7 @@ control.torque_kernels exceeded           control/test_whole_body_kernels.py::te
 control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
+control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_range_at_a_speed_is_that_of_its_parts
 control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
 control.walking_kernels  advance_body         control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  body_rise            control/test_feet_kernels.py::test_a_body_goes_where_it_should
@@ -172,6 +173,9 @@ estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_n
 estimation.inekf_kernels observe_feet         estimation/test_inekf.py::test_feet_are_forgotten_used_and_added_one_after_the_other
 estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
 estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
+estimation.wrench_kernels filter_block         estimation/test_wrench_observer.py::test_blocks_are_filtered_with_the_spread_of_their_differences
+estimation.wrench_kernels point_inertia        estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
+estimation.wrench_kernels sum_wrench           estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
 estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
 estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
 estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull

@@ -38,6 +38,7 @@ from surefoot.control.whole_body_tasks import Tasks as Tasks
 from surefoot.control.whole_body_tasks import Weights as Weights
 from surefoot.control.whole_body_tasks import WholeBodyCommand as WholeBodyCommand
 from surefoot.errors import ModelError
+from surefoot.estimation.wrench_kernels import point_inertia
 from surefoot.estimation.wrench_observer import Instant, Load
 from surefoot.robot import Robot
 from surefoot.robot.rotors import with_rotors
@@ -105,7 +106,9 @@ class WholeBodyController:
         self.robot, self._pin = robot, pinocchio
         self._model = robot.model.copy()
         self._views = ModelViews(self._model, robot.model.createData())
-        self._base, self._mass = robot.model.inertias[1].copy(), robot.mass
+        base = self._base = robot.model.inertias[1].copy()
+        self._trunk = base.mass, np.array(base.lever), np.array(base.inertia)
+        self._mass = robot.mass
         self.outside = np.zeros(6)
         self.limits = robot.effort_limits if effort_limits is None else np.asarray(effort_limits, np.float64)
         self._range = TorqueRange(self.limits, actuators)
@@ -191,17 +194,16 @@ class WholeBodyController:
         A first moment without a mass moves the centre of mass and leaves the inertia about it as it was, so
         that it stays one that a body can have.
         """
-        import pinocchio
-
-        base, self._mass = self._base, self.robot.mass
-        self._model.inertias[1] = base
+        self._mass = self.robot.mass
         if load is None:
+            self._model.inertias[1] = self._base
             return
-        mass, arm = base.mass + load.mass, load.place - base.lever
-        reduced = max(load.mass, 0.0) * base.mass / mass
-        inertia = base.inertia + reduced * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
-        centre = (base.mass * base.lever + load.moment) / mass
-        self._model.inertias[1] = pinocchio.Inertia(mass, centre, inertia)
+        own, lever, inertia = self._trunk
+        mass = own + load.mass
+        reduced = max(load.mass, 0.0) * own / mass
+        centre = (own * lever + load.moment) / mass
+        turned = inertia + reduced * point_inertia(load.place - lever)
+        self._model.inertias[1] = self._pin.Inertia(mass, centre, turned)
         self._mass += load.mass
 
     def instant(self, v: FloatArray) -> Instant:
