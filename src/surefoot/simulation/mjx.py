@@ -139,8 +139,9 @@ class MjxWorld(MujocoWorld):
 
     def reading(self, read: dict[str, FloatArray]) -> ContactReading:
         """Return forces (p, 3) [N], gaps (p,) [m], velocities at the feet from what a step `left_behind`."""
-        points, gaps, normals = self._blank.copy(), self._open.copy(), self._normals
-        over = None if self.terrain.planar else self._ground_near(read["geom_xpos"][self._geoms])
+        points, forces, velocities, positions, gaps, _ = self._blank()
+        normals = self._normals
+        over = None if self._planar else self._ground_near(read["geom_xpos"][self._geoms])
         read_contacts(
             read["geom_xpos"], read["cvel"], read["subtree_com"], read["geom"].astype(np.int32),
             read["efc_address"].astype(np.int32), read["frame"].reshape(-1, 9), read["efc_force"],
@@ -148,7 +149,7 @@ class MjxWorld(MujocoWorld):
         )  # fmt: skip
         if over is not None:
             gaps, normals = over
-        return ContactReading(points[0], gaps, points[1], points[2], normals=normals)
+        return ContactReading(forces, gaps, velocities, positions, normals=normals)
 
     def set_friction(self, mu: float) -> None:
         """Change the friction of the ground [-], from the next step on."""

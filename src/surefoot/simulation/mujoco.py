@@ -22,7 +22,7 @@ from surefoot.kernels import VECTOR, entry_point
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.actuated import equipped
-from surefoot.simulation.mujoco_actuators import fit_actuators
+from surefoot.simulation.mujoco_actuators import LOAD_TYPES, fit_actuators, load_joints, motor_figures
 from surefoot.simulation.mujoco_contacts import OWN_TYPES, read_contacts, to_pinocchio
 from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
 from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
@@ -51,6 +51,9 @@ Not closer to one: a foot that turns with its shank at a rate w leaves the groun
 constraint leaves out the acceleration w² r at which its surface turns away. The force presses it back by
 its share 1 - d: at d = 0.97 a fast foot hops every 20 ms, with 170 N after nothing.
 """
+_FLOAT = np.dtype(np.float64)
+STOCK = 32
+"""Arrays for the contacts of so many steps are made at a time."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
 HEAVIEST = 1e9
@@ -162,13 +165,16 @@ class MujocoWorld:
     def _look_at_data(self, feet: IntArray) -> None:
         """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
         data, first = self.data, self.robot.base_dof
-        self._qpos, self._qvel, self._joint_speed = data.qpos, data.qvel, data.qvel[first:]
-        self._effort = data.qfrc_applied[first:]
+        self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
+        self._no_torques = np.zeros(self.robot.joints)
+        self._joints_shape = self._no_torques.shape
+        self._motors = motor_figures(self.actuators, self.robot.joints)
         self._pushed = data.xfrc_applied[self.base_body, :3]
         self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
-        self._blank, self._open = np.zeros((3, len(feet), 3)), np.zeros(len(feet))
-        self._still = np.zeros(self.model.nv)
+        self._planar, self._contact = bool(self.terrain.planar), data.contact
+        self._spare: list[tuple[FloatArray, ...]] = []
         self._read = entry_point(read_contacts, *OWN_TYPES)
+        self._load = entry_point(load_joints, *LOAD_TYPES)
         self._turn = entry_point(to_pinocchio, VECTOR, VECTOR)
         self._largest = entry_point(largest, VECTOR)
 
@@ -208,23 +214,25 @@ class MujocoWorld:
             Where the state stops being finite, or exceeds MuJoCo's own largest number, 1e10. The world stays
             in the state before the step.
         """
-        self._drive(finite_vector("torques", torques, len(self._effort)))
+        self._drive(torques)
         if push is None:
             self._pushed.fill(0.0)
         elif self.base_body:
             self._pushed[:] = finite_vector("push", push, 3)
-        self._before[0][:], self._before[1][:] = self._qpos, self._qvel
         self._mujoco.mj_step(self.model, self.data)
         if not self._largest(self._qvel) < LARGEST:
             raise self._lost()
         self._driven()
 
     def _drive(self, torques: FloatArray) -> None:
-        """Have the motors give (joints,) torques [N m] in the next step, as far as they can."""
-        if self.actuators is not None:
-            torques = self.actuators.given(torques, self._joint_speed)
-        self.applied = torques
-        self._effort[:] = torques
+        """Have the motors give (joints,) torques [N m] in the next step, if they can; keep the state."""
+        wanted, given = self._joints_shape, self._no_torques.copy()
+        if type(torques) is not np.ndarray or torques.dtype != _FLOAT or torques.shape != wanted:
+            torques = finite_array("torques", torques, wanted)
+        asked = np.ascontiguousarray(torques)
+        if not self._load(asked, *self._motors, given, self._effort, self._qpos, self._qvel, *self._before):
+            finite_array("torques", torques, wanted)  # says which is not finite
+        self.applied = given
 
     def _driven(self) -> None:
         """Note what the motors gave in the last step, where only the step tells."""
@@ -253,20 +261,30 @@ class MujocoWorld:
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
-        data, contact, links = self.data, self.data.contact, self._links
-        points, gaps, normals = self._blank.copy(), self._open.copy(), self._normals
-        over = None if self.terrain.planar else self._ground_near(self._places[self._geoms])
+        data, contact, links, normals = self.data, self._contact, self._links, self._normals
+        points, forces, velocities, positions, gaps, others = self._blank()
+        over = None if self._planar else self._ground_near(self._places[self._geoms])
         beside = self._read(
             self._places, self._twists, self._centres, contact.geom, contact.efc_address, contact.frame,
             data.efc_force, self._owner, self._spheres, self._sizes, self._frames, gaps, points,
         )  # fmt: skip
         if over is not None:
             gaps, normals = over
-        others = None
-        if links is not None:  # joints at their stops count, too
-            others = links.force(data) if beside or data.nl else self._still.copy()
-        forces, velocities, positions = points
+        if links is None:
+            return ContactReading(forces, gaps, velocities, positions, None, normals)
+        if beside or data.nl:  # joints at their stops count, too
+            others = links.force(data)
         return ContactReading(forces, gaps, velocities, positions, others, normals)
+
+    def _blank(self) -> tuple[FloatArray, ...]:
+        """Return zeros (3, p, 3), its three parts, (p,) and (nv,), from a stock of them."""
+        if not self._spare:
+            p, nv = len(self.contact_foot), self.model.nv
+            stock = np.zeros((STOCK, 10 * p + nv))
+            points = stock[:, : 9 * p].reshape(STOCK, 3, p, 3)
+            parts = (*points.transpose(1, 0, 2, 3), stock[:, 9 * p : 10 * p], stock[:, 10 * p :])
+            self._spare = list(zip(points, *parts, strict=True))
+        return self._spare.pop()
 
     def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres; set their frames."""

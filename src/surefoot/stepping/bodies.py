@@ -151,7 +151,7 @@ def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
     """Return a finite (size,) array, in any unit; the fast way in for what is one already."""
     if (
         type(value) is np.ndarray
-        and value.dtype is _FLOAT
+        and value.dtype == _FLOAT
         and value.shape == (size,)
         and arithmetic.largest(value) < np.inf
     ):
