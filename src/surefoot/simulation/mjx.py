@@ -96,6 +96,7 @@ class MjxWorld(MujocoWorld):
         super().__init__(
             robot, terrain, mu, dt, payload, solref=solref, solimp=solimp, payload_position=payload_position
         )
+        self.model.opt.disableflags &= ~int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)  # none in MJX
         self.on_device = self._mjx.put_model(self.model)
         self.reset(robot.nominal)
 

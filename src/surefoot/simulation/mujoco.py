@@ -134,6 +134,8 @@ class MujocoWorld:
         except ValueError as error:
             told = " ".join(str(error).split()).removeprefix("Error: ")
             raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
+        if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
+            self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
         points = robot.contact_points
         feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
         names = [self.model.geom(i).name for i in range(self.model.ngeom)]
