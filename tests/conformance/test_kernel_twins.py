@@ -96,6 +96,7 @@ control.swing_even       ramped_step          control/test_swing_even.py::test_t
 control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
 control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
 control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
+control.torque_kernels   hold_to_motors       control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
 control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_range_at_a_speed_is_that_of_its_parts
@@ -232,9 +233,13 @@ planning.shooting.state_space feedback planning/shooting/test_costs.py::test_fee
 planning.shooting.state_space retract planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
 planning.shooting.state_space rotation_of planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 planning.shooting.state_space turn_between planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
+simulation.mujoco_actuators load_joints       simulation/test_run_kernels.py::test_joints_are_loaded_with_what_motors_give
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
+simulation.mujoco_contacts to_pinocchio       simulation/test_mujoco.py::test_state_survives_the_round_trip by state
 simulation.mujoco_links  feet_on_ground       simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy
 simulation.mujoco_links  other_rows           simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy
+simulation.run_kernels   any_reached          simulation/test_run_kernels.py::test_loaded_feet_and_torques_at_limits
+simulation.run_kernels   loaded_feet          simulation/test_run_kernels.py::test_loaded_feet_and_torques_at_limits
 simulation.sensor_kernels counted              simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
 simulation.sensor_kernels imu_reading          simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
 simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices

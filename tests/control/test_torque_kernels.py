@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from surefoot.control.latency import EVIDENCE, fitting, note
-from surefoot.control.torque_kernels import friction_losses, motor_bounds, torque_range, usable_range
+from surefoot.control.torque_kernels import (
+    friction_losses,
+    hold_to_motors,
+    motor_bounds,
+    torque_range,
+    usable_range,
+)
 
 
 def driving(
@@ -29,6 +35,10 @@ def test_bounds_and_losses_are_those_of_the_curve(knee: float, share: float) -> 
     along = driving(speed, effort, fastest, knee, share)
     np.testing.assert_allclose(low, -np.where(speed < 0.0, along, effort))
     np.testing.assert_allclose(high, np.where(speed > 0.0, along, effort))
+    asked = np.concatenate([random.normal(scale=60.0, size=len(speed) - 3), [np.nan, np.inf, -np.inf]])
+    given = asked.copy()
+    hold_to_motors(given, speed, effort, fastest, knee, share)
+    np.testing.assert_array_equal(given, np.minimum(np.maximum(asked, low), high))
     damping, friction = random.uniform(0.0, 1.0, (2, 40))
     lost = friction_losses(speed[:40], damping, friction, 0.1)
     np.testing.assert_allclose(lost, damping * speed[:40] + friction * np.tanh(speed[:40] / 0.1))

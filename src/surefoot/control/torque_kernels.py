@@ -110,6 +110,22 @@ def motor_bounds(
 
 
 @kernel
+def hold_to_motors(
+    torques: FloatArray, speed: FloatArray, effort: FloatArray, fastest: FloatArray, knee: float,
+    driving: float,
+) -> None:  # fmt: skip
+    """Bring (joints,) torques [N m] within `motor_bounds`, which has the other parameters; NaN stays."""
+    for j in range(len(torques)):
+        low, high = -effort[j], effort[j]
+        if speed[j] > 0.0:
+            high = _driving(speed[j], effort[j], fastest[j], knee, driving)
+        elif speed[j] < 0.0:
+            low = -_driving(speed[j], effort[j], fastest[j], knee, driving)
+        torques[j] = low if torques[j] < low else torques[j]
+        torques[j] = high if torques[j] > high else torques[j]
+
+
+@kernel
 def usable_range(
     low: FloatArray, high: FloatArray, losses: FloatArray, effort: FloatArray, least: float,
     middle: FloatArray, half: FloatArray, scale: FloatArray,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from surefoot.simulation.ground_friction import GroundFriction
 from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.outward import Outward
+from surefoot.simulation.run_kernels import any_reached, loaded_feet
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
@@ -38,6 +39,7 @@ TOUCH = 0.02
 """A foot feels the ground when its normal force exceeds this share of m g."""
 AT_LIMIT = 1.0 - 1e-6
 """A torque is saturated from this share of its limit on."""
+NO_PUSH = np.zeros(3)
 _SHARED = (
     "time", "q", "v", "torques", "forces", "forces_commanded", "gaps", "contact_velocities",
     "contact_positions", "normals", "active", "attained", "saturated", "push", "mu", "controller_time",
@@ -96,9 +98,7 @@ def run(
 
 def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
     """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
-    out = np.zeros(feet, dtype=bool)
-    out[contact_foot[reading.forces[:, 2] > least]] = True
-    return out
+    return loaded_feet(contact_foot, reading.forces, feet, least)
 
 
 def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
@@ -164,6 +164,12 @@ class _Run:
         self.stop = Stop(self.world)
         self.touches = LinkTouches(self.world)
         self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
+        rows = self.recorder.arrays
+        self._others = np.zeros(rows["other_forces"].shape[1:]) if "other_forces" in rows else None
+        self._motors = "torques_commanded" in rows
+        parts = (self.controller, self.sensing, self.ground)
+        names = [[channel.name for channel in part.channels] for part in parts]
+        self._told = tuple(zip((None, self.sensing, self.ground), names, strict=True))
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -206,7 +212,8 @@ class _Run:
             state = sensing.state(q, v, now, sensed_feet(world.contact_foot, feet, reading, touch))
             state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
-            command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
+            state = RobotState(*state[:4], sensing.heard, *state[5:])
+            command = self._decide(faults.heard(state), command)
             spent = clock.perf_counter() - start
             # the step
             self._asked = faults.act(command, q, v)
@@ -236,37 +243,31 @@ class _Run:
 
     def _record(self, moment: Moment) -> None:
         """Write the row of a step, and show it to the observers."""
-        rows, i = self.recorder.arrays, self.recorder.slot()
         command, reading = moment.command, moment.reading
-        rows["time"][i], rows["q"][i], rows["v"][i] = moment.time, moment.q, moment.v
-        rows["torques"][i], rows["mu"][i] = moment.torques, moment.mu
-        rows["push"][i] = 0.0 if moment.push is None else moment.push
-        rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
-        rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
-        rows["normals"][i] = reading.normals_on(self.world.terrain)
-        if reading.others is not None:
-            rows["other_forces"][i] = reading.others
-        if "torques_commanded" in rows:
-            rows["torques_commanded"][i] = self._asked
-        rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
-        rows["attained"][i], rows["saturated"][i] = (
-            command.attained,
-            (np.abs(command.torques) >= self.limits).any(),
-        )
-        rows["controller_time"][i] = moment.controller_time
-        own = command.rows()
-        if self.recorder.count == 0:
-            _check_rows(own, self.controller)
-        for name, value in (*own.items(), *self.sensing.rows().items(), *self.ground.rows().items()):
-            rows[name][i] = value
-        self.recorder.count += 1
+        row = [
+            moment.time, moment.q, moment.v, moment.torques, reading.forces, command.forces, reading.gaps,
+            reading.velocities, reading.positions, reading.normals_on(self.world.terrain), command.active,
+            command.attained, any_reached(np.asarray(command.torques), self.limits),
+            NO_PUSH if moment.push is None else moment.push, moment.mu, moment.controller_time,
+        ]  # fmt: skip
+        if self._others is not None:
+            row.append(self._others if reading.others is None else reading.others)
+        if self._motors:
+            row.append(self._asked)
+        for part, names in self._told:
+            told = command.rows() if part is None else part.rows()
+            if [*told] == names:
+                row += told.values()
+            elif part is None and self.recorder.count == 0 and told.keys() != set(names):
+                raise _wrong_rows(told, names)
+            else:
+                row += [told.get(name, 0.0) for name in names]
+        self.recorder.write(row)
         for observer in self.observers:
             observer.step(moment)
 
 
-def _check_rows(rows: Mapping[str, Any], controller: Controller) -> None:
-    """Raise `ProblemError` unless a command's own rows are the controller's channels."""
-    names = {channel.name for channel in controller.channels}
-    if set(rows) != names:
-        told, said = (", ".join(sorted(some)) or "none" for some in (rows, names))
-        raise ProblemError(f"a command has rows for {told}, its controller has the channels {said}")
+def _wrong_rows(rows: Iterable[str], channels: Iterable[str]) -> ProblemError:
+    """Return the error that a command's own rows are not the controller's channels."""
+    told, said = (", ".join(sorted(some)) or "none" for some in (rows, channels))
+    return ProblemError(f"a command has rows for {told}, its controller has the channels {said}")
