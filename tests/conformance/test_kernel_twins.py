@@ -139,8 +139,9 @@ estimation.cube_motion   fly                  estimation/test_cube_motion.py::te
 estimation.cube_motion   simulate             estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.cube_motion   step                 estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
+estimation.detection_kernels detector_arrays  estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
+estimation.detection_kernels feel_feet        estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
 estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
-estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
 estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
 estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
 estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
@@ -149,8 +150,10 @@ estimation.extended_poses gammas              estimation/test_extended_poses.py:
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
 estimation.foot_kinematics base_state         estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
 estimation.foot_kinematics feet_by_joints     estimation/test_foot_kinematics.py::test_feet_by_joints_is_its_sum
+estimation.foot_kinematics foot_arrays          estimation/test_foot_kinematics.py::test_places_speeds_and_spreads_are_those_of_differences by FootKinematics
 estimation.foot_kinematics follow_stances       estimation/test_foot_kinematics.py::test_stances_have_an_age
 estimation.foot_kinematics over_ground        estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics place_feet           estimation/test_foot_kinematics.py::test_places_speeds_and_spreads_are_those_of_differences by FootKinematics
 estimation.foot_kinematics places_seen          estimation/test_foot_kinematics.py::test_places_are_seen_from_the_imu_and_less_what_has_rolled
 estimation.foot_kinematics roll               estimation/test_foot_kinematics.py::test_a_sphere_rolls_as_far_as_it_turns
 estimation.foot_kinematics state_ahead          estimation/test_foot_kinematics.py::test_the_state_ahead_is_that_of_its_parts

@@ -55,6 +55,8 @@ class InvariantEkf:
         `InvariantFilter`, with covariance and biases; its body is the IMU.
     normals
         (n, 3) of the ground where each foot landed last, world axes.
+    feet
+        `FootKinematics`.
 
     Raises
     ------
@@ -92,7 +94,7 @@ class InvariantEkf:
         points = robot.contact_points
         self._radii = np.where(points.flat, 0.0, points.foot_radii)
         self._soles = points.foot_radii
-        self._feet = FootKinematics(robot, self.filter.noise.joint)
+        self.feet = FootKinematics(robot, self.filter.noise.joint)
         self.reset(robot.nominal)
 
     def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
@@ -117,8 +119,8 @@ class InvariantEkf:
         self._rolled, self._age, self._pace = np.zeros((n, 3)), np.full(n, -self.dt), np.zeros(n)
         self._places, (self._touching, self._landed) = np.zeros((n, 3)), np.zeros((2, n), dtype=np.bool_)
         self.normals = np.tile([0.0, 0.0, 1.0], (n, 1))
-        self._feet.update(self._joints, self._speeds)
-        self._turned = np.ascontiguousarray(R @ self._feet.rotations)
+        self.feet.update(self._joints, self._speeds)
+        self._turned = np.ascontiguousarray(R @ self.feet.rotations)
 
     def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
         """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] of the IMU, base axes."""
@@ -142,8 +144,12 @@ class InvariantEkf:
             (n,) mask of the feet that touch; one that moves over the ground all the same is not used.
         """
         self.joints(positions, speeds)
-        feet, body, arm = self._feet, self.filter, self.imu_position
-        feet.update(self._joints, self._speeds)
+        self.feet.update(self._joints, self._speeds)
+        return self.correct(contact)
+
+    def correct(self, contact: ArrayLike) -> BoolArray:
+        """Do what `update` does, with angles and speeds that `joints` and `feet` know already."""
+        feet, body, arm = self.feet, self.filter, self.imu_position
         over_ground(body.X, self._turn, arm, feet.centres, feet.velocities, self._pace)
         touching, landed = self._touching, self._landed
         new = follow_stances(

@@ -127,13 +127,13 @@ class StateEstimator:
         self.latency = Latency(ekf, *latency)
         noise, dt = ekf.filter.noise, ekf.dt
         bandwidth = quiet_bandwidth(ekf.robot, dt, noise.joint_speed)
-        self.detector = ContactDetector(ekf.robot, dt, DetectionSettings(bandwidth=bandwidth))
         sensed = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
         self.fusion = ContactFusion(
             ekf.robot, contacts or ContactSettings(), sensed, noise.joint_speed, ekf.ground is not None
         )
         self._usual = ekf.robot.mass * GRAVITY / len(ekf.robot.feet)
-        self._least = SENSED * self._usual
+        detection = DetectionSettings(bandwidth=bandwidth)
+        self.detector = ContactDetector(ekf.robot, dt, detection, ekf.feet, SENSED * self._usual)
         self._largest = self.watch.bias * np.array([noise.gyro_bias, noise.accelerometer_bias])
         self.reset(ekf.robot.nominal)
 
@@ -161,9 +161,8 @@ class StateEstimator:
         ekf.joints(reading.positions, reading.speeds)
         q, v = ekf.state()
         if known(q, v):
-            detector.observe(q, v, ekf.normals)
+            self._sensed = detector.observe(q, v, ekf.normals)
             self.forces = detector.forces
-            self._sensed = (self.forces * ekf.normals).sum(axis=1) > self._least
         else:
             self.health = Health.DIVERGED
             self._sensed[:] = False
@@ -205,7 +204,7 @@ class StateEstimator:
                 self.ekf.normals[k] = plane
         self._stood = meant
         if self.health is not Health.DIVERGED:
-            used = self.ekf.update(self._reading.positions, self._reading.speeds, meant)
+            used = self.ekf.correct(meant)
             self._look(bool(used.any()), bool(contact.any()))
         return self.latency.state()
 
