@@ -33,7 +33,7 @@ def feel_feet(
     twists, drifts
         (6, nv) what each velocity moves, and its rate, base axes.
     turns, places, momenta, masses
-        Of the joints, (joints, ...): rotations, places [m], the momentum of all that a joint carries, about it,
+        Of the joints, (joints, ...): rotations, places [m], momentum of all that a joint carries, about it,
         and the centre of that mass, both in its own axes.
     tables, support, feet
         See `FootKinematics`; `flat` (n,) says which feet have a sole.

@@ -227,7 +227,7 @@ def foot_arrays(
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return centres, velocities, rotations and spreads of n feet, and (4n, 3) how they lie on their joints.
 
-    `feet` is the memory of `FootKinematics`; the last are three rows of a rotation and a middle for each foot.
+    `feet` is the memory of `FootKinematics`; the last are rows of a rotation and a middle for each foot.
     """
     return (
         window(feet, 0, n, 3), window(feet, 3 * n, n, 3), window(feet, 6 * n, 3 * n, 3).reshape((n, 3, 3)),
