@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
 from surefoot.audit.contact_times import debounced
 from surefoot.errors import ProblemError
-from surefoot.estimation.detection_kernels import feel_feet
+from surefoot.estimation.detection_kernels import add_torques, feel_feet
 from surefoot.estimation.foot_kinematics import FootKinematics
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -143,6 +143,7 @@ class ContactDetector:
         self._feet = FootKinematics(robot, 0.0) if feet is None else feet
         self._flat = robot.contact_points.flat
         self._share = robot.mass * GRAVITY / len(robot.feet)
+        self._joints = (robot.joints,)
         n, nv = len(robot.feet), int(robot.model.nv)
         self._memory: FloatArray = np.zeros(4 + 13 * n + 4 * nv)
         sizes = [4, n, nv, nv, nv, nv, 3 * n, 3 * n, 3 * n]  # as `detector_arrays` has them
@@ -223,7 +224,9 @@ class ContactDetector:
         ProblemError
             For the wrong shape or numbers that are not finite.
         """
-        self._rate[self.robot.base_dof :] += finite_array("tau", tau, (self.robot.joints,))
+        torques = np.asarray(tau, dtype=np.float64)
+        if torques.shape != self._joints or not add_torques(self._rate, torques):
+            finite_array("tau", tau, self._joints)  # says what is wrong
 
     def _normals(self, normals: ArrayLike | None) -> FloatArray:
         n = len(self.robot.feet)

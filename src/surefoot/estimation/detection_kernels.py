@@ -207,3 +207,48 @@ def contact_odds(
         stopped = _ratio(v, still, swinging)
         odds[k] = prior[k] + min(pushed, MOST_FORCE) + max(near, LEAST_HEIGHT) + max(stopped, LEAST_SPEED)
         contact[k] = odds[k] > (-hold if contact[k] else hold)
+
+
+@kernel
+def prior_odds(pushing: BoolArray, planned: BoolArray, scales: FloatArray, prior: FloatArray) -> None:
+    """Fill prior (n,), the odds of contact by the plan: of feet that push, that should stand, that swing.
+
+    Natural logarithms; `scales` has those of feet that push and that swing behind what `contact_odds` takes.
+    """
+    for k in range(prior.shape[0]):
+        prior[k] = scales[6] if pushing[k] else 0.0 if planned[k] else scales[7]
+
+
+@kernel
+def decide_contacts(
+    forces: FloatArray, velocities: FloatArray, points: FloatArray, up: FloatArray, heights: FloatArray,
+    felt: BoolArray, told: BoolArray, scales: FloatArray, memory: FloatArray, contact: BoolArray,
+) -> BoolArray:  # fmt: skip
+    """Move contact (n,) on by `contact_odds` and return it anew.
+
+    Where feet are `told` (n,) to feel a force and have `felt` none, it is the usual one, `scales[8]` [N];
+    where the other way round, none. `points` (n, 3) and the ground's `heights` (n,) make the gaps [m];
+    `memory` is (3, n): odds, prior odds, deviations of forces [N]. The rest is as in `contact_odds`.
+    """
+    n = contact.shape[0]
+    gaps, believed = np.empty(n), np.empty((n, 3))
+    for k in range(n):
+        gaps[k] = (points[k, 2] - heights[k]) * up[k, 2]
+        usual = scales[8] if told[k] else 0.0
+        for r in range(3):
+            believed[k, r] = forces[k, r] if felt[k] == told[k] else usual * up[k, r]
+    contact_odds(believed, velocities, up, gaps, memory[1], memory[2], scales[:6], contact, memory[0])
+    return contact.copy()
+
+
+@kernel
+def add_torques(rate: FloatArray, torques: FloatArray) -> bool:
+    """Add (joints,) torques [N m] to the last numbers of rate, unless one is not finite; tell if all are."""
+    joints, total = torques.shape[0], 0.0
+    for j in range(joints):
+        total += 0.0 * torques[j]
+    if total != 0.0:  # NaN and infinity times zero are NaN
+        return False
+    for j in range(joints):
+        rate[rate.shape[0] - joints + j] += torques[j]
+    return True

@@ -17,6 +17,7 @@ from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
 from surefoot.simulation.faults import ActiveFaults
+from surefoot.simulation.sensor_kernels import with_points
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.simulation.world import World
 from surefoot.spatial import GRAVITY
@@ -133,8 +134,7 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        pushing = np.zeros(len(self.sensors.robot.feet), dtype=bool)
-        pushing[self._foot[command.active]] = True
+        pushing = with_points(command.active, self._foot, len(self.sensors.robot.feet))
         planned = command.rows().get("planned", pushing)
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(planned, dtype=bool))
