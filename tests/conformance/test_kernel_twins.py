@@ -171,6 +171,7 @@ estimation.inekf_kernels propagate            estimation/test_inekf.py::test_pro
 estimation.step_kernels advance               estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.step_kernels filter_arrays         estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.step_kernels robot_arrays          estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels settle                estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.step_kernels stand                 estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.step_kernels tell                  estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.step_kernels waiting_arrays        estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator

@@ -207,7 +207,8 @@ def test_the_state_ahead_is_that_of_its_parts() -> None:
     gyros, forces = random.normal(size=(3, 3)), 9.0 + random.normal(size=(3, 3))
     joints, speeds, early, late = random.normal(size=(4, 12))
     before = X.copy()
-    q, v = state_ahead(X, bias, gyros, forces, dt, arm, joints, speeds, early, late, 0.02, 0.004)
+    q, v = np.empty(19), np.empty(18)
+    state_ahead(X, bias, gyros, forces, dt, arm, joints, speeds, early, late, 0.02, 0.004, q, v)
     np.testing.assert_array_equal(X, before)
     rotation, velocity, place = X[:, :3], X[:, 3], X[:, 4]
     for rate, force in zip(gyros, forces, strict=True):  # far smaller steps, by the midpoint

@@ -224,7 +224,9 @@ def test_feet_with_active_points_are_found() -> None:
     for _ in range(20):
         active, expected = random.random(6) < 0.4, np.zeros(4, dtype=bool)
         expected[foot[active]] = True
-        np.testing.assert_array_equal(with_points(active, foot, 4), expected)
+        out = random.random(4) < 0.5
+        with_points(active, foot, out)
+        np.testing.assert_array_equal(out, expected)
 
 
 def test_readings_are_those_of_plain_numpy() -> None:

@@ -141,7 +141,8 @@ class ContactDetector:
         self.robot, self.settings = robot, settings or DetectionSettings()
         self.dt = real_number("dt", dt, low=1e-6, high=1.0)
         self._feet = FootKinematics(robot, 0.0) if feet is None else feet
-        self._flat = robot.contact_points.flat
+        self._flags = np.array([robot.contact_points.flat, np.zeros(len(robot.feet), dtype=bool)])
+        self._pushed: BoolArray = self._flags[1]
         self._share = robot.mass * GRAVITY / len(robot.feet)
         self._joints = (robot.joints,)
         n, nv = len(robot.feet), int(robot.model.nv)
@@ -211,10 +212,11 @@ class ContactDetector:
         """
         feet = self._feet
         feet.move(q, v)
-        return feel_feet(
+        feel_feet(
             feet.twists, feet.drifts, feet.turns, feet.places, feet.momenta, feet.masses, feet.tables,
-            feet.support, self._flat, feet.memory, self._memory, q, v, up,
+            feet.support, self._flags, feet.memory, self._memory, q, v, up,
         )  # fmt: skip
+        return self._pushed.copy()
 
     def applied(self, tau: ArrayLike) -> None:
         """Tell the (joints,) torques [N m] from the last update, which was not told them, to the next.

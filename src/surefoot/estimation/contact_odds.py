@@ -249,6 +249,8 @@ class ContactFusion:
             (n,) which feet feel a force by `forces`, and by what is to be believed: where they differ, the
             force is none or the usual one.
         """
-        return decide_contacts(
-            forces, velocities, points, up, heights, felt, told, self._scales, self._memory, self.contact
+        contact = self.contact
+        decide_contacts(
+            forces, velocities, points, up, heights, felt, told, self._scales, self._memory, contact
         )
+        return contact.copy()

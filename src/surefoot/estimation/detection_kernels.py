@@ -9,7 +9,7 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.estimation.extended_poses import apply
 from surefoot.estimation.foot_kinematics import place_feet
-from surefoot.kernels import inline_kernel, kernel, window
+from surefoot.kernels import borrowed, inline_kernel, kernel, window
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.numerics.points import point_velocity
 from surefoot.spatial import GRAVITY
@@ -23,10 +23,10 @@ LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE = -3.0, -4.0, 5.0
 @kernel
 def feel_feet(
     twists: FloatArray, drifts: FloatArray, turns: FloatArray, places: FloatArray, momenta: FloatArray,
-    masses: FloatArray, tables: IntArray, support: BoolArray, flat: BoolArray, feet: FloatArray,
+    masses: FloatArray, tables: IntArray, support: BoolArray, flags: BoolArray, feet: FloatArray,
     memory: FloatArray, q: FloatArray, v: FloatArray, up: FloatArray,
-) -> BoolArray:  # fmt: skip
-    """Move the observer and the feet's forces, velocities and points on; return which feet are pushed: (n,).
+) -> None:  # fmt: skip
+    """Move the observer and the feet's forces, velocities and points on, and tell which feet are pushed.
 
     Parameters
     ----------
@@ -36,7 +36,9 @@ def feel_feet(
         Of the joints, (joints, ...): rotations, places [m], momentum of all that a joint carries, about it,
         and the centre of that mass, both in its own axes.
     tables, support, feet
-        See `FootKinematics`; `flat` (n,) says which feet have a sole.
+        See `FootKinematics`.
+    flags
+        (2, n) which feet have a sole, and which are pushed; the latter are filled.
     memory
         See `detector_arrays`; changed.
     q, v, up
@@ -54,8 +56,8 @@ def feel_feet(
         a, b, c = up[k, 0], up[k, 1], up[k, 2]
         for r in range(3):
             local[k, r] = feet[3 * k + r] - radii[k] * (R[0, r] * a + R[1, r] * b + R[2, r] * c)
-    foot_forces(twists, support, local, flat, rows[3], v, DAMPING, forces, velocities)
-    pushed = np.empty(n, np.bool_)
+    foot_forces(twists, support, local, borrowed(flags)[0], rows[3], v, DAMPING, forces, velocities)
+    pushed = borrowed(flags)[1]
     for k in range(n):
         a, b, c = apply(R, local[k, 0], local[k, 1], local[k, 2])
         points[k, 0], points[k, 1], points[k, 2] = q[0] + a, q[1] + b, q[2] + c
@@ -64,7 +66,6 @@ def feel_feet(
         a, b, c = apply(R, forces[k, 0], forces[k, 1], forces[k, 2])
         forces[k, 0], forces[k, 1], forces[k, 2] = a, b, c
         pushed[k] = a * up[k, 0] + b * up[k, 1] + c * up[k, 2] > numbers[3]
-    return pushed
 
 
 @inline_kernel
@@ -223,8 +224,8 @@ def prior_odds(pushing: BoolArray, planned: BoolArray, scales: FloatArray, prior
 def decide_contacts(
     forces: FloatArray, velocities: FloatArray, points: FloatArray, up: FloatArray, heights: FloatArray,
     felt: BoolArray, told: BoolArray, scales: FloatArray, memory: FloatArray, contact: BoolArray,
-) -> BoolArray:  # fmt: skip
-    """Move contact (n,) on by `contact_odds` and return it anew.
+) -> None:  # fmt: skip
+    """Move contact (n,) on by `contact_odds`.
 
     Where feet are `told` (n,) to feel a force and have `felt` none, it is the usual one, `scales[8]` [N];
     where the other way round, none. `points` (n, 3) and the ground's `heights` (n,) make the gaps [m];
@@ -238,7 +239,6 @@ def decide_contacts(
         for r in range(3):
             believed[k, r] = forces[k, r] if felt[k] == told[k] else usual * up[k, r]
     contact_odds(believed, velocities, up, gaps, memory[1], memory[2], scales[:6], contact, memory[0])
-    return contact.copy()
 
 
 @kernel

@@ -168,9 +168,9 @@ def base_state(X: FloatArray, turn: FloatArray, arm: FloatArray, q: FloatArray, 
 def state_ahead(
     X: FloatArray, bias: FloatArray, gyros: FloatArray, accelerometers: FloatArray, dt: float,
     arm: FloatArray, joints: FloatArray, speeds: FloatArray, early: FloatArray, late: FloatArray,
-    span: float, ahead: float,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return q (nq,) [m, rad] and v (nv,) [m/s, rad/s] of the filter's state, moved on to now.
+    span: float, ahead: float, q: FloatArray, v: FloatArray,
+) -> None:  # fmt: skip
+    """Fill q (nq,) [m, rad] and v (nv,) [m/s, rad/s] with the filter's state, moved on to now.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def state_ahead(
         How far the joints go on with them [s].
     """
     n = len(joints)
-    q, v, now, turn = np.empty(7 + n), np.empty(6 + n), X[:, :5].copy(), np.empty(3)
+    now, turn = X[:, :5].copy(), np.empty(3)
     foresee(now, bias, gyros, accelerometers, dt)
     for r in range(3):
         turn[r] = gyros[len(gyros) - 1, r] - bias[r]
@@ -195,7 +195,6 @@ def state_ahead(
         rate = (late[j] - early[j]) / span
         q[7 + j] = joints[j] + ahead * (speeds[j] + 0.5 * ahead * rate)
         v[6 + j] = speeds[j] + ahead * rate
-    return q, v
 
 
 @kernel

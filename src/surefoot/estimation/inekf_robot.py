@@ -9,7 +9,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.foot_kinematics import FootKinematics, base_state
 from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
-from surefoot.estimation.step_kernels import stand
+from surefoot.estimation.step_kernels import BELIEVED, LANDED, stand
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
@@ -18,8 +18,6 @@ SLIDING = 0.5
 """A foot that moves faster than this over the ground does not stand, whatever the contact says [m/s]."""
 SETTLING = 0.02
 """Time after a touchdown in which a foot may still move a little, see `FilterNoise.landing` [s]."""
-BELIEVED, LANDED = 1, 2
-"""Bits of what `stand` tells."""
 HEIGHT = 0.005
 """Standard deviation of the height that a map has for the ground under a foot that lands [m]."""
 
@@ -167,17 +165,20 @@ class InvariantEkf:
         told = stand(
             body.memory, body.flags, self.memory, self.feet.memory, self.stances, contact, self.robot.joints
         )
-        if told >= LANDED and self.ground is not None:
-            for k in np.flatnonzero(self.stances[0] & (self._age < 0.5 * self.dt)):
-                self._land(int(k), self.ground)
+        if told & LANDED:
+            self.land()
         return bool(told & BELIEVED)
 
-    def _land(self, k: int, ground: Terrain) -> None:
-        """Use the map where a foot has landed."""
-        place = self.filter.X[:, 5 + k]
-        normal = self.normals[k] = ground.normal(place[:2])
-        excess = float(place[2] - ground.height(place[:2])) * normal[2] - self._soles[k]
-        self.filter.observe_height(k, self.normals[k], excess, HEIGHT)
+    def land(self) -> None:
+        """Use the map where feet have just landed."""
+        ground, body = self.ground, self.filter
+        if ground is None:
+            return
+        for k in np.flatnonzero(self.stances[0] & (self._age < 0.5 * self.dt)).tolist():
+            place = body.X[:, 5 + k]
+            normal = self.normals[k] = ground.normal(place[:2])
+            excess = float(place[2] - ground.height(place[:2])) * normal[2] - self._soles[k]
+            body.observe_height(k, self.normals[k], excess, HEIGHT)
 
     @property
     def legs(self) -> tuple[FloatArray, FloatArray]:

@@ -27,7 +27,7 @@ from surefoot.estimation.contact_odds import (
 )
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.latency import Latency
-from surefoot.estimation.step_kernels import advance, tell
+from surefoot.estimation.step_kernels import BELIEVED, CREDIBLE, LANDED, TOUCHED, advance, settle, tell
 from surefoot.spatial import GRAVITY
 
 SENSED = 0.2
@@ -138,6 +138,7 @@ class StateEstimator:
         self.detector = ContactDetector(ekf.robot, dt, detection, ekf.feet, SENSED * usual)
         largest = self.watch.bias * noise.gyro_bias, self.watch.bias * noise.accelerometer_bias
         self._limits = np.array([self.latency.ahead, self.watch.fastest, *largest])
+        self._nq, self._nv = len(ekf.q), len(ekf.v)
         self.reset(ekf.robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
@@ -196,17 +197,20 @@ class StateEstimator:
         standing
             (n,) which of them are meant to stand, by the plan; None for all.
         """
-        meant = contact if standing is None else contact & standing
+        ekf, late, meant = self.ekf, self.latency, contact if standing is None else standing
+        body, lost, q, v = ekf.filter, self.health is Health.DIVERGED, np.empty(self._nq), np.empty(self._nv)
         if not self.ground.mapped:
-            self._learn(meant)
-        lost = self.health is Health.DIVERGED
-        believed = lost or self.ekf.correct(meant)
-        ekf, late = self.ekf, self.latency
-        q, v, sound, touched = tell(
-            ekf.filter.memory, ekf.memory, late.memory, late.counts, self._limits, contact, ekf.robot.joints
-        )
+            self._learn(contact & meant)
+        told = settle(
+            body.memory, body.flags, ekf.memory, ekf.feet.memory, ekf.stances, late.memory, late.counts,
+            self._limits, contact, meant, lost, q, v,
+        )  # fmt: skip
+        if told & LANDED and ekf.ground is not None:
+            ekf.land()
+            sound = tell(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
+            told = told & ~CREDIBLE | (CREDIBLE if sound else 0)
         if not lost:
-            self._look(believed, touched, sound)
+            self._look(told)
         return q, v
 
     def _learn(self, meant: BoolArray) -> None:
@@ -226,16 +230,16 @@ class StateEstimator:
         """Tell the (joints,) torques from now to the next reading [N m]."""
         self.detector.applied(self.latency.torques(torques))
 
-    def _look(self, believed: bool, touched: bool, sound: bool) -> None:
-        """Judge the estimate after a correction; `sound` is whether its numbers can be a robot's."""
-        watch, dt = self.watch, self.ekf.dt
-        self._alone = 0.0 if believed else self._alone + dt
+    def _look(self, told: int) -> None:
+        """Judge the estimate after a correction, of which `settle` has told."""
+        watch, dt, touched = self.watch, self.ekf.dt, told & TOUCHED
+        self._alone = 0.0 if told & BELIEVED else self._alone + dt
         self._unheard = 0.0 if touched else self._unheard + dt
         if touched and self._alone >= watch.doubt and self._alone < watch.doubt + dt:
             self.ekf.filter.doubt_velocity(watch.doubted)
         if self.health is not Health.GOOD:
             return
-        if not sound:
+        if not told & CREDIBLE:
             self.health = Health.DIVERGED
         elif self._alone >= watch.patience:
             half = self._unheard >= 0.5 * self._alone

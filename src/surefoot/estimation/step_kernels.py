@@ -7,6 +7,8 @@ of `Latency` (`waiting_arrays`). n is the number of feet throughout.
 
 from __future__ import annotations
 
+import numpy as np
+
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.estimation.credible import credible, known
 from surefoot.estimation.foot_kinematics import (
@@ -25,6 +27,8 @@ STEPS, HELD, IMU, LEGS, SPEEDS = range(5)
 """Of the counts of `Latency`: steps behind, steps for which an IMU reading is held, lengths of its queues."""
 QUEUED = 5
 """Where the numbers of readings in these queues begin."""
+BELIEVED, LANDED, CREDIBLE, TOUCHED = 1, 2, 4, 8
+"""Bits of what `settle` tells."""
 
 
 @inline_kernel
@@ -150,7 +154,7 @@ def stand(
     body: FloatArray, on: BoolArray, robot: FloatArray, feet: FloatArray, standing: BoolArray,
     contact: BoolArray, joints: int,
 ) -> int:  # fmt: skip
-    """Correct by the feet that touch; return 1 if one was believed, 2 if one has just landed, 3 for both.
+    """Correct by the feet that touch; return BELIEVED if one was, with LANDED if one has just come.
 
     `feet` is the memory of `FootKinematics`; `standing` (2, n) becomes which feet stand, and which of them
     have just landed; `contact` (n,) says which touch. The rest is as in `advance`.
@@ -159,49 +163,71 @@ def stand(
     X, bias, P, densities, walks, gate, distances = filter_arrays(body, n)
     numbers, _, _, lines, normals, rolled, places, turned = robot_arrays(robot, n, joints)
     centres, velocities, rotations, spreads, _ = foot_arrays(feet, n)
-    touching, landed = borrowed(standing)[0], borrowed(standing)[1]
+    touching, landed, used = borrowed(standing)[0], borrowed(standing)[1], borrowed(on)[1]
     radii, pace, age = lines[0], lines[1], lines[2]
     dt, settling, sliding = numbers[0, 0], numbers[0, 1], numbers[0, 2]
     over_ground(X, numbers[2], numbers[1], centres, velocities, pace)
     new = follow_stances(contact, pace, sliding, settling, dt, age, touching, landed)
     roll(X, rotations, normals, radii, touching, turned, rolled)
     places_seen(X, centres, numbers[1], rolled, places)
-    used = borrowed(on)[1]
     observe_feet(
         X, bias, P, borrowed(on)[0], places, spreads, touching, landed, walks, densities, gate[0], distances,
         used,
     )  # fmt: skip
-    believed = False
-    for k in range(n):
-        believed = believed or used[k]
-    return (1 if believed else 0) + (2 if new else 0)
+    return (BELIEVED if _some(used) else 0) + (LANDED if new else 0)
+
+
+@inline_kernel
+def _some(flags: BoolArray) -> bool:
+    """Tell whether one of them is true."""
+    some = False
+    for k in range(flags.shape[0]):
+        some = some or flags[k]
+    return some
 
 
 @kernel
 def tell(
-    body: FloatArray, robot: FloatArray, waiting: FloatArray, counts: IntArray, limits: FloatArray,
-    contact: BoolArray, joints: int,
-) -> tuple[FloatArray, FloatArray, bool, bool]:  # fmt: skip
-    """Return q and v of now, whether the filter's state is credible, and whether a foot touches.
+    body: FloatArray, robot: FloatArray, waiting: FloatArray, counts: IntArray, limits: FloatArray, feet: int,
+    q: FloatArray, v: FloatArray,
+) -> bool:  # fmt: skip
+    """Fill q (nq,) and v (nv,) of now [m, rad], [m/s, rad/s]; tell whether the filter's state is credible.
 
     `limits` (4,) are how far joints go on with their acceleration [s], and what `credible` takes: largest
-    speed [m/s] and biases [rad/s], [m/s²]. The rest is as in `advance` and `stand`.
+    speed [m/s] and biases [rad/s], [m/s²]. `feet` is their number, the rest is as in `advance`.
     """
-    n = contact.shape[0]
+    n, joints = feet, v.shape[0] - 6
     X, bias, _, _, _, _, _ = filter_arrays(body, n)
-    numbers, q, v, _, _, _, _, _ = robot_arrays(robot, n, joints)
-    sound, touched = credible(X, bias, limits[1], limits[2:]), False
-    for k in range(n):
-        touched = touched or contact[k]
+    numbers, known_q, known_v, _, _, _, _, _ = robot_arrays(robot, n, joints)
     if counts[STEPS] == 0 or counts[QUEUED] == 0:
-        told, speed = q.copy(), v.copy()
-        base_state(X, numbers[2], numbers[1], told, speed)
-        return told, speed, sound, touched
-    _, _, past, gyros, forces = waiting_arrays(waiting, counts, joints)
-    count, queued = counts[QUEUED] - 1 + counts[HELD], counts[QUEUED + SPEEDS - IMU]
-    span = max(queued - 1, 1) * numbers[0, 0]
-    told, speed = state_ahead(
-        X, bias, gyros[:count], forces[:count], numbers[0, 0], numbers[1], q[7:], v[6:],
-        past[0], past[queued - 1], span, limits[0],
-    )  # fmt: skip
-    return told, speed, sound, touched
+        q[:], v[:] = known_q, known_v
+        base_state(X, numbers[2], numbers[1], q, v)
+    else:
+        _, _, past, gyros, forces = waiting_arrays(waiting, counts, joints)
+        count, queued = counts[QUEUED] - 1 + counts[HELD], counts[QUEUED + SPEEDS - IMU]
+        span = max(queued - 1, 1) * numbers[0, 0]
+        state_ahead(
+            X, bias, gyros[:count], forces[:count], numbers[0, 0], numbers[1], known_q[7:], known_v[6:],
+            past[0], past[queued - 1], span, limits[0], q, v,
+        )  # fmt: skip
+    return credible(X, bias, limits[1], limits[2:])
+
+
+@kernel
+def settle(
+    body: FloatArray, on: BoolArray, robot: FloatArray, feet: FloatArray, standing: BoolArray,
+    waiting: FloatArray, counts: IntArray, limits: FloatArray, contact: BoolArray, meant: BoolArray,
+    lost: bool, q: FloatArray, v: FloatArray,
+) -> int:  # fmt: skip
+    """Correct, unless `lost`, by feet in contact that are meant to stand, (n,) each; fill q and v of now.
+
+    Returns what `stand` does, with CREDIBLE if `tell` says so and TOUCHED if a foot is in contact. The rest
+    is as in these two.
+    """
+    told = TOUCHED if _some(contact) else 0
+    if not lost:
+        both = np.empty(contact.shape[0], np.bool_)
+        for k in range(contact.shape[0]):
+            both[k] = contact[k] and meant[k]
+        told += stand(body, on, robot, feet, standing, both, v.shape[0] - 6)
+    return told + (CREDIBLE if tell(body, robot, waiting, counts, limits, contact.shape[0], q, v) else 0)

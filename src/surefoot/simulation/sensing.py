@@ -99,6 +99,7 @@ class EstimatedState(Sensing):
         self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._foot = np.asarray(world.contact_foot)
         self._standing: BoolArray | None = None
+        self._none: BoolArray = np.zeros(len(robot.feet), dtype=bool)
         self._warm_up(robot.nominal)
         self._started = False
 
@@ -134,7 +135,8 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        pushing = with_points(command.active, self._foot, len(self.sensors.robot.feet))
+        pushing = self._none.copy()
+        with_points(command.active, self._foot, pushing)
         planned = command.rows().get("planned", pushing)
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(planned, dtype=bool))

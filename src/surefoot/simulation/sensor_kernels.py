@@ -118,9 +118,10 @@ def counted(
 
 @kernel
 def sense(
-    memory: FloatArray, motion: FloatArray, q: FloatArray, v: FloatArray, noise: FloatArray, first: bool
-) -> FloatArray:
-    """Return what IMU and encoders say at a state (nq,) q, (nv,) v [m, rad], [m/s, rad/s]: one row.
+    memory: FloatArray, motion: FloatArray, q: FloatArray, v: FloatArray, noise: FloatArray, first: bool,
+    out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill a row with what IMU and encoders say at a state (nq,) q, (nv,) v [m, rad], [m/s, rad/s].
 
     Gyro and accelerometer (3,) each, then angles and speeds of the joints (joints,) each.
 
@@ -149,28 +150,23 @@ def sense(
     gyro, accelerometer = imu_reading(
         rate, force, biases, window(noise, 0, 4, 3), figures[:4], figures[4:6], figures[6:8]
     )
-    out = np.empty(6 + 2 * joints)
     out[:3], out[3:6] = gyro, accelerometer
     offsets = memory[22:]
     out[6 : 6 + joints] = counted(q[7:], offsets[:joints], figures[8], noise[12 : 12 + joints], figures[9])
     out[6 + joints :] = counted(v[6:], offsets[joints:], figures[10], noise[12 + joints :], figures[11])
-    return out
 
 
 @kernel
-def heard(torques: FloatArray, factors: FloatArray, scale: float, noise: FloatArray) -> FloatArray:
-    """Return (joints,) torques as currents tell them [N m]: off by factors, and noisy by `scale` [N m]."""
-    out = np.empty(torques.shape[0])
+def heard(torques: FloatArray, factors: FloatArray, scale: float, noise: FloatArray, out: FloatArray) -> None:
+    """Fill (joints,) torques as currents tell them [N m]: off by factors, and noisy by `scale` [N m]."""
     for j in range(torques.shape[0]):
         out[j] = factors[j] * torques[j] + scale * noise[j]
-    return out
 
 
 @kernel
-def with_points(active: BoolArray, foot: IntArray, feet: int) -> BoolArray:
-    """Return which of `feet` feet have a contact point that is active, (p,) each; `foot` (p,) owns it."""
-    out = np.zeros(feet, np.bool_)
+def with_points(active: BoolArray, foot: IntArray, out: BoolArray) -> None:
+    """Fill which feet (n,) have a contact point that is active, (p,) each; `foot` (p,) owns it."""
+    out[:] = False
     for i in range(active.shape[0]):
         if active[i]:
             out[foot[i]] = True
-    return out

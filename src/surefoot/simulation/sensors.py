@@ -15,6 +15,9 @@ from surefoot.robot import Robot
 from surefoot.simulation.sensor_kernels import heard, mean_readings, sense
 from surefoot.spatial import GRAVITY
 
+AT_ONCE = 8
+"""Steps for which random numbers are drawn at once."""
+
 
 @dataclass(frozen=True)
 class ImuModel:
@@ -231,8 +234,10 @@ class Sensors:
         late = round(imu.latency / dt), round(encoders.latency / dt)
         self._imu: deque[FloatArray] = deque(maxlen=1 + late[0])
         self._legs: deque[FloatArray] = deque(maxlen=1 + late[1])
-        self._motion, self._noise = np.zeros(13), np.zeros(12 + 2 * joints)
-        self._first = True
+        self._motion, self._first, self._joints = np.zeros(13), True, joints
+        self._mixed = touch.missed > 0.0 or touch.false > 0.0  # other random numbers come in between
+        self._drawn: FloatArray = np.zeros(AT_ONCE * (12 + 3 * joints))
+        self._used = len(self._drawn)
         n = len(robot.feet)
         self._touched, self._hidden = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         self._false_until = np.zeros(n)
@@ -250,7 +255,7 @@ class Sensors:
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
-        turn = np.append(self.model.tilt * self._random.normal(size=2), 0.0)
+        turn = np.append(self.model.tilt * self._normal(2), 0.0)
         angle, out = float(np.linalg.norm(turn)), q.copy()
         if angle > 0.0:
             x, y, z = turn / angle * np.sin(0.5 * angle)
@@ -265,8 +270,8 @@ class Sensors:
 
     def read(self, q: FloatArray, v: FloatArray) -> Reading:
         """Return what the sensors say at the next step, from the true (nq,) q and (nv,) v."""
-        noise, joints = self._random.standard_normal(out=self._noise), self.robot.joints
-        row = sense(self._memory, self._motion, q, v, noise, self._first)
+        joints, row = self._joints, np.empty(6 + 2 * self._joints)
+        sense(self._memory, self._motion, q, v, self._normal(12 + 2 * joints), self._first, row)
         self._first = False
         self._imu.append(row)
         self._legs.append(row)
@@ -275,13 +280,28 @@ class Sensors:
 
     def torques(self, true: FloatArray) -> FloatArray:
         """Return (joints,) torques as the motors' currents tell them [N m]."""
-        return heard(true, self._factors, self._torque_noise, self._random.standard_normal(len(true)))
+        out = np.empty(self._joints)
+        heard(true, self._factors, self._torque_noise, self._normal(self._joints), out)
+        return out
+
+    def _normal(self, count: int) -> FloatArray:
+        """Return the next normal random numbers; they are drawn for several steps at once."""
+        if self._mixed:
+            return self._random.standard_normal(count)
+        start, numbers = self._used, self._drawn
+        if start + count > len(numbers):
+            left = len(numbers) - start
+            numbers[:left] = numbers[start:]
+            self._random.standard_normal(out=numbers[left:])
+            start = 0
+        self._used = start + count
+        return numbers[start : start + count]
 
     def touches(self, contact: BoolArray) -> BoolArray:
         """Return (n,) which feet feel a force, some missed and some false, one step after the last call."""
         touch, n = self.model.touch, len(contact)
         self._time += self.dt
-        if touch.missed == 0.0 and touch.false == 0.0:
+        if not self._mixed:
             return contact
         if touch.missed > 0.0:
             fresh = contact & ~self._touched
