@@ -150,8 +150,12 @@ estimation.cube_motion   fly                  estimation/test_cube_motion.py::te
 estimation.cube_motion   simulate             estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.cube_motion   step                 estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
+estimation.detection_kernels add_torques      estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
+estimation.detection_kernels decide_contacts  estimation/test_contact_odds.py::test_what_is_told_of_a_force_takes_the_place_of_what_is_felt by ContactFusion
+estimation.detection_kernels detector_arrays  estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
+estimation.detection_kernels feel_feet        estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
 estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
-estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
+estimation.detection_kernels prior_odds       estimation/test_contact_odds.py::test_what_is_told_of_a_force_takes_the_place_of_what_is_felt by ContactFusion
 estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
 estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
 estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
@@ -160,8 +164,10 @@ estimation.extended_poses gammas              estimation/test_extended_poses.py:
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
 estimation.foot_kinematics base_state         estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
 estimation.foot_kinematics feet_by_joints     estimation/test_foot_kinematics.py::test_feet_by_joints_is_its_sum
+estimation.foot_kinematics foot_arrays          estimation/test_foot_kinematics.py::test_places_speeds_and_spreads_are_those_of_differences by FootKinematics
 estimation.foot_kinematics follow_stances       estimation/test_foot_kinematics.py::test_stances_have_an_age
 estimation.foot_kinematics over_ground        estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics place_feet           estimation/test_foot_kinematics.py::test_places_speeds_and_spreads_are_those_of_differences by FootKinematics
 estimation.foot_kinematics places_seen          estimation/test_foot_kinematics.py::test_places_are_seen_from_the_imu_and_less_what_has_rolled
 estimation.foot_kinematics roll               estimation/test_foot_kinematics.py::test_a_sphere_rolls_as_far_as_it_turns
 estimation.foot_kinematics state_ahead          estimation/test_foot_kinematics.py::test_the_state_ahead_is_that_of_its_parts
@@ -173,6 +179,13 @@ estimation.inekf_kernels foresee              estimation/test_inekf.py::test_the
 estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
 estimation.inekf_kernels observe_feet         estimation/test_inekf.py::test_feet_are_forgotten_used_and_added_one_after_the_other
 estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
+estimation.step_kernels advance               estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels filter_arrays         estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels robot_arrays          estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels settle                estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels stand                 estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels tell                  estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels waiting_arrays        estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
 estimation.wrench_kernels filter_block         estimation/test_wrench_observer.py::test_blocks_are_filtered_with_the_spread_of_their_differences
 estimation.wrench_kernels point_inertia        estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
@@ -242,7 +255,10 @@ simulation.run_kernels   any_reached          simulation/test_run_kernels.py::te
 simulation.run_kernels   loaded_feet          simulation/test_run_kernels.py::test_loaded_feet_and_torques_at_limits
 simulation.sensor_kernels counted              simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
 simulation.sensor_kernels imu_reading          simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
+simulation.sensor_kernels heard                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
 simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
+simulation.sensor_kernels sense                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
+simulation.sensor_kernels with_points          simulation/test_sensors.py::test_feet_with_active_points_are_found
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
