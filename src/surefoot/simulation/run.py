@@ -161,6 +161,8 @@ class _Run:
     ground: GroundFriction
 
     def __post_init__(self) -> None:
+        any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
+        sensed_feet(self.world.contact_foot, len(self.world.robot.feet), self.world.contacts(), 0.0)
         self.stop = Stop(self.world)
         self.touches = LinkTouches(self.world)
         self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
@@ -169,7 +171,8 @@ class _Run:
         self._motors = "torques_commanded" in rows
         parts = (self.controller, self.sensing, self.ground)
         names = [[channel.name for channel in part.channels] for part in parts]
-        self._told = tuple(zip((None, self.sensing, self.ground), names, strict=True))
+        told = zip((None, self.sensing, self.ground), names, strict=True)
+        self._told = tuple((part, own) for part, own in told if own or part is None)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -201,15 +204,16 @@ class _Run:
     def _loop(self, height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
-        feet, touch = len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
+        foot, feet = world.contact_foot, len(world.robot.feet)
+        touch = TOUCH * world.robot.mass * GRAVITY
         reading, command, stopped = world.contacts(), None, math.inf
         for k in range(scenario.steps(world.dt)):
             # what the world is like, and what the controller makes of it
             now = k * world.dt
             self.ground.advance(now, reading)
-            push = push_at(scenario.pushes, now)
+            push = push_at(scenario.pushes, now) if scenario.pushes else None
             q, v = world.state()
-            state = sensing.state(q, v, now, sensed_feet(world.contact_foot, feet, reading, touch))
+            state = sensing.state(q, v, now, loaded_feet(foot, reading.forces, feet, touch))
             state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
             state = RobotState(*state[:4], sensing.heard, *state[5:])
@@ -243,11 +247,13 @@ class _Run:
 
     def _record(self, moment: Moment) -> None:
         """Write the row of a step, and show it to the observers."""
-        command, reading = moment.command, moment.reading
+        command, reading, normals = moment.command, moment.reading, moment.reading.normals
+        if normals is None:
+            normals = reading.normals_on(self.world.terrain)
         row = [
             moment.time, moment.q, moment.v, moment.torques, reading.forces, command.forces, reading.gaps,
-            reading.velocities, reading.positions, reading.normals_on(self.world.terrain), command.active,
-            command.attained, any_reached(np.asarray(command.torques), self.limits),
+            reading.velocities, reading.positions, normals, command.active, command.attained,
+            any_reached(np.asarray(command.torques), self.limits),
             NO_PUSH if moment.push is None else moment.push, moment.mu, moment.controller_time,
         ]  # fmt: skip
         if self._others is not None:
