@@ -64,6 +64,9 @@ contact.scales           scales_dense         contact/test_scales.py::test_speed
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
 control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
+control.feet_kernels follow_phases            control/test_feet_kernels.py::test_feet_are_followed_one_by_one
+control.feet_kernels ramp_shares              control/test_feet_kernels.py::test_ramps_rise_and_fall
+control.feet_kernels set_timing               control/test_feet_kernels.py::test_timing_tells_late_feet
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
@@ -95,7 +98,10 @@ control.torque_kernels exceeded           control/test_whole_body_kernels.py::te
 control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
+control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_range_at_a_speed_is_that_of_its_parts
 control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
+control.walking_kernels  advance_body         control/test_feet_kernels.py::test_a_body_goes_where_it_should
+control.walking_kernels  body_rise            control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  mode_rows            control/test_walking_kernels.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
@@ -111,6 +117,10 @@ control.whole_body_kernels eliminate          control/test_whole_body.py::test_e
 control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
 control.whole_body_kernels place_points       control/test_whole_body_kernels.py::test_contact_points_are_on_their_feet
 control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
+control.whole_body_step force_problem         control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
+control.whole_body_step kinematics            control/test_whole_body_step.py::test_kinematics_are_those_of_pinocchio
+control.whole_body_step reduce                control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
+control.whole_body_step torques_of            control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
 equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
 equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
@@ -176,6 +186,9 @@ estimation.step_kernels stand                 estimation/test_state_estimator.py
 estimation.step_kernels tell                  estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.step_kernels waiting_arrays        estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
+estimation.wrench_kernels filter_block         estimation/test_wrench_observer.py::test_blocks_are_filtered_with_the_spread_of_their_differences
+estimation.wrench_kernels point_inertia        estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
+estimation.wrench_kernels sum_wrench           estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
 estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
 estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
 estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
