@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -153,6 +154,29 @@ def test_a_step_is_that_of_its_parts(robot: Robot, late: tuple[int, int]) -> Non
         np.testing.assert_allclose(ekf.filter.covariance, plain.body.covariance, rtol=0.0, atol=1e-13)
     assert seen == {False, True}
     assert estimator.health is Health.GOOD
+
+
+def test_a_copy_goes_its_own_way(robot: Robot) -> None:
+    log, sensors = log_of(TROT), Sensors(SensorModel(), robot, 1e-3, 3)
+    one = StateEstimator(InvariantEkf(robot, 1e-3, ground=FlatTerrain()), latency=(1e-3, 2e-3))
+    one.reset(log["q"][0])
+    told: list[list[np.ndarray]] = []
+    readings = [sensors.read(q, v) for q, v in zip(log["q"][:60], log["v"], strict=False)]
+    for k in range(60):
+        if k == 30:
+            other = deepcopy(one)
+            for estimator in (one, other):  # the copy after the end of the first
+                told.append([])
+                for reading in readings[30:]:
+                    touching = estimator.decide(estimator.predict(reading))
+                    told[-1] += [*estimator.update(touching), touching, estimator.forces.copy()]
+                    estimator.applied(np.ones(12))
+            break
+        one.update(one.decide(one.predict(readings[k])))
+        one.applied(np.ones(12))
+    assert one.ekf.filter.memory is not other.ekf.filter.memory
+    for a, b in zip(*told, strict=True):
+        np.testing.assert_array_equal(a, b)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -142,19 +142,29 @@ class ContactDetector:
         self.dt = real_number("dt", dt, low=1e-6, high=1.0)
         self._feet = FootKinematics(robot, 0.0) if feet is None else feet
         self._flags = np.array([robot.contact_points.flat, np.zeros(len(robot.feet), dtype=bool)])
-        self._pushed: BoolArray = self._flags[1]
         self._share = robot.mass * GRAVITY / len(robot.feet)
         self._joints = (robot.joints,)
         n, nv = len(robot.feet), int(robot.model.nv)
         self._memory: FloatArray = np.zeros(4 + 13 * n + 4 * nv)
-        sizes = [4, n, nv, nv, nv, nv, 3 * n, 3 * n, 3 * n]  # as `detector_arrays` has them
-        parts = np.split(self._memory, np.cumsum(sizes))
-        self._numbers, radii, rotors, _, self._rate, self._residual = parts[:6]
-        self._past = self._memory[4 + n + nv :]
-        self.forces, self.velocities, self.points = (part.reshape(n, 3) for part in parts[6:9])
-        radii[:], rotors[:] = robot.contact_points.foot_radii, robot.model.armature
+        self._bind()
+        self._radii[:], self._rotors[:] = robot.contact_points.foot_radii, robot.model.armature
         self._numbers[:] = math.exp(-self.settings.bandwidth * self.dt), self.dt, 0.0, least
         self.reset()
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        n, nv = len(self.robot.feet), int(self.robot.model.nv)
+        sizes = [4, n, nv, nv, nv, nv, 3 * n, 3 * n, 3 * n]  # as `detector_arrays` has them
+        parts = np.split(self._memory, np.cumsum(sizes))
+        self._numbers, self._radii, self._rotors, _, self._rate, self._residual = parts[:6]
+        self._past = self._memory[4 + n + nv :]
+        self.forces, self.velocities, self.points = (part.reshape(n, 3) for part in parts[6:9])
+        self._pushed: BoolArray = self._flags[1]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(self) -> None:
         """Forget the past: the next update is the first."""

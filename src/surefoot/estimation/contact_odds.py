@@ -209,7 +209,7 @@ class ContactFusion:
         reach = max(float(robot.nominal[2]), 0.1)
         self.settings = s
         self._memory: FloatArray = np.zeros((3, n))  # odds, prior odds, deviations of forces
-        self.odds, self._prior = self._memory[:2]
+        self._bind()
         self._memory[2] = np.hypot(s.force * share, noise)
         self._scales = np.array([
             s.heavy * share, s.height if mapped else s.unmapped, s.clearance * reach,
@@ -217,6 +217,15 @@ class ContactFusion:
             s.pushing, s.swing, share,
         ])  # fmt: skip
         self.contact: BoolArray = np.zeros(n, dtype=bool)
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        self.odds, self._prior = self._memory[:2]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(self) -> None:
         """Forget what was believed."""

@@ -266,8 +266,8 @@ class FootKinematics:
         import pinocchio
 
         points, model, n = robot.contact_points, robot.model, len(robot.feet)
-        self._pin, self._model, self._data = pinocchio, model, model.createData()
-        self._level = pinocchio.KinematicLevel.POSITION
+        self._data: Any
+        self._model, self._data, self._feet = model, model.createData(), n
         self._q: FloatArray = np.zeros(model.nq)
         self._q[6] = 1.0
         self.support = points.foot_support
@@ -282,12 +282,26 @@ class FootKinematics:
             for f, middle in zip(frames, points.middles, strict=True)
         ]
         self.memory = np.concatenate([np.zeros(24 * n), np.ravel(fixed), [deviation**2], self._data.mass])
+        self._bind()
+
+    def _bind(self) -> None:
+        """Find the parts of the memory and of Pinocchio's data."""
+        n, data = self._feet, self._data
         self.centres, self.velocities = self.memory[: 3 * n].reshape(n, 3), self._part(3, n)
         self.rotations, self.spreads = self._part(6, n, 3), self._part(15, n, 3)
-        data: Any = self._data
         self.twists, self.drifts = data.J, data.dJ
         self.turns, self.places = live_parts(data.oMi, "rotation"), live_parts(data.oMi, "translation")
         self.momenta, self.masses = live_parts(data.h, "vector"), live_parts(data.com)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy is made of: no arrays on Pinocchio's memory."""
+        views = ("twists", "drifts", "turns", "places", "momenta", "masses")
+        return {name: value for name, value in self.__dict__.items() if name not in views}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def _part(self, start: int, n: int, more: int = 1) -> FloatArray:
         """Return (n, 3) or (n, 3, 3) of the memory, from `start` times n on."""
@@ -296,8 +310,10 @@ class FootKinematics:
 
     def update(self, positions: FloatArray, speeds: FloatArray) -> None:
         """Move to (joints,) angles [rad] and speeds [rad/s]."""
+        import pinocchio
+
         self._q[7:] = positions
-        self._pin.computeJointJacobians(self._model, self._data, self._q)
+        pinocchio.computeJointJacobians(self._model, self._data, self._q)
         place_feet(self.twists, self.turns, self.places, self.tables, self.support, speeds, self.memory)
 
     def move(self, q: FloatArray, v: FloatArray) -> None:
@@ -305,8 +321,10 @@ class FootKinematics:
 
         All in the axes of the base, as if it were at the origin; the feet follow by `place_feet`.
         """
-        pin, model, data = self._pin, self._model, self._data
+        import pinocchio as pin
+
+        model, data = self._model, self._data
         self._q[7:] = q[7:]
         pin.computeJointJacobiansTimeVariation(model, data, self._q, v)
         pin.computeCentroidalMomentum(model, data)
-        pin.centerOfMass(model, data, self._level, True)
+        pin.centerOfMass(model, data, pin.KinematicLevel.POSITION, True)

@@ -14,6 +14,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -114,16 +115,27 @@ class InvariantFilter:
         n = self.n
         N = 15 + 3 * n
         self.flags: BoolArray = np.zeros((2, n), dtype=bool)
-        self.standing: BoolArray = self.flags[0]
-        self.used: BoolArray = self.flags[1]
-        sizes = [3 * (5 + n), 6, N * N, 4 + n, 2, 1, n]  # as `filter_arrays` has them
-        self.memory: FloatArray = np.zeros(sum(sizes))
-        parts = np.split(self.memory, np.cumsum(sizes)[:-1])
-        self._X, self._bias, self._covariance = parts[0].reshape(3, 5 + n), parts[1], parts[2].reshape(N, N)
-        self._densities, self._walks, self._gate, self.distances = parts[3:]
+        self._sizes = [3 * (5 + n), 6, N * N, 4 + n, 2, 1, n]  # as `filter_arrays` has them
+        self.memory: FloatArray = np.zeros(sum(self._sizes))
         self._none: BoolArray = np.zeros(n, dtype=bool)
+        self._bind()
         self._gate[0] = real_number("gate", gate, low=0.0)
         self.reset()
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        n = self.n
+        self.standing: BoolArray = self.flags[0]
+        self.used: BoolArray = self.flags[1]
+        parts = np.split(self.memory, np.cumsum(self._sizes)[:-1])
+        self._X, self._bias, self._covariance = parts[0].reshape(3, 5 + n), parts[1], parts[2]
+        self._covariance = self._covariance.reshape(15 + 3 * n, 15 + 3 * n)
+        self._densities, self._walks, self._gate, self.distances = parts[3:]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(
         self,

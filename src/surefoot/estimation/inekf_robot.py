@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -92,17 +94,27 @@ class InvariantEkf:
         self._soles = points.foot_radii
         self.feet = FootKinematics(robot, self.filter.noise.joint)
         self.stances: BoolArray = np.zeros((2, n), dtype=np.bool_)
-        sizes = [9, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
-        self.memory: FloatArray = np.zeros(sum(sizes) + 9 * n)
-        parts = np.split(self.memory, np.cumsum(sizes))
-        numbers, self.q, self.v = parts[0].reshape(3, 3), parts[1], parts[2]
-        numbers[0], numbers[1] = (self.dt, SETTLING, SLIDING), self.imu_position
-        self._turn, lines = numbers[2], parts[3].reshape(3, n)
-        lines[0] = np.where(points.flat, 0.0, points.foot_radii)
-        self._pace, self._age = lines[1:]
+        self._sizes = [9, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
+        self.memory: FloatArray = np.zeros(sum(self._sizes) + 9 * n)
+        self._bind()
+        self._numbers[0], self._numbers[1] = (self.dt, SETTLING, SLIDING), self.imu_position
+        self._lines[0] = np.where(points.flat, 0.0, points.foot_radii)
+        self.reset(robot.nominal)
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        n = self.filter.n
+        parts = np.split(self.memory, np.cumsum(self._sizes))
+        self._numbers, self.q, self.v = parts[0].reshape(3, 3), parts[1], parts[2]
+        self._turn, self._lines = self._numbers[2], parts[3].reshape(3, n)
+        self._pace, self._age = self._lines[1:]
         self.normals, self._rolled = parts[4].reshape(n, 3), parts[5].reshape(n, 3)
         self._turned = parts[7].reshape(n, 3, 3)
-        self.reset(robot.nominal)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
         """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s]: place and heading are taken as they are.

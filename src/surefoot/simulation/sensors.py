@@ -227,7 +227,6 @@ class Sensors:
             (encoders.noise, encoders.step, encoders.speed_noise, encoders.speed_step, dt),
             offsets, np.zeros(joints),
         ])  # fmt: skip
-        self.biases: FloatArray = self._memory[:6].reshape(2, 3)
         self._factors = 1.0 + touch.torque_scale * r.normal(size=joints)
         usual = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.0) / max(joints, 1)
         self._torque_noise = touch.torque_noise * usual
@@ -242,6 +241,11 @@ class Sensors:
         self._touched, self._hidden = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         self._false_until = np.zeros(n)
         self._time = 0.0
+
+    @property
+    def biases(self) -> FloatArray:
+        """(2, 3) biases of gyro [rad/s] and accelerometer [m/s²] now."""
+        return self._memory[:6].reshape(2, 3)
 
     @property
     def gyro_bias(self) -> FloatArray:
