@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from numpy.lib.stride_tricks import as_strided
-
 from surefoot.arrays import FloatArray
+from surefoot.estimation.live_arrays import live_parts
+
+PARTS = "rotation", "translation"
+"""Of a pose."""
 
 
 class ModelViews:
@@ -46,18 +48,8 @@ class ModelViews:
         self.place: FloatArray = data.oMi[1].translation
         self.com: FloatArray = data.com[0]
         self.com_velocity: FloatArray = data.vcom[0]
-        self.frame_rotations, self.frame_places = _side_by_side(data.oMf)
+        self.frame_rotations, self.frame_places = (live_parts(data.oMf, part) for part in PARTS)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how a copy is made: from copied data."""
         return type(self), (self.model, self.data)
-
-
-def _side_by_side(poses: Any) -> tuple[FloatArray, FloatArray]:
-    """Return rotations (k, 3, 3) and places (k, 3) of a vector of poses, which lie in memory one by one."""
-    first, second = poses[0].rotation, poses[1].rotation
-    step = second.ctypes.data - first.ctypes.data
-    return tuple(
-        as_strided(array, (len(poses), *array.shape), (step, *array.strides))
-        for array in (first, poses[0].translation)
-    )  # type: ignore[return-value]
