@@ -1,10 +1,8 @@
-"""Rows of the tables of `bench forces`, `bench contact` and `bench walk`, from the commands' JSON."""
+"""Rows of the tables of `bench forces` and `bench walk`, from the commands' JSON."""
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
-from statistics import median
 from typing import Any
 
 Rows = list[list[str]]
@@ -57,56 +55,6 @@ def warm_starts(told: Any) -> Rows:
             ]
         )  # fmt: skip
     return rows
-
-
-def solvers(told: Any) -> Rows:
-    """Return a row per solver: problems solved, median times of a ready problem and of a new one."""
-    runs: dict[str, list[Any]] = defaultdict(list)
-    for run in told["runs"]:
-        runs[run["solver"]].append(run)
-    rows = []
-    for name in sorted(
-        runs, key=lambda one: (" " in one and one != "contact solver", one != "contact solver")
-    ):
-        done = [run for run in runs[name] if run["solved"]]
-        if not done:
-            continue
-        times = [f"{1e6 * median(run[key] for run in done):.1f}" for key in ("seconds", "fresh")]
-        rows.append([f"`{name}`", f"{len(done)} of {len(runs[name])}", *times])
-    return rows
-
-
-def families(told: Any) -> Rows:
-    """Return a row per family: the compiled solver's times on new problems, Pinocchio's best over them."""
-    by: dict[str, dict[str, dict[str, Any]]] = defaultdict(lambda: defaultdict(dict))
-    for run in told["runs"]:
-        by[run["family"]][run["problem"]][run["solver"]] = run
-    rows, every = [], []
-    for family, problems in by.items():
-        found = [ratio for ratio in map(_against_pinocchio, problems.values()) if ratio is not None]
-        every += found
-        rows.append([family, *_family(found)])
-    return [*rows, ["all", *_family(every)]]
-
-
-def _against_pinocchio(runs: dict[str, Any]) -> tuple[float, float, float] | None:
-    """Return time and 99th percentile of ours on a problem [s], and Pinocchio's best time over ours."""
-    ours = runs["contact solver"]
-    rivals = [r["fresh"] for name, r in runs.items() if name.startswith("pinocchio") and r["solved"]]
-    if not ours["solved"]:
-        return None
-    return ours["fresh"], ours["fresh_p99"], min(rivals) / ours["fresh"] if rivals else math.nan
-
-
-def _family(found: list[tuple[float, float, float]]) -> list[str]:
-    """Return median, 99th percentile of the slowest, geometric mean and least of the ratios."""
-    ratios = [ratio for *_, ratio in found if math.isfinite(ratio)]
-    mean = math.exp(sum(map(math.log, ratios)) / len(ratios)) if ratios else math.nan
-    tail = max(p99 for _, p99, _ in found)
-    return [
-        f"{1e6 * median(one for one, *_ in found):.1f}", f"{1e6 * tail:.1f}",
-        f"{mean:.2f}", f"{min(ratios, default=math.nan):.2f}",
-    ]  # fmt: skip
 
 
 def horizons(told: Any) -> Rows:
