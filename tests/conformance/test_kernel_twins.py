@@ -158,7 +158,9 @@ estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py
 estimation.detection_kernels prior_odds       estimation/test_contact_odds.py::test_what_is_told_of_a_force_takes_the_place_of_what_is_felt by ContactFusion
 estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
 estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
+estimation.elevation_kernels flight_heights   estimation/test_flight_fit.py::test_heights_on_a_flight_are_those_of_its_steps
 estimation.elevation_kernels fuse_points      estimation/test_elevation_map.py::test_points_are_fused_one_by_one
+estimation.elevation_kernels leave_out_strays estimation/test_elevation_map.py::test_lone_cells_need_a_neighbour_that_is_as_high
 estimation.extended_poses apply               estimation/test_extended_poses.py::test_apply_is_a_product
 estimation.extended_poses gammas              estimation/test_extended_poses.py::test_gammas_are_their_series
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices

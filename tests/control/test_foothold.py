@@ -105,3 +105,12 @@ def test_without_edges_along_the_way_the_search_is_the_old_one() -> None:
         np.testing.assert_array_equal(
             search.choose(rough, place, np.array([0.1, 0.0])), search.choose(rough, place)
         )
+
+
+def test_a_tread_is_kept_only_if_it_is_not_much_farther() -> None:
+    stairs, search = StairsTerrain(0.12, 0.3), FootholdSearch(margin=0.045)
+    place, along = np.array([0.29, 0.0]), np.array([1.0, 0.0])  # 1 cm before an edge
+    assert search.step_shift(stairs, place, along) == pytest.approx(-0.035, abs=0.006)
+    assert search.step_shift(stairs, place, along, 0.1) == pytest.approx(0.055, abs=0.006)
+    assert search.step_shift(stairs, place, along, 0.1, 0.03) == pytest.approx(0.055, abs=0.006)
+    assert search.step_shift(stairs, place, along, 0.1, 0.01) == pytest.approx(-0.035, abs=0.006)

@@ -9,11 +9,11 @@ from surefoot.control.step_detection import (
     FINE,
     LOOKS,
     PATIENCE,
-    Steps,
     StepWatch,
     find_edges,
-    find_steps,
+    find_flight,
 )
+from surefoot.estimation.flight_fit import Steps
 from surefoot.terrain import FlatTerrain, StairsTerrain, Terrain, read_terrain
 
 WAYS = np.arange(-1.0, 1.1, FINE)
@@ -33,29 +33,32 @@ def _blurred(heights: np.ndarray, cells: int, noise: float, seed: int = 0) -> np
 def test_stairs_are_found_in_a_blurred_and_noisy_map(rise: float, tread: float, seed: int) -> None:
     stairs = StairsTerrain(rise, tread)
     heights = stairs.height(np.column_stack([0.2 * tread * seed + WAYS, 0.0 * WAYS]))
-    found = find_steps(_blurred(heights, 3, 0.002, seed))
-    assert found is not None
+    flight = find_flight(_blurred(heights, 3, 0.002, seed))
+    assert flight is not None
+    found = flight.steps
     assert found.rise == pytest.approx(rise, abs=0.01)
     assert found.tread == pytest.approx(tread, abs=0.02)
+    edges = (WAYS[0] + 0.2 * tread * seed + flight.begin) / tread
+    assert edges == pytest.approx(round(edges), abs=0.08)
 
 
 @pytest.mark.parametrize("text", ["flat", "slope:20", "slope:-25", "rough:3,0.05", "stairs:0.03,0.3"])
 def test_other_ground_has_none(text: str) -> None:
     ground = read_terrain(text, "terrain")
     heights = ground.height(np.column_stack([WAYS, 0.0 * WAYS]))
-    assert find_steps(_blurred(heights, 3, 0.002)) is None
+    assert find_flight(_blurred(heights, 3, 0.002)) is None
 
 
 def test_one_step_and_uneven_ones_are_no_stairs() -> None:
     kerb = np.where(WAYS > 0.2, 0.12, 0.0)
-    assert find_steps(kerb) is None
+    assert find_flight(kerb) is None
     places, jumps = find_edges(kerb)
     assert len(places) == 1
     assert jumps == pytest.approx([0.12])
     assert WAYS[0] + FINE * places[0] == pytest.approx(0.2, abs=0.01)
-    assert find_steps(kerb + np.where(WAYS > 0.5, 0.3, 0.0)) is None  # another height: what is not seen yet
-    assert find_steps(np.where(np.abs(WAYS) < 0.15, 0.12, 0.0)) is None  # up and down again
-    assert find_steps(np.where(WAYS > 0.2, 0.12, 0.0) + np.where(WAYS > 1.0, 0.12, 0.0)) is None  # a landing
+    assert find_flight(kerb + np.where(WAYS > 0.5, 0.3, 0.0)) is None  # another height: what is not seen yet
+    assert find_flight(np.where(np.abs(WAYS) < 0.15, 0.12, 0.0)) is None  # up and down again
+    assert find_flight(np.where(WAYS > 0.2, 0.12, 0.0) + np.where(WAYS > 1.0, 0.12, 0.0)) is None  # a landing
 
 
 def _watch(terrain: Terrain, watch: StepWatch, places: np.ndarray, start: float = 0.0) -> float:

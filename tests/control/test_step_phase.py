@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from surefoot.control.adaptive_gait import AdaptiveGait, Stride
+from surefoot.control.leg_demand import Pace
+from surefoot.control.stair_gait import OFFSETS as STAIR_OFFSETS
 from surefoot.control.stair_gait import stair_gait
 from surefoot.control.step_phase import CHANGE, StepPhase
 from surefoot.control.step_windows import SHIN, nearest_shift, step_windows
@@ -104,3 +109,48 @@ def test_moves_lead_into_the_nearest_window() -> None:
     for a, b in zip(ahead, there, strict=True):
         free = np.concatenate([np.linspace(-1.0, -0.04, 961), np.linspace(0.1, 0.3, 201)])
         assert abs(b - a) == pytest.approx(np.abs(free - a).min(), abs=1e-3)
+
+
+@pytest.mark.parametrize("start", np.linspace(-0.75, -0.6, 4))
+def test_a_slow_body_sets_off_when_its_feet_will_fall_well(start: float) -> None:
+    stairs = _Learnt(-0.12, 0.3)
+    stride = Stride("trot", Pace(0.75, 0.6, 0.07), np.array(STAIR_OFFSETS), in_step=True)
+    gait = AdaptiveGait("trot", lambda velocity, name: stride, stride)
+    phase = StepPhase(stairs, gait, OFFSETS, MARGIN)
+    body = BodyPlan(0.3, np.array([start, 0.0, 0.3]), 0.0)
+    waited, slowest = 0.0, 1.0
+    for k in range(4000):
+        clock = k * DT
+        if k % 20 == 0:
+            gait.update(clock, np.array([SPEED, 0.0, 0.0]))
+            phase.look(body, clock)
+        waited += DT * phase.waiting
+        speed = (0.1 if phase.waiting else 1.0) * SPEED
+        share = phase.pace(speed, DT)
+        slowest = min(slowest, share)
+        body.advance(np.array([speed * share, 0.0, 0.0]), body.position.copy(), DT)
+    assert waited < 0.75
+    assert slowest > 0.9  # there was nothing to take up
+    assert body.velocity[0] == pytest.approx(SPEED, rel=0.1)
+    assert _worst_move(phase, body, 4.0) < 0.05
+    gait.wanted = replace(stride, in_step=False)  # off the stairs
+    phase.look(body, 4.0)
+    assert not phase.waiting
+
+
+class _Learnt(StairsTerrain):
+    """Stairs that a robot has found out about."""
+
+    learns = True
+
+
+def test_strides_suit_the_command_while_only_the_pace_differs() -> None:
+    stride = Stride("trot", Pace(0.75, 0.6, 0.07), np.array(STAIR_OFFSETS), in_step=True)
+    gait = AdaptiveGait("trot", lambda velocity, name: stride, stride)
+    phase, asked = StepPhase(_Learnt(-0.12, 0.3), gait, OFFSETS, MARGIN), np.array([SPEED, 0.0, 0.1])
+    phase.share = 0.9
+    assert phase.unhurried(np.array([1.1 * SPEED, 0.0, 0.0]), asked).tolist() == asked.tolist()
+    fast = np.array([1.3 * SPEED, 0.0, 0.2])
+    np.testing.assert_allclose(phase.unhurried(fast, asked), [1.3 * SPEED / 0.9, 0.0, 0.2])
+    gait.wanted = replace(stride, in_step=False)
+    np.testing.assert_allclose(phase.unhurried(asked, asked), [SPEED / 0.9, 0.0, 0.1])

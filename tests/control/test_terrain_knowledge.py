@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief, MappedGround, TouchedGround, believed_ground
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
+from surefoot.robot import load_robot
+from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 HEIGHT = 0.3
@@ -100,6 +103,59 @@ def test_a_late_scan_goes_where_the_base_was() -> None:
         belief.observe(now, stands, ALL, NONE, stands)
     assert belief.height([0.45, 0.0]) == pytest.approx(0.0, abs=5e-3)
     assert belief.height([0.65, 0.0]) == pytest.approx(0.1, abs=5e-3)
+
+
+@cache
+def before_stairs(rise: float, yaw: float) -> MappedGround:
+    """Return what a robot believes that has stood before stairs and looked at them for 0.7 s."""
+    robot, belief = load_robot("go2"), MappedGround()
+    stairs = StairsTerrain(rise, 0.3)
+    looks = ActiveRangeSensor(RangeSensor(tilt=0.0, shift=0.0), robot, stairs, 1e-3, 0)
+    q = robot.nominal.copy()
+    q[0], q[5], q[6] = -0.4, math.sin(0.5 * yaw), math.cos(0.5 * yaw)
+    stands = np.column_stack([HIPS + q[:2], np.zeros(4)])
+    belief.begin(RobotState(q, np.zeros(18)), stands, HEIGHT)
+    for k in range(700):
+        now = RobotState(q, np.zeros(18), 1e-3 * k, scan=looks.look(q, 1e-3 * k))
+        belief.observe(now, stands, ALL, NONE, stands)
+    return belief
+
+
+@pytest.mark.parametrize("rise", [0.12, -0.12])
+@pytest.mark.parametrize("yaw", [0.0, 0.15])
+def test_stairs_that_are_seen_are_known_to_millimetres(rise: float, yaw: float) -> None:
+    belief, stairs = before_stairs(rise, yaw), StairsTerrain(rise, 0.3)
+    ahead = belief.steps_until(np.array([-0.5, 0.0]), np.array([math.cos(yaw), math.sin(yaw)]))
+    assert ahead > 0.5 + 0.3 * math.cos(yaw) - 0.02  # two edges at least
+    assert belief.highest_step == pytest.approx(abs(rise), abs=0.004)
+    assert belief.steepness == pytest.approx(abs(rise) / 0.3, abs=0.02)
+    x = np.arange(-0.15, 0.7, 0.005)
+    for y in (-0.2, 0.0, 0.2):
+        line = np.column_stack([x, y + 0.0 * x])
+        off = np.abs(belief.height(line) - stairs.height(line))
+        edges = np.abs(x[:, None] - [0.0, 0.3, 0.6]).min(axis=1) < 0.012
+        assert off[~edges].max() < 0.01
+    flat = np.array([[0.15, 0.1], [0.45, -0.1]])
+    assert np.abs(belief.gradient(flat)).max() == 0.0
+    assert belief.noise_at(flat[0]) < belief.noise_at(np.array([-0.6, 0.0])) == belief.noise
+
+
+def test_a_foot_well_above_seen_ground_is_told_so() -> None:
+    belief = before_stairs(-0.12, 0.0)
+    soles = np.array([[0.15, 0.1, -0.12], [0.15, 0.1, -0.06], [0.15, 0.1, -0.06], [5.0, 0.0, 1.0]])
+    above = belief.above(soles, np.array([True, True, False, True]))
+    assert abs(above[0]) < 1.0
+    assert above[1] * belief.noise == pytest.approx(0.06, abs=0.01)
+    assert above[2:].tolist() == [0.0, 0.0]  # not asked, and not known
+
+
+def test_a_foot_strikes_nothing_where_the_ground_before_it_is_low() -> None:
+    ahead = np.array([1.0, 0.0, 0.5])
+    assert before_stairs(0.12, 0.0).may_strike(np.array([-0.04, 0.1, 0.06]), ahead)  # a riser
+    assert not before_stairs(0.12, 0.0).may_strike(np.array([-0.04, 0.1, 0.2]), ahead)  # over it
+    assert not before_stairs(-0.12, 0.0).may_strike(np.array([0.12, 0.1, -0.05]), ahead)  # on the way down
+    assert before_stairs(-0.12, 0.0).may_strike(np.array([9.0, 0.1, 0.5]), ahead)  # nobody knows
+    assert TouchedGround().may_strike(np.zeros(3), ahead)
 
 
 def test_the_names_of_knowledge() -> None:

@@ -78,6 +78,11 @@ class AdaptiveGait(ContactSchedule):
         Gives the wanted stride.
     first
         The stride to begin with.
+
+    Attributes
+    ----------
+    stride, wanted
+        The newest cycle's, and the one that suits the velocity that is `asked` for, (3,) [m/s, m/s, rad/s].
     """
 
     def __init__(self, name: str, choose: Choose, first: Stride) -> None:
@@ -91,6 +96,7 @@ class AdaptiveGait(ContactSchedule):
         self._phases.forget()
         self.stride = self.wanted = self._first
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
+        self.asked = np.zeros(3)
         self._next = 0.0
         self._resting = True
         if self._first.moving:
@@ -114,7 +120,7 @@ class AdaptiveGait(ContactSchedule):
     def update(self, time: float, velocity: FloatArray) -> None:
         """Follow a (3,) velocity [m/s, m/s, rad/s] at a time [s]: cycles that are not made yet fit it."""
         self._phases.forget()
-        self.wanted = self._choose(velocity, self.wanted.name)
+        self.wanted, self.asked = self._choose(velocity, self.wanted.name), velocity
         if self._resting and self.wanted.moving:
             self._begin(time)
         for stances in self._stances:

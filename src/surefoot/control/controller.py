@@ -52,11 +52,14 @@ class HeightScan(NamedTuple):
         (k, 3) in base axes at that time, from the base's origin [m].
     variances
         (k,) of their heights [m²].
+    origin
+        (3,) where its rays begin, likewise; None where that is not told [m].
     """
 
     time: float
     points: FloatArray
     variances: FloatArray
+    origin: FloatArray | None = None
 
 
 class RobotState(NamedTuple):

@@ -133,11 +133,13 @@ class FootholdSearch:
         place: FloatArray,
         way: FloatArray | None = None,
         before: FloatArray | None = None,
+        more: float = math.inf,
     ) -> FloatArray:
         """Return the (2,) place [m] to step on, world axes; the nominal one on a plane.
 
         On steps across the (2,) `way` of the foot [m] it is moved along the way, between the edges: those
-        between which it was to stand `before` (2,) [m], where that was said and is near enough.
+        between which it was to stand `before` (2,) [m], where that was said, is near enough, and moves it by
+        no `more` than the nearest [m].
         """
         if terrain.planar:
             return place
@@ -145,28 +147,34 @@ class FootholdSearch:
         if way is not None and length > 1e-6:
             along = way / length
             kept = None if before is None else float((before - place) @ along)
-            shift = self.step_shift(terrain, place, along, kept)
+            shift = self.step_shift(terrain, place, along, kept, more)
             if shift is not None:
                 return np.asarray(place + shift * along)
         return self._best(terrain, place)
 
     def step_shift(
-        self, terrain: Terrain, place: FloatArray, along: FloatArray, before: float | None = None
+        self,
+        terrain: Terrain,
+        place: FloatArray,
+        along: FloatArray,
+        before: float | None = None,
+        more: float = math.inf,
     ) -> float | None:
         """Return how far a foot should be moved along a (2,) direction on steps [m]; None without edges.
 
-        Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, that one is kept [m].
+        Where the tread that a foot was to stand on `before` is `FARTHEST` away at most, and by no `more`
+        farther than the nearest, that one is kept [m].
         """
         windows = step_windows(terrain, place, along, self.margin)
         if windows is None:
             return None
+        nearest = float(nearest_shift(windows, np.zeros(1))[0])
         if before is not None:
             tread = int(np.abs(np.clip(before, *windows) - before).argmin())
             shift = float(np.clip(0.0, windows[0][tread], windows[1][tread]))
-            if abs(shift) <= FARTHEST:
+            if abs(shift) <= min(FARTHEST, abs(nearest) + more):
                 return shift
-        shift = float(nearest_shift(windows, np.zeros(1))[0])
-        return shift if abs(shift) <= FARTHEST else None
+        return nearest if abs(nearest) <= FARTHEST else None
 
     def _best(self, terrain: Terrain, place: FloatArray) -> FloatArray:
         """Return the best (2,) place about one, by the ground around each [m]."""

@@ -13,9 +13,10 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
+from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief
-from surefoot.control.walking_feet import SEARCH_SPEED, Feet
+from surefoot.control.walking_feet import Feet
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -44,12 +45,13 @@ class GroundSense:
         self.belief, self.dt = belief, dt
         self._weight, self._height, self._clearance = weight, height, clearance
         self._longest = LONGEST_WAIT * math.sqrt(height / GRAVITY)
-        self._fastest = SEARCH_SPEED * math.sqrt(GRAVITY * height)
+        self._fastest = belief.search_speed * math.sqrt(GRAVITY * height)
         self._waited = 0.0
 
     def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
         """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
         self._waited = 0.0
+        self._landings = LandingWatch(len(radii), self.dt)
         self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
 
     def feel(
@@ -69,13 +71,24 @@ class GroundSense:
             (n, 3) where the feet are [m].
         """
         feet.fastest = self._fastest
-        if state.forces is None or feet.carrying.all():
+        x, y, z, w = state.q[3:7]
+        c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
+        feet.heading = np.array([c, s]) / math.hypot(c, s)
+        if state.forces is None:
             return sensed
-        speeds = feet.motions(clock)[:, 1]
-        ground, struck = sort_touches(feet, sensed, state.forces, speeds, self._weight)
-        for k in np.flatnonzero(struck).tolist():
-            self.belief.stumbled(state.time)
-            feet.interrupt(k, clock, centres[k])
+        soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]
+        ground = sensed
+        if not feet.carrying.all():
+            speeds = feet.motions(clock)[:, 1]
+            ground, struck = sort_touches(feet, sensed, state.forces, speeds, self._weight)
+            for k in np.flatnonzero(struck).tolist():
+                if self.belief.may_strike(soles[k], speeds[k]):
+                    self.belief.stumbled(state.time)
+                    feet.interrupt(k, clock, centres[k])
+        above = self.belief.above(soles, ground & ~feet.carrying)
+        ground = self._landings.believe(ground, feet.carrying, above)
+        for k in np.flatnonzero(self._landings.taken_back(feet.carrying)).tolist():
+            feet.take_back(k, centres[k])
         return ground
 
     def learn(self, state: RobotState, feet: Feet, centres: FloatArray) -> None:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.estimation.flight_fit import FlightFit, Steps
 from surefoot.terrain import Terrain
 
 FINE, ACROSS = 0.01, 4
@@ -27,23 +28,27 @@ EVEN_TREADS, EVEN_RISES = 0.15, 0.3
 """By how much the treads and the rises of stairs may differ, as shares of their medians."""
 LOOKS, OTHER = 5, 0.03
 """Stairs are the medians of so many looks, and keep their tread until these differ by this share of it."""
+FITTED = 0.005
+"""The same for what is fitted to points."""
+DOUBTFUL = 1.0
+"""A fit that has not become sure for so long is begun anew [s]."""
 PATIENCE = 0.6
 """Time without any edge after which stairs are over [s]."""
 
 
-class Steps(NamedTuple):
-    """Stairs along a way.
+class Flight(NamedTuple):
+    """Stairs along a way, and where they begin on it.
 
     Attributes
     ----------
-    rise
-        Height of a step, negative where the way goes down [m].
-    tread
-        Depth of a step along the way [m].
+    steps
+        Their rise and tread.
+    begin
+        Of their first edge that is seen [m].
     """
 
-    rise: float
-    tread: float
+    steps: Steps
+    begin: float
 
 
 def find_edges(heights: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -69,16 +74,16 @@ def find_edges(heights: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.array(places), np.array(jumps)
 
 
-def find_steps(heights: FloatArray) -> Steps | None:
-    """Return the stairs in (m,) heights every `FINE` along a way [m]; None where there are none.
+def find_flight(heights: FloatArray) -> Flight | None:
+    """Return the longest flight of stairs in (m,) heights every `FINE` along a way [m]; None without any.
 
     Examples
     --------
-    >>> find_steps(np.repeat([0.0, 0.0, -0.1, -0.2, -0.3], 28))
-    Steps(rise=-0.1, tread=0.28)
+    >>> find_flight(np.repeat([0.0, 0.0, -0.1, -0.2, -0.3], 28))
+    Flight(steps=Steps(rise=-0.1, tread=0.28), begin=0.555)
     """
     places, jumps = find_edges(heights)
-    best: Steps | None = None
+    best: Flight | None = None
     longest = 1
     for first in range(len(places) - 1):
         for last in range(first + 1, len(places)):
@@ -87,8 +92,9 @@ def find_steps(heights: FloatArray) -> Steps | None:
             even = np.abs(treads - tread).max() <= EVEN_TREADS * tread
             even &= np.abs(rises - rise).max() <= EVEN_RISES * abs(rise)
             if even and TREADS[0] <= tread <= TREADS[1] and last - first > longest - 1:
-                fitted = FINE * float(np.polyfit(np.arange(last - first + 1), places[first : last + 1], 1)[0])
-                best, longest = Steps(round(rise, 6), round(fitted, 6)), last - first + 1
+                fitted, begin = np.polyfit(np.arange(last - first + 1), FINE * places[first : last + 1], 1)
+                best = Flight(Steps(round(rise, 6), round(float(fitted), 6)), round(float(begin), 6))
+                longest = last - first + 1
     return best
 
 
@@ -99,6 +105,8 @@ class StepWatch:
     ----------
     steps
         None where there are none.
+    flight
+        Where exactly they are, as `FlightFit.parameters` has it, (10,); None as long as that is not known.
     """
 
     def __init__(self) -> None:
@@ -107,28 +115,70 @@ class StepWatch:
     def reset(self) -> None:
         """Forget them."""
         self.steps: Steps | None = None
-        self._seen = -math.inf
+        self.flight: FloatArray | None = None
+        self._fit: FlightFit | None = None
+        self._seen = self._time = self._begun = -math.inf
         self._looks: deque[Steps] = deque(maxlen=LOOKS)
 
     def look(self, terrain: Terrain, place: FloatArray, yaw: float, time: float) -> None:
         """Look along the way of a robot at a (2,) place [m] with a heading [rad], at a time [s]."""
-        ways = np.arange(-BEHIND, AHEAD, FINE)
-        heights = terrain.height(place + ways[:, None] * [math.cos(yaw), math.sin(yaw)])
+        if self._fit is not None and (self._fit.lost or self._fit.passed(place) > BEHIND):
+            self.reset()
+        if self.flight is not None:
+            return
+        along = np.array([math.cos(yaw), math.sin(yaw)])
+        heights = terrain.height(place + np.arange(-BEHIND, AHEAD, FINE)[:, None] * along)
         if (np.abs(heights[ACROSS:] - heights[:-ACROSS]) > LEAST_JUMP).any():
             self._seen = time
         elif time - self._seen > PATIENCE:
             self.reset()
-        found = find_steps(heights)
+        found = find_flight(heights)
         if found is None:
             return
-        self._looks.append(found)
-        if len(self._looks) < LOOKS:
+        if self._fit is None or time - self._begun > DOUBTFUL:
+            self._begin(found, heights, along, place, time)
+        self._looks.append(found.steps)
+        if len(self._looks) == LOOKS:
+            rise, tread = (float(np.median(a)) for a in zip(*self._looks, strict=True))
+            self._believe(Steps(rise, tread), OTHER)
+
+    def _begin(
+        self, found: Flight, heights: FloatArray, along: FloatArray, place: FloatArray, time: float
+    ) -> None:
+        """Begin to fit a flight that has been found in (m,) heights along a way, see `look`."""
+        ground = [round((found.begin - share * found.steps.tread) / FINE) for share in (0.7, 0.2)]
+        level = float(np.median(heights[max(ground[0], 0) : max(ground[1], 1)]))
+        begin = float(place @ along) + found.begin - BEHIND
+        self._fit = FlightFit(along, begin, level, found.steps, place)
+        self._begun = self._time = time
+
+    def see(self, origin: FloatArray, points: FloatArray, time: float) -> None:
+        """Learn from the (k, 3) points of a scan from a (3,) origin [m] at a time [s]."""
+        if self._fit is None:
             return
-        rise, tread = (float(np.median(a)) for a in zip(*self._looks, strict=True))
+        self._fit.pass_time(max(time - self._time, 0.0))
+        self._time = max(time, self._time)
+        self._fit.see(origin, points)
+        if self.flight is not None or self._fit.known:
+            self._use(self._fit)
+
+    def touch(self, point: FloatArray) -> None:
+        """Learn that a foot stands at a (3,) point [m]."""
+        if self._fit is not None and self.flight is not None:
+            self._fit.touch(point)
+            self._use(self._fit)
+
+    def _use(self, fit: FlightFit) -> None:
+        """Believe in a fit."""
+        self.flight = fit.parameters()
+        self._believe(Steps(fit.rise, fit.tread), FITTED)
+
+    def _believe(self, steps: Steps, other: float) -> None:
+        """Take steps in place of those believed, if their treads differ by a share of at least `other`."""
         known = self.steps
         if (
             known is None
-            or abs(rise - known.rise) > EVEN_RISES * abs(known.rise)
-            or abs(tread / known.tread - 1.0) > OTHER
+            or abs(steps.rise - known.rise) > EVEN_RISES * abs(known.rise)
+            or abs(steps.tread / known.tread - 1.0) > other
         ):
-            self.steps = Steps(rise, tread)
+            self.steps = steps

@@ -15,6 +15,8 @@ from surefoot.terrain import Terrain
 
 SHIN, LOW_STEP = 0.13, 0.03
 """Distance that a descending foot keeps from the edge behind it, and what is a step [m]."""
+UNSURE = 0.01
+"""What it keeps more where edges are only believed to be where they are [m]."""
 LOOK, FINE = 0.3, 0.005
 """How far along the way edges are looked for, and in what steps [m]."""
 FARTHEST = 0.15
@@ -55,7 +57,8 @@ def step_windows(
     begin = np.flatnonzero(first)
     last = np.append(begin[1:], len(at)) - 1
     edges = 0.5 * (ways[at[begin] + 1] + ways[at[last] + 1])
-    behind = np.where(jumps[at[begin]] < 0.0, max(SHIN, margin), margin)
+    shin = max(SHIN + (UNSURE if terrain.learns else 0.0), margin)
+    behind = np.where(jumps[at[begin]] < 0.0, shin, margin)
     low = np.concatenate([[-math.inf], edges + behind])
     high = np.concatenate([edges - margin, [math.inf]])
     middles = np.concatenate([[-math.inf], 0.5 * (edges[:-1] + edges[1:]), [math.inf]])

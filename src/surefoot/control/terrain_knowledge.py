@@ -22,7 +22,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
 from surefoot.control.step_detection import StepWatch
+from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.estimation.elevation_kernels import flight_heights
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
@@ -45,6 +47,13 @@ BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
 """Share of the error of an expected height by which the next are corrected, and the most, in body heights."""
 STUMBLE_TIME = 4.0
 """How long a stumble is remembered [s]."""
+FLIGHT_NOISE = 0.004
+"""By how much stairs may be off whose edges and feet have told where they are [m]."""
+STRIKE_REACH, STRIKE_NOISE = 0.25, 2.0
+"""A foot over seen ground strikes what is so near before it, in heights of the centre of mass, and no lower
+than this many times the noise below its sole."""
+SEEN_SPEED = 0.25
+"""`GroundBelief.search_speed` on ground that has been seen: late feet are near it."""
 HIGHEST_LIFT = 0.25
 """Most that feet are lifted more, in heights of the centre of mass."""
 STUMBLE_LIFT = 0.2
@@ -58,9 +67,12 @@ class GroundBelief(Terrain):
     ----------
     lift
         Height by which feet should be lifted more than over known ground [m].
+    search_speed
+        Largest speed with which late feet are sent down, as a share of sqrt(g h).
     """
 
     learns = True
+    search_speed = SEARCH_SPEED
     lift: float = 0.0
 
     def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
@@ -117,6 +129,17 @@ class GroundBelief(Terrain):
     def stumbled(self, time: float) -> None:
         """Learn that a foot struck an edge at a time [s]."""
         self._stumbled = time
+
+    def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
+        """Return how far (n, 3) soles are above the ground, of those `asked`, over what may be noise: (n,).
+
+        Zero where nothing is known.
+        """
+        return np.zeros(len(soles))
+
+    def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
+        """Return whether there may be an edge before a foot: (3,) sole [m] and velocity [m/s]."""
+        return True
 
     def _fit(self) -> None:
         """Fit the plane under the feet."""
@@ -207,6 +230,8 @@ class MappedGround(GroundBelief):
         See there.
     """
 
+    search_speed = SEEN_SPEED
+
     def __init__(self, settings: MapSettings | None = None) -> None:
         self.map = ElevationMap(settings)
         self.noise = self.map.noise
@@ -246,12 +271,31 @@ class MappedGround(GroundBelief):
             return
         times = np.array([time for time, _ in self._poses])
         base = self._poses[int(np.argmin(np.abs(times - scan.time)))][1]
-        points = base[:3] + scan.points @ rotation_from_quaternion(base[3:7]).T
+        turned = rotation_from_quaternion(base[3:7])
+        points = base[:3] + scan.points @ turned.T
         self.map.move(state.q[:2])
         self.map.see(points, scan.variances, scan.time - self._seen_at)
         self._seen_at = scan.time
+        if scan.origin is not None:
+            self.watch.see(base[:3] + turned @ scan.origin, points, scan.time)
         R = rotation_from_quaternion(state.q[3:7])
-        self.watch.look(self, state.q[:2], math.atan2(R[1, 0], R[0, 0]), state.time)
+        self.watch.look(self.map, state.q[:2], math.atan2(R[1, 0], R[0, 0]), state.time)
+
+    def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
+        """See `GroundBelief.above`."""
+        out = np.zeros(len(soles))
+        for k in np.flatnonzero(asked).tolist():
+            if math.isfinite(self.map.variance(soles[k, :2])):
+                out[k] = (soles[k, 2] - float(self.height(soles[k, :2]))) / self.noise
+        return out
+
+    def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
+        """See `GroundBelief.may_strike`: not where the ground before the foot is known to be low."""
+        speed = math.hypot(velocity[0], velocity[1])
+        ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
+        path = sole[:2] + ways * velocity[:2] / max(speed, 1e-6)
+        known = bool(self.map.known(path).all())
+        return not known or float(self.height(path).max()) > sole[2] - STRIKE_NOISE * self.noise
 
     @property
     def steepness(self) -> float:
@@ -265,16 +309,46 @@ class MappedGround(GroundBelief):
         steps = self.watch.steps
         return 0.0 if steps is None else abs(steps.rise)
 
+    def steps_until(self, place: FloatArray, along: FloatArray) -> float:
+        """See `Terrain.steps_until`: the last edge of stairs that have been fitted."""
+        flight = self.watch.flight
+        if flight is None:
+            return -math.inf
+        s, way = float(place @ flight[:2]) - flight[3], float(along @ flight[:2])
+        return float(flight[9] * flight[4] - s) if way >= 0.0 else float(s - flight[8] * flight[4])
+
+    def noise_at(self, xy: FloatArray) -> float:
+        """Return by how much the ground may be off at a (2,) place: less on stairs that are known [m]."""
+        if self.watch.flight is None or not self._read(xy)[1].all():
+            return self.noise
+        return FLIGHT_NOISE
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the believed height under (..., 2) places [m]: (...)."""
-        return self.map.height(xy)
+        return self._read(np.asarray(xy, dtype=np.float64))[0]
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
         """Return the believed slope [-] at (..., 2) places [m]: (..., 2)."""
-        return self.map.gradient(xy)
+        places = np.asarray(xy, dtype=np.float64)
+        if self.watch.flight is None:
+            return self.map.gradient(places)
+        own = self._read(places)[1]
+        return (
+            np.zeros(places.shape) if own.all() else np.where(own[..., None], 0.0, self.map.gradient(places))
+        )
+
+    def _read(self, places: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return heights (...) at (..., 2) places [m], and where they are those of stairs that are known."""
+        seen, flight = self.map.height(places), self.watch.flight
+        if flight is None:
+            return seen, np.zeros(seen.shape, dtype=bool)
+        flat = np.ascontiguousarray(places).reshape(-1, 2)
+        heights, own = flight_heights(seen.ravel(), self.map.known(flat), flat, flight)
+        return heights.reshape(seen.shape), own.reshape(seen.shape)
 
     def _touched(self, point: FloatArray) -> None:
         self.map.touch(point)
+        self.watch.touch(point)
 
     def _fitted(self) -> None:
         self.map.guess(self._about, self._level, self._slope)

@@ -314,7 +314,8 @@ class WalkingController(Controller):
         command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
-        if isinstance(self.schedule, AdaptiveGait) and self.schedule.turning:
+        waiting = self._steps is not None and self._steps.waiting
+        if waiting or (isinstance(self.schedule, AdaptiveGait) and self.schedule.turning):
             command = APPROACH * command
         if self._steps is not None:
             pace = self._steps.pace(math.hypot(command[0], command[1]), self.dt)
@@ -338,6 +339,7 @@ class WalkingController(Controller):
             self._pace(self.schedule, now, clock)
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock)
+            feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
             place = step_place(
@@ -349,9 +351,10 @@ class WalkingController(Controller):
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
         assert self.feet is not None
-        share = 1.0 if self._steps is None else self._steps.share  # strides are those of the unhurried body
-        own = self.body.velocity / [share, share, 1.0]
-        wanted = max(self.command.at(max(clock, 0.0)), own, key=lambda v: float(v @ v))
+        command, own = self.command.at(max(clock, 0.0)), self.body.velocity
+        if self._steps is not None:
+            own = self._steps.unhurried(own, command)
+        wanted = max(command, own, key=lambda v: float(v @ v))
         drift = now.com_velocity * [1.0, 1.0, 0.0]
         if not wanted.any() and float(np.linalg.norm(drift)) > UNREST * math.sqrt(GRAVITY * self._height):
             wanted = drift

@@ -30,12 +30,14 @@ SEARCH_FAST, SEARCH_SPEED = 0.8, 0.4
 """The same on unknown ground, and the largest speed of the search there, as a share of sqrt(g h)."""
 RETRY = 0.7
 """Least time for the rest of a swing that has been interrupted, as a share of the swing's duration."""
+SAME_TREAD = 2.0
+"""A foot in step with stairs takes the tread next to its last one if that is farther by no more, in radii."""
 PATH_SAMPLES = 7
 CHOSEN = 0.1
 """After this share of the swing a foot keeps to the tread that it is on its way to."""
-DOWN_NOISY, RAISE = 0.85, 0.7
-"""On noisy ground, the share of a swing after which a foot only sinks, and how much higher than believed the
-ground is taken for, over its noise: so that it is met gently where it is higher, too."""
+DOWN_NOISY, NOISY, RAISE = 0.85, 0.012, 0.7
+"""On ground of this noise [m], the share of a swing after which a foot only sinks, and how much higher than
+believed the ground is taken for, over its noise: so that it is met gently where it is higher, too."""
 
 
 @dataclass
@@ -64,6 +66,10 @@ class Feet:
         Time by which the schedule has been held up so far [s].
     fastest
         Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
+    heading
+        (2,) along which feet are moved off edges; None for each one's own way.
+    stride
+        (2,) from one stand to the next in step with stairs: it chooses the tread [m]; None elsewhere.
     """
 
     schedule: ContactSchedule
@@ -74,6 +80,8 @@ class Feet:
     centres: FloatArray
     wait: float = 0.0
     fastest: float | None = None
+    heading: FloatArray | None = None
+    stride: FloatArray | None = None
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -86,6 +94,7 @@ class Feet:
         self._timing = np.zeros((n, 6))
         self.apex, self.duration, self._lift_first = (self._timing[:, j] for j in (0, 2, 3))
         self.apex[:], self.duration[:] = self.centres[:, 2], 1.0
+        self._aimed = self.target.copy()  # where a foot was on its way to before it landed
         self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
@@ -95,7 +104,7 @@ class Feet:
         self._late_from = np.zeros(n)
         self._plane = self.terrain.planar
         self._lift_first[:] = -1.0 if self._plane else LIFT_FIRST
-        self._timing[:, 5] = DOWN if self.terrain.noise == 0.0 else DOWN_NOISY
+        self._timing[:, 5] = DOWN
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
     def update(self, time: float, sensed: BoolArray, centres: FloatArray) -> bool:
@@ -144,6 +153,13 @@ class Feet:
         self.start[k], self.share[k], self.duration[k] = centre, 0.0, rest
         self._lift_first[k], self.again[k] = LIFT_LATER[-1], True
 
+    def take_back(self, k: int, centre: FloatArray) -> None:
+        """Take back the landing of foot k, now at (3,) [m]: it swings on, or is looked for below."""
+        if self.planned[k]:
+            self._sensed[k] = -np.inf
+        else:
+            self.carrying[k], self.target[k] = False, self._aimed[k]
+
     def _again(self, k: int, time: float, sensed: bool, centre: FloatArray) -> bool:
         """Go on with a swing that has begun anew; return whether there is one."""
         begin, end = self._retry[k]
@@ -187,7 +203,7 @@ class Feet:
 
     def _land(self, k: int, centre: FloatArray) -> None:
         self.carrying[k], self.late[k] = True, False
-        self.target[k] = centre
+        self._aimed[k], self.target[k] = self.target[k], centre
         if not self._plane:
             self.frames[k] = self.terrain.frame(centre[:2])
         self.ground[k] = centre - self.radii[k] * self.frames[k, :, 2]
@@ -200,12 +216,18 @@ class Feet:
         if share > FREEZE_ROUGH:  # ever less can be changed without a rush
             trust = (FREEZE - share) / (FREEZE - FREEZE_ROUGH)
             place = self.target[k, :2] + trust * (place - self.target[k, :2])
-        way = place - self.start[k, :2]
-        xy = self._search.choose(self.terrain, place, way, self.target[k, :2] if share > CHOSEN else None)
+        way = place - self.start[k, :2] if self.heading is None else self.heading
+        before = None if self.stride is None else self.start[k, :2] + self.stride
+        if share > CHOSEN:
+            before = self.target[k, :2]
+        more = math.inf if share > CHOSEN else SAME_TREAD * float(self.radii[k])
+        xy = self._search.choose(self.terrain, place, way, before, more)
         normal = self.frames[k, :, 2] if self._plane else self.terrain.normal(xy)
         self.target[k, :2] = xy
         # the sphere touches the tangent plane: its centre is radius / n_z above the ground on the vertical
-        above = RAISE * self.terrain.noise + self.radii[k] / normal[2]
+        noise = self.terrain.noise_at(xy)
+        self._timing[k, 5] = DOWN - (DOWN - DOWN_NOISY) * min(noise / NOISY, 1.0)
+        above = RAISE * noise + self.radii[k] / normal[2]
         self.target[k, 2] = float(self.terrain.height(xy)) + above
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)

@@ -6,11 +6,14 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
+from surefoot.arrays import BoolArray, FloatArray
 from surefoot.kernels import kernel
 
 REACH = 5
 """Unknown cells go by the lowest of the nearest ring with a known one, within so many cells."""
+FLIGHT_ENDS, FLIGHT_EDGE = 0.6, 0.3
+"""How far a flight of stairs reaches beyond its first and last edge, and how near to an edge a map knows less
+of the ground than the flight does, in treads."""
 
 
 @kernel
@@ -23,11 +26,15 @@ def fuse_points(
     spread: FloatArray,
     gate: float,
     doubt: float,
+    alone: BoolArray,
+    trusted: bool,
 ) -> None:
     """Fuse (k, 3) points with variances (k,) into heights and variances (m, m), one after another.
 
     A point within `gate` standard deviations of its cell is averaged in, as a scalar Kalman filter does;
     another adds `doubt` times its squared distance to the cell's variance, and is taken once that lets it in.
+    Cells that a single point has told are `alone` (m, m), for it may be a stray one: the next point that
+    contradicts it takes its place. A point that is `trusted` is none of these.
     """
     count = heights.shape[0]
     for k in range(points.shape[0]):
@@ -39,9 +46,14 @@ def fuse_points(
             continue
         z, r, p = points[k, 2], spread[k], variances[i, j]
         if p == np.inf:
-            heights[i, j], variances[i, j] = z, r
+            heights[i, j], variances[i, j], alone[i, j] = z, r, not trusted
             continue
         miss = z - heights[i, j]
+        if alone[i, j]:
+            alone[i, j] = miss * miss > gate * gate * (p + r) and not trusted
+            if miss * miss > gate * gate * (p + r):
+                heights[i, j], variances[i, j] = z, r
+                continue
         if miss * miss > gate * gate * (p + r):
             p += doubt * miss * miss
             variances[i, j] = p
@@ -50,6 +62,26 @@ def fuse_points(
         gain = p / (p + r)
         heights[i, j] += gain * miss
         variances[i, j] = (1.0 - gain) * p
+
+
+@kernel
+def leave_out_strays(
+    heights: FloatArray, variances: FloatArray, alone: BoolArray, apart: float, out: FloatArray
+) -> None:
+    """Write variances (m, m), infinite for cells `alone` without a neighbour within `apart` of them."""
+    count = heights.shape[0]
+    for i in range(count):
+        for j in range(count):
+            out[i, j] = variances[i, j]
+            if not alone[i, j]:
+                continue
+            backed = False
+            for a in range(max(i - 1, 0), min(i + 2, count)):
+                for b in range(max(j - 1, 0), min(j + 2, count)):
+                    if (a != i or b != j) and variances[a, b] != np.inf:
+                        backed |= abs(heights[a, b] - heights[i, j]) < apart
+            if not backed:
+                out[i, j] = np.inf
 
 
 @kernel
@@ -116,3 +148,37 @@ def bilinear(filled: FloatArray, corner: FloatArray, spacing: float, xy: FloatAr
         high = filled[i + 1, j] + w * (filled[i + 1, j + 1] - filled[i + 1, j])
         out[k] = low + u * (high - low)
     return out
+
+
+@kernel
+def flight_heights(
+    seen: FloatArray, known: BoolArray, xy: FloatArray, flight: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Return heights (k,) at (k, 2) places on a flight of stairs or beside it, and where they are its own.
+
+    Parameters
+    ----------
+    seen, known
+        (k,) heights by a map [m], and where it knows them. Known ones that differ from the flight's by more
+        than half a step, other than next to its edges, stay.
+    xy
+        Places [m].
+    flight
+        (10,) as `FlightFit.parameters` gives: a unit vector across its edges, the place beside it about
+        which it turns, the place of its edge 0, the depth of its treads, its turn [-], the height before the
+        edge 0, the rise, and the numbers of its first and its last edge.
+    """
+    out, own = seen.copy(), np.zeros(len(seen), dtype=np.bool_)
+    tread, rise = flight[4], flight[7]
+    for k in range(len(seen)):
+        s = xy[k, 0] * flight[0] + xy[k, 1] * flight[1]
+        w = xy[k, 1] * flight[0] - xy[k, 0] * flight[1] - flight[2]
+        share = (s - flight[3] - flight[5] * w) / tread
+        if not (flight[8] - FLIGHT_ENDS < share < flight[9] + FLIGHT_ENDS):
+            continue
+        number = min(max(math.floor(share) + 1.0, flight[8]), flight[9] + 1.0)
+        height = flight[6] + number * rise
+        from_edge = abs(share - min(max(math.floor(share + 0.5), flight[8]), flight[9]))
+        if not known[k] or from_edge < FLIGHT_EDGE or abs(seen[k] - height) < 0.5 * abs(rise):
+            out[k], own[k] = height, True
+    return out, own

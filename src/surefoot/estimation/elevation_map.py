@@ -2,7 +2,8 @@
 
 Each cell holds a height and its variance. A point that a range sensor saw is fused as a Kalman filter does;
 one that contradicts its cell only makes the cell less sure, so that a stray point does nothing and the second
-or third of a kind wins. What is not seen again grows old with the time, for the estimated frame drifts [1]_.
+or third of a kind wins; a cell that a single point has told counts as unknown if no neighbour is as high.
+What is not seen again grows old with the time, for the estimated frame drifts [1]_.
 Where feet stand tells how far all of the map is too high or too low: one number follows that. Cells that
 nothing has told lie on a plane with the slope of the one through the last footholds, as low as the lowest
 cell that is known nearby: behind an edge that hides them, low ground is the safer guess.
@@ -21,8 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.estimation.elevation_kernels import bilinear, fill_unknown, fuse_points
+from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
+from surefoot.estimation.elevation_kernels import bilinear, fill_unknown, fuse_points, leave_out_strays
 from surefoot.terrain import Terrain
 
 NEIGHBOUR_SLOPE, NEIGHBOUR_STEP = 0.8, 0.012
@@ -105,6 +106,7 @@ class ElevationMap(Terrain):
         count = 2 * math.ceil(self.settings.half / self.settings.spacing) + 1
         self._heights, self._variances = np.zeros((count, count)), np.full((count, count), np.inf)
         self._filled = np.zeros((count, count))
+        self._alone, self._sure = np.zeros((count, count), dtype=np.bool_), self._variances.copy()
         steps = np.arange(-self.settings.window, self.settings.window + 1) * self.settings.spacing
         self._around = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
         self.begin(np.zeros(2), 0.0, np.zeros(2))
@@ -117,6 +119,7 @@ class ElevationMap(Terrain):
         centre = finite_array("place", place, (2,))
         self._variances[:] = np.inf
         self._heights[:] = 0.0
+        self._alone[:] = False
         self._corner = self._corner_of(centre)
         self.offset = 0.0
         self.guess(centre, level, slope)
@@ -133,8 +136,9 @@ class ElevationMap(Terrain):
         shift = np.round((corner - self._corner) / self.settings.spacing).astype(int)
         if not shift.any():
             return
-        for array, empty in ((self._heights, 0.0), (self._variances, np.inf)):
-            array[:] = _shifted(array, shift, empty)
+        self._heights[:] = _shifted(self._heights, shift, 0.0)
+        self._variances[:] = _shifted(self._variances, shift, np.inf)
+        self._alone[:] = _shifted(self._alone.astype(np.float64), shift, 0.0) > 0.0
         self._corner = corner
         self.refresh()
 
@@ -154,7 +158,7 @@ class ElevationMap(Terrain):
         self._variances += s.ageing * elapsed
         fuse_points(
             self._heights, self._variances, self._corner, s.spacing, np.ascontiguousarray(points), variances,
-            s.gate, s.doubt,
+            s.gate, s.doubt, self._alone, False,
         )  # fmt: skip
         self.refresh()
 
@@ -167,18 +171,26 @@ class ElevationMap(Terrain):
                 self.offset += s.anchor * error
         own = np.array([[point[0], point[1], point[2] - self.offset]])
         fuse_points(
-            self._heights, self._variances, self._corner, s.spacing, own, np.array([s.touch**2]), s.gate, 1.0
-        )
+            self._heights, self._variances, self._corner, s.spacing, own, np.array([s.touch**2]), s.gate, 1.0,
+            self._alone, True,
+        )  # fmt: skip
 
     def variance(self, xy: ArrayLike) -> float:
         """Return the variance of the height at a (2,) place [m²]; infinite where nothing has told it."""
         cell = np.round((np.asarray(xy, dtype=np.float64) - self._corner) / self.settings.spacing).astype(int)
         inside = bool((cell >= 0).all() and (cell < len(self._variances)).all())
-        return float(self._variances[cell[0], cell[1]]) if inside else math.inf
+        return float(self._sure[cell[0], cell[1]]) if inside else math.inf
+
+    def known(self, xy: FloatArray) -> BoolArray:
+        """Return at which of (k, 2) places [m] something has told the height: (k,)."""
+        cells = np.round((xy - self._corner) / self.settings.spacing).astype(int)
+        inside = ((cells >= 0) & (cells < len(self._sure))).all(axis=1)
+        cells[~inside] = 0
+        return np.asarray(inside & np.isfinite(self._sure[cells[:, 0], cells[:, 1]]))
 
     def grid(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return heights (m, m) [m], NaN where unknown, (2,) corner [m], and variances (m, m) [m²]."""
-        known = np.isfinite(self._variances)
+        known = np.isfinite(self._sure)
         heights = np.where(known, self._heights + self.offset, np.nan)
         return heights, self._corner.copy(), self._variances.copy()
 
@@ -216,9 +228,10 @@ class ElevationMap(Terrain):
         """Bring what `height` reads up to date."""
         spacing, corner = self.settings.spacing, self._corner - self._place
         level = self._level - self.offset + float(self._slope @ corner)
+        leave_out_strays(self._heights, self._variances, self._alone, self.settings.apart, self._sure)
         fill_unknown(
             self._heights,
-            self._variances,
+            self._sure,
             level,
             self._slope[0] * spacing,
             self._slope[1] * spacing,

@@ -158,7 +158,7 @@ class ActiveRangeSensor:
         seen &= distance > NEAREST
         points = self._place + (distance[seen, None] * rays[seen]) @ self._mounting.T
         # a point's height is as uncertain as the ray's length, seen from above, and its direction
-        return HeightScan(time, points, (model.noise * distance[seen]) ** 2 + 4e-6)
+        return HeightScan(time, points, (model.noise * distance[seen]) ** 2 + 4e-6, self._place.copy())
 
     def _rays(self) -> FloatArray:
         """Return the unit directions (k, 3) of a scan, x along the sensor's axis."""

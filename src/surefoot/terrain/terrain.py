@@ -61,6 +61,17 @@ class Terrain(ABC):
         places, ahead = np.asarray(xy, dtype=np.float64)[..., None, :], STEP * np.eye(2)
         return np.asarray((self.height(places + ahead) - self.height(places - ahead)) / (2.0 * STEP))
 
+    def steps_until(self, place: FloatArray, along: FloatArray) -> float:
+        """Return how far ahead of a (2,) place [m] along (2,) the last edge of steps is that is known [m].
+
+        Infinite for ground that is known, minus infinite where no edge is.
+        """
+        return np.inf
+
+    def noise_at(self, xy: FloatArray) -> float:
+        """Return `noise` at a (2,) place [m]: [m]."""
+        return self.noise
+
     def normal(self, xy: ArrayLike) -> FloatArray:
         """Return the unit normals [-] out of the ground at (..., 2) places [m], world axes: (..., 3)."""
         slope = self.gradient(xy)
