@@ -31,6 +31,8 @@ IN_STEP = 0.1
 """A stride that is so far from a tread, as a share of it, is out of step."""
 SET_OFF, LONGEST_WAIT = 0.01, 1.2
 """A body sets off when its feet would fall so near to their best places [m], or after so many cycles."""
+LAST = 0.2
+"""So much of a tread beyond the last edge that has been seen is looked at, to see that edge."""
 EASE, KEEP = 0.05, 1.0
 """What a move of the body costs, and one away from what was best before, against the same move of a foot."""
 
@@ -140,7 +142,10 @@ class StepPhase:
         if self.terrain.learns:
             known = self.terrain.steps_until(place, along)
             strides = FURTHER if known > -math.inf else 0
-        ways = np.arange(-LOOK, min(LOOK + strides * length, max(known, 0.0) + LOOK), FINE)
+        begin, end = -LOOK, LOOK + strides * length
+        if math.isfinite(known):  # all edges back from the last one that has been seen
+            begin, end = min(known, 0.0) - LOOK - length, min(end, known + LAST * length)
+        ways = np.arange(begin, end, FINE)
         windows = step_windows(self.terrain, place, along, self.margin, ways)
         if windows is not None:
             moved = self._ahead + length * np.arange(strides + 1)[:, None]

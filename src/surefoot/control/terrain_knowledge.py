@@ -52,7 +52,7 @@ FLIGHT_NOISE = 0.004
 STRIKE_REACH, STRIKE_NOISE = 0.25, 2.0
 """A foot over seen ground strikes what is so near before it, in heights of the centre of mass, and no lower
 than this many times the noise below its sole."""
-SEEN_SPEED = 0.25
+SEEN_SPEED = 0.15
 """`GroundBelief.search_speed` on ground that has been seen: late feet are near it."""
 HIGHEST_LIFT = 0.25
 """Most that feet are lifted more, in heights of the centre of mass."""
