@@ -219,7 +219,7 @@ def test_whole_body_tasks_that_are_not_finite_are_invalid(what: str, bad: float)
     robot = robot_of("go2")
     member = WholeBody(robot)
     stance = np.array([False, True, True, True])
-    values = {**vars(member.tasks), "stance": stance}
+    values = {**member.tasks._asdict(), "stance": stance}
     values[what] = values[what].copy()
     values[what].flat[-1 if what != "feet" else 0] = bad
     member.tasks = Tasks(**values)

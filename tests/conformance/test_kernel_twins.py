@@ -64,6 +64,9 @@ contact.scales           scales_dense         contact/test_scales.py::test_speed
 contact.scales           symmetric_norm       contact/test_scales.py::test_the_norm_of_a_block_is_numpys
 control.allocation       draw_to_parallel     control/test_standing.py::test_draw_to_parallel_kernel_against_plain_numpy
 control.damping          computable           control/test_whole_body_kernels.py::test_only_states_of_finite_size_are_computable
+control.feet_kernels follow_phases            control/test_feet_kernels.py::test_feet_are_followed_one_by_one
+control.feet_kernels ramp_shares              control/test_feet_kernels.py::test_ramps_rise_and_fall
+control.feet_kernels set_timing               control/test_feet_kernels.py::test_timing_tells_late_feet
 control.foothold         raibert              control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.foothold         step_place           control/test_walking_kernels.py::test_a_step_goes_where_raibert_puts_it_about_the_coming_hip
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
@@ -93,9 +96,13 @@ control.swing_even       ramped_step          control/test_swing_even.py::test_t
 control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
 control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
 control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
+control.torque_kernels   hold_to_motors       control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels   motor_bounds         control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels recover            control/test_whole_body_kernels.py::test_torques_are_those_of_the_dynamics
+control.torque_kernels   torque_range         control/test_torque_kernels.py::test_the_range_at_a_speed_is_that_of_its_parts
 control.torque_kernels   usable_range         control/test_torque_kernels.py::test_the_usable_range_is_within_motors_and_command
+control.walking_kernels  advance_body         control/test_feet_kernels.py::test_a_body_goes_where_it_should
+control.walking_kernels  body_rise            control/test_feet_kernels.py::test_a_body_goes_where_it_should
 control.walking_kernels  mode_rows            control/test_walking_kernels.py::test_rows_of_a_repeated_table_are_those_of_the_schedule by horizon
 control.walking_kernels  cruise               control/test_walking_kernels.py::test_a_steady_body_moves_along_chords_of_its_arc
 control.walking_kernels  follow               control/test_walking_kernels.py::test_a_body_is_led_back_to_its_motion
@@ -111,6 +118,10 @@ control.whole_body_kernels eliminate          control/test_whole_body.py::test_e
 control.whole_body_kernels feet_motion        control/test_whole_body_kernels.py::test_feet_motion
 control.whole_body_kernels place_points       control/test_whole_body_kernels.py::test_contact_points_are_on_their_feet
 control.whole_body_kernels swing_tasks        control/test_whole_body_kernels.py::test_tasks_are_the_sum_of_their_squares
+control.whole_body_step force_problem         control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
+control.whole_body_step kinematics            control/test_whole_body_step.py::test_kinematics_are_those_of_pinocchio
+control.whole_body_step reduce                control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
+control.whole_body_step torques_of            control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
 equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
 equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
@@ -139,8 +150,12 @@ estimation.cube_motion   fly                  estimation/test_cube_motion.py::te
 estimation.cube_motion   simulate             estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.cube_motion   step                 estimation/test_cube_motion.py::test_a_step_of_the_kernel_is_one_of_the_rollout
 estimation.detection_kernels contact_odds     estimation/test_contact_odds.py::test_odds_are_those_of_the_densities
+estimation.detection_kernels add_torques      estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
+estimation.detection_kernels decide_contacts  estimation/test_contact_odds.py::test_what_is_told_of_a_force_takes_the_place_of_what_is_felt by ContactFusion
+estimation.detection_kernels detector_arrays  estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
+estimation.detection_kernels feel_feet        estimation/test_foot_kinematics.py::test_the_observer_is_its_equation by ContactDetector
 estimation.detection_kernels foot_forces      estimation/test_foot_kinematics.py::test_forces_are_damped_least_squares
-estimation.detection_kernels observe_momentum estimation/test_foot_kinematics.py::test_the_observer_is_its_equation
+estimation.detection_kernels prior_odds       estimation/test_contact_odds.py::test_what_is_told_of_a_force_takes_the_place_of_what_is_felt by ContactFusion
 estimation.elevation_kernels bilinear         estimation/test_elevation_map.py::test_heights_between_cells_are_bilinear
 estimation.elevation_kernels fill_unknown     estimation/test_elevation_map.py::test_unknown_cells_take_the_lowest_nearby_or_the_plane
 estimation.elevation_kernels flight_heights   estimation/test_flight_fit.py::test_heights_on_a_flight_are_those_of_its_steps
@@ -151,8 +166,10 @@ estimation.extended_poses gammas              estimation/test_extended_poses.py:
 estimation.extended_poses move                estimation/test_extended_poses.py::test_product_inverse_and_move_are_the_matrices
 estimation.foot_kinematics base_state         estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
 estimation.foot_kinematics feet_by_joints     estimation/test_foot_kinematics.py::test_feet_by_joints_is_its_sum
+estimation.foot_kinematics foot_arrays          estimation/test_foot_kinematics.py::test_places_speeds_and_spreads_are_those_of_differences by FootKinematics
 estimation.foot_kinematics follow_stances       estimation/test_foot_kinematics.py::test_stances_have_an_age
 estimation.foot_kinematics over_ground        estimation/test_foot_kinematics.py::test_base_state_and_speeds_over_ground
+estimation.foot_kinematics place_feet           estimation/test_foot_kinematics.py::test_places_speeds_and_spreads_are_those_of_differences by FootKinematics
 estimation.foot_kinematics places_seen          estimation/test_foot_kinematics.py::test_places_are_seen_from_the_imu_and_less_what_has_rolled
 estimation.foot_kinematics roll               estimation/test_foot_kinematics.py::test_a_sphere_rolls_as_far_as_it_turns
 estimation.foot_kinematics state_ahead          estimation/test_foot_kinematics.py::test_the_state_ahead_is_that_of_its_parts
@@ -164,7 +181,17 @@ estimation.inekf_kernels foresee              estimation/test_inekf.py::test_the
 estimation.inekf_kernels forget_foot          estimation/test_inekf.py::test_a_new_foots_error_is_that_of_its_place
 estimation.inekf_kernels observe_feet         estimation/test_inekf.py::test_feet_are_forgotten_used_and_added_one_after_the_other
 estimation.inekf_kernels propagate            estimation/test_inekf.py::test_propagation_is_that_of_plain_matrices
+estimation.step_kernels advance               estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels filter_arrays         estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels robot_arrays          estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels settle                estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels stand                 estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels tell                  estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
+estimation.step_kernels waiting_arrays        estimation/test_state_estimator.py::test_a_step_is_that_of_its_parts by StateEstimator
 estimation.wrench_kernels add_weight          estimation/test_wrench_observer.py::test_the_weight_of_a_load_is_force_and_moment
+estimation.wrench_kernels filter_block         estimation/test_wrench_observer.py::test_blocks_are_filtered_with_the_spread_of_their_differences
+estimation.wrench_kernels point_inertia        estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
+estimation.wrench_kernels sum_wrench           estimation/test_wrench_observer.py::test_a_sum_of_wrenches_is_of_those_of_its_steps
 estimation.wrench_kernels filter_wrench       estimation/test_wrench_observer.py::test_the_filters_step_is_kalmans
 estimation.wrench_kernels outside_wrench      estimation/test_wrench_observer.py::test_a_known_wrench_is_what_the_equations_of_motion_leave by seen
 estimation.wrench_kernels tell_wrench         control/test_load_adaptation.py::test_of_a_wrench_no_more_is_told_than_the_bound by pull
@@ -221,12 +248,19 @@ planning.shooting.state_space feedback planning/shooting/test_costs.py::test_fee
 planning.shooting.state_space retract planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
 planning.shooting.state_space rotation_of planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 planning.shooting.state_space turn_between planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
+simulation.mujoco_actuators load_joints       simulation/test_run_kernels.py::test_joints_are_loaded_with_what_motors_give
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
+simulation.mujoco_contacts to_pinocchio       simulation/test_mujoco.py::test_state_survives_the_round_trip by state
 simulation.mujoco_links  feet_on_ground       simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy
 simulation.mujoco_links  other_rows           simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy
+simulation.run_kernels   any_reached          simulation/test_run_kernels.py::test_loaded_feet_and_torques_at_limits
+simulation.run_kernels   loaded_feet          simulation/test_run_kernels.py::test_loaded_feet_and_torques_at_limits
 simulation.sensor_kernels counted              simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
 simulation.sensor_kernels imu_reading          simulation/test_sensors.py::test_readings_are_those_of_plain_numpy
+simulation.sensor_kernels heard                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
 simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
+simulation.sensor_kernels sense                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
+simulation.sensor_kernels with_points          simulation/test_sensors.py::test_feet_with_active_points_are_found
 solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve

@@ -35,7 +35,9 @@ def record(speed: Callable[[float], float], until: float = 10.0) -> tuple[np.nda
             gait.update(t, np.array([speed(t), 0.0, 0.0]))
             ahead = gait.horizon(t, 0.02, 15)
             promised.update({round(t + 0.02 * j + 0.01, 6): row.tolist() for j, row in enumerate(ahead)})
+        told = gait.phases(t).tolist()
         now = [gait.phase(k, t) for k in range(4)]
+        assert told == [list(row) for row in now]
         rows.append([on for on, _, _ in now])
         assert all(begin <= t + 1e-6 and end > t for _, begin, end in now)
         assert gait.contacts(t).tolist() == rows[-1]

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from surefoot.control.latency import EVIDENCE, fitting, note
-from surefoot.control.torque_kernels import friction_losses, motor_bounds, usable_range
+from surefoot.control.torque_kernels import (
+    friction_losses,
+    hold_to_motors,
+    motor_bounds,
+    torque_range,
+    usable_range,
+)
 
 
 def driving(
@@ -29,6 +35,10 @@ def test_bounds_and_losses_are_those_of_the_curve(knee: float, share: float) -> 
     along = driving(speed, effort, fastest, knee, share)
     np.testing.assert_allclose(low, -np.where(speed < 0.0, along, effort))
     np.testing.assert_allclose(high, np.where(speed > 0.0, along, effort))
+    asked = np.concatenate([random.normal(scale=60.0, size=len(speed) - 3), [np.nan, np.inf, -np.inf]])
+    given = asked.copy()
+    hold_to_motors(given, speed, effort, fastest, knee, share)
+    np.testing.assert_array_equal(given, np.minimum(np.maximum(asked, low), high))
     damping, friction = random.uniform(0.0, 1.0, (2, 40))
     lost = friction_losses(speed[:40], damping, friction, 0.1)
     np.testing.assert_allclose(lost, damping * speed[:40] + friction * np.tanh(speed[:40] / 0.1))
@@ -51,6 +61,21 @@ def test_the_usable_range_is_within_motors_and_command() -> None:
     assert (middle[~bounded] == 0.0).all()
     assert np.isinf(half[~bounded]).all()
     assert (scale[~bounded] == 1.0).all()
+
+
+def test_the_range_at_a_speed_is_that_of_its_parts() -> None:
+    random = np.random.default_rng(8)
+    speed = np.r_[random.normal(scale=20.0, size=10), np.nan, np.inf]
+    told = np.where(np.isfinite(speed), speed, 0.0)
+    figures = random.uniform(5.0, 30.0, (5, 12))
+    knee, share, creep, made_up, least = 0.4, 0.8, 0.1, 0.7, 0.02
+    found, plain = np.full((4, 12), np.nan), np.zeros((3, 12))
+    torque_range(speed, figures, knee, share, creep, made_up, least, found)
+    lost = made_up * (figures[0] * told + figures[1] * np.tanh(told / creep))
+    along = driving(told, figures[2], figures[3], knee, share)
+    low, high = -np.where(told < 0.0, along, figures[2]), np.where(told > 0.0, along, figures[2])
+    usable_range(low, high, lost, figures[4], least, *plain)
+    np.testing.assert_allclose(found, [*plain, lost], rtol=1e-12, atol=1e-12)
 
 
 def test_the_delay_that_fits_is_that_of_plain_sums() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -106,7 +105,7 @@ def test_carrying_feet_obey_the_contact_constraint(name: str, seed: int) -> None
     robot, q, v, tasks = random_case(name, seed)
     damping, sinking, turning = 12.0, 20.0, 35.0
     controller = WholeBodyController(robot, baumgarte=(30.0, damping), sole_damping=(sinking, turning))
-    tasks = replace(tasks, gaps=np.linspace(-0.01, 0.01, len(robot.feet)))
+    tasks = tasks._replace(gaps=np.linspace(-0.01, 0.01, len(robot.feet)))
     command = controller.step(q, v, tasks)
     found = centre_accelerations(robot, q, v, command.accelerations)
     data = robot.model.createData()
@@ -133,13 +132,13 @@ def test_the_rolling_drift_is_the_rate_of_the_contact_velocity(name: str) -> Non
 
     def slip(t: float) -> np.ndarray:
         now = controller.update(pinocchio.integrate(robot.model, q, t * v), v)
-        arms = -controller._radii[:, None] * tasks.frames[:, :, 2]
+        arms = -robot.contact_points.foot_radii[:, None] * tasks.frames[:, :, 2]
         return now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
 
     step = 1e-5
     rate = (slip(step) - slip(-step)) / (2.0 * step)
     now = controller.update(q, v)
-    arms = -controller._radii[:, None] * tasks.frames[:, :, 2]
+    arms = -robot.contact_points.foot_radii[:, None] * tasks.frames[:, :, 2]
     assert now.drifts[:, :3] + np.cross(now.drifts[:, 3:], arms) == pytest.approx(rate, abs=1e-6)
 
 
@@ -245,7 +244,7 @@ def test_the_command_is_optimal(name: str, seed: int) -> None:
 def test_the_command_is_optimal_under_torque_limits(name: str, seed: int) -> None:
     robot, q, v, tasks = random_case(name, 200 + seed, feet_down=3)
     weight = robot.mass * GRAVITY
-    tasks = replace(tasks, feet=0.1 * tasks.feet)
+    tasks = tasks._replace(feet=0.1 * tasks.feet)
     bounds, mu, weights = (0.0, 0.8 * weight), 0.5, Weights(force=0.3)
     free = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), np.full(robot.joints, np.inf))
     worst = np.abs(free.step(q, v, tasks).torques)
@@ -262,7 +261,7 @@ def test_the_command_is_optimal_under_torque_limits(name: str, seed: int) -> Non
 def test_a_leg_in_the_air_too_weak_for_its_task_gives_way_optimally(seed: int) -> None:
     robot, q, v, tasks = random_case("go2", 600 + seed, feet_down=3)
     foot = int(np.flatnonzero(~tasks.stance)[0])
-    tasks = replace(tasks, feet=20.0 * tasks.feet, forces=np.abs(tasks.forces))
+    tasks = tasks._replace(feet=20.0 * tasks.feet, forces=np.abs(tasks.forces))
     free = np.full(robot.joints, np.inf)
     bounds, mu, weights = (0.0, 400.0), 0.5, Weights(force=0.3)
     torques = WholeBodyController(robot, mu, *bounds, weights, (0.0, 8.0), free).step(q, v, tasks).torques
@@ -281,7 +280,7 @@ def test_a_leg_in_the_air_too_weak_for_its_task_gives_way_optimally(seed: int) -
 def test_forces_stay_in_their_cones_whatever_is_asked() -> None:
     for seed in range(30):
         robot, q, v, tasks = random_case("go2", 300 + seed)
-        wild = replace(tasks, com_acceleration=100.0 * tasks.com_acceleration)
+        wild = tasks._replace(com_acceleration=100.0 * tasks.com_acceleration)
         command = WholeBodyController(robot, 0.4, 1.0, 120.0).step(q, v, wild)
         f = command.forces
         on = tasks.stance
@@ -304,7 +303,7 @@ def test_input_that_is_not_finite_gives_a_safe_flagged_command(bad: float, where
     elif where == "v":
         v[3] = bad
     else:
-        tasks = replace(tasks, com_acceleration=np.array([0.0, bad, 0.0]))
+        tasks = tasks._replace(com_acceleration=np.array([0.0, bad, 0.0]))
     command = controller.step(q, v, tasks)
     assert not command.feasible
     for value in (command.torques, command.forces, command.accelerations):
@@ -323,7 +322,7 @@ def test_a_robot_too_weak_is_flagged_and_clipped() -> None:
 
 def test_no_foot_on_the_ground_leaves_the_body_to_gravity() -> None:
     robot, q, v, tasks = random_case("go2", 3)
-    tasks = replace(tasks, stance=np.zeros(4, dtype=bool))
+    tasks = tasks._replace(stance=np.zeros(4, dtype=bool))
     command = WholeBodyController(robot).step(q, v, tasks)
     data = robot.model.createData()
     pinocchio.centerOfMass(robot.model, data, q, v, command.accelerations)

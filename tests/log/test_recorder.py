@@ -15,6 +15,7 @@ import pytest
 from surefoot.errors import ProblemError, WriteError
 from surefoot.log import CHANNELS, Log, Recorder, npz, parts, read_log
 from surefoot.log import recorder as recorder_module
+from surefoot.log.channels import Channel
 from surefoot.log.recorder import CHUNK_BYTES
 
 ROWS = [CHANNELS[name].sized(nq=19, p=4) for name in ("time", "q", "forces", "active", "grasp_map")]
@@ -48,6 +49,56 @@ def check(log: Log, count: int) -> None:
             for name, value in values(k).items():
                 np.testing.assert_array_equal(log[name][k], value)
     assert {name: len(array) for name, array in log.arrays.items()} == dict.fromkeys(NAMES, count)
+
+
+def written(rows: list[list[Any]], channels: list[Channel], folder: Path | None = None) -> Log:
+    recorder = Recorder(len(rows), channels, folder)
+    for row in rows:
+        recorder.write(row)
+    return recorder.finish({})
+
+
+def test_a_row_that_is_written_at_once_is_what_is_assigned(tmp_path: Path) -> None:
+    """Plain arrays, and all else that NumPy assigns: lists, integers, other orders in memory, broadcasts."""
+    random = np.random.default_rng(2)
+    channels = [CHANNELS[n].sized(nq=19, p=4) for n in ("time", "q", "attained", "forces", "active", "mu")]
+    plain = [
+        [0.1 * k, random.normal(size=19), k % 2 == 0, random.normal(size=(4, 3)), random.random(4) < 0.5, 0.6]
+        for k in range(3)
+    ]
+    odd = [
+        [1, np.arange(19), 1, random.normal(size=(3, 4)).T, [True, False, True, True], np.float64(0.5)],
+        [np.float32(2.5), 7.0, np.True_, np.arange(3.0), np.arange(4) - 1, 1],
+        [
+            0.3,
+            np.float32(np.arange(19)),
+            False,
+            random.normal(size=(8, 3))[::2],
+            True,
+            np.array(0.4),
+        ],
+    ]
+    rows = [plain[0], *odd, *plain[1:]]
+    for folder in (None, tmp_path / "parts"):
+        log = written(rows, channels, folder)
+        for k, row in enumerate(rows):
+            for channel, value in zip(channels, row, strict=True):
+                wanted = np.zeros(channel.row_shape, channel.dtype)
+                wanted[...] = value
+                np.testing.assert_array_equal(log[channel.name][k], wanted)
+                assert log[channel.name].dtype == channel.dtype
+
+
+def test_a_row_that_does_not_fit_is_none(tmp_path: Path) -> None:
+    row = [0.0, np.zeros(19), np.zeros((4, 3)), np.zeros(4, dtype=bool), np.zeros((6, 12))]
+    recorder = Recorder(10, ROWS)
+    with pytest.raises(ValueError, match="shape"):
+        recorder.write([*row[:2], np.zeros((3, 4)), *row[3:]])
+    recorder.write(row)
+    for wrong in (np.zeros((5, 3)), np.zeros(12)):
+        with pytest.raises(ValueError, match="shape"):
+            recorder.write([*row[:2], wrong, *row[3:]])
+    assert recorder.count == 1
 
 
 @pytest.mark.parametrize("count", [1, CHUNK, CHUNK + 1, 2 * CHUNK, 3 * CHUNK + 7])
@@ -153,7 +204,8 @@ def test_an_interrupted_write_is_made_again(
         nonlocal calls
         calls += 1
         if calls == call:
-            original(file, offset, bytes(data)[: len(data) // 2])
+            whole = b"".join(data)
+            original(file, offset, [whole[: len(whole) // 2]])
             raise KeyboardInterrupt
         original(file, offset, data)
 
@@ -170,9 +222,10 @@ def test_a_full_disk_keeps_what_fits(tmp_path: Path, monkeypatch: pytest.MonkeyP
     original, room = parts._write_at, 3 * CHUNK * 8 * 72
 
     def write(file: Any, offset: int, data: Any) -> None:
-        if offset + len(data) > room:
+        whole = b"".join(data)
+        if offset + len(whole) > room:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        original(file, offset, data)
+        original(file, offset, [whole])
 
     monkeypatch.setattr(parts, "_write_at", write)
     recorder = Recorder(10**6, ROWS, tmp_path / "parts", {"outcome": "interrupted"})

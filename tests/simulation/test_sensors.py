@@ -10,7 +10,7 @@ import pytest
 
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, load_robot
-from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings
+from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings, with_points
 from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel, mean_motion
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
@@ -179,6 +179,54 @@ def test_a_level_scales_what_is_wrong_and_nothing_else() -> None:
     assert twice.filter_noise().gyro >= usual.filter_noise().gyro
     with pytest.raises(ProblemError, match="level must be"):
         usual.scaled(-1.0)
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_row_of_readings_is_that_of_its_parts(robot: Robot, first: bool) -> None:
+    """Seeded sensors against the kernels of IMU and encoders, fed with the same numbers in the same order."""
+    imu = ImuModel(position=(0.1, -0.2, 0.3), latency=0.0)
+    encoders = EncoderModel(latency=0.0)
+    sensors, random = Sensors(SensorModel(imu, encoders), robot, DT, 7), np.random.default_rng([7, 2])
+    biases = np.array([imu.gyro_bias * random.normal(size=3), imu.accelerometer_bias * random.normal(size=3)])
+    offsets, factors = encoders.bias * random.normal(size=12), 1.0 + 0.03 * random.normal(size=12)
+    motions = np.random.default_rng(1)
+    q, v = robot.nominal + 0.1 * motions.normal(size=19), motions.normal(size=18)
+    q[3:7] /= np.linalg.norm(q[3:7])
+    true = v[3:6], rotation_from_quaternion(q[3:7]).T @ np.array([0.0, 0.0, GRAVITY])
+    root = np.sqrt(DT)
+    scales = np.array([
+        root * imu.gyro_drift, root * imu.accelerometer_drift, imu.gyro_noise / root,
+        imu.accelerometer_noise / root,
+    ])  # fmt: skip
+    steps, ranges = np.array([imu.gyro_step, imu.accelerometer_step]), np.array([imu.gyro_range, 157.0])
+    for _ in range(1 if first else 3):
+        told = sensors.read(q, v)
+        seen = imu_reading(*true, biases, random.normal(size=(4, 3)), scales, steps, ranges)
+        noise = random.normal(size=(2, 12))
+        np.testing.assert_allclose(told.gyro, seen[0], atol=1e-12)
+        np.testing.assert_allclose(told.accelerometer, seen[1], atol=1e-12)
+        angles = counted(q[7:], offsets, encoders.noise, noise[0], encoders.step)
+        speeds = counted(v[6:], np.zeros(12), encoders.speed_noise, noise[1], encoders.speed_step)
+        np.testing.assert_allclose(told.positions, angles, atol=1e-12)
+        np.testing.assert_allclose(told.speeds, speeds, atol=1e-12)
+        torques = motions.normal(size=12)
+        felt = factors * torques + sensors._torque_noise * random.normal(size=12)
+        np.testing.assert_allclose(sensors.torques(torques), felt)
+        last = q.copy(), v.copy()
+        q += 0.01 * motions.normal(size=19)  # the same array: sensors keep no reference to it
+        v += 0.1 * motions.normal(size=18)
+        q[3:7] /= np.linalg.norm(q[3:7])
+        true = mean_motion(last, (q, v), DT, np.array(imu.position))
+
+
+def test_feet_with_active_points_are_found() -> None:
+    foot, random = np.array([0, 0, 1, 2, 2, 2]), np.random.default_rng(0)
+    for _ in range(20):
+        active, expected = random.random(6) < 0.4, np.zeros(4, dtype=bool)
+        expected[foot[active]] = True
+        out = random.random(4) < 0.5
+        with_points(active, foot, out)
+        np.testing.assert_array_equal(out, expected)
 
 
 def test_readings_are_those_of_plain_numpy() -> None:

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.gait import SAME_TIME, ContactSchedule
 from surefoot.control.leg_demand import Pace
+from surefoot.control.phase_table import PhaseTable
 
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
 """Most that times on the ground and in the air grow or shrink by from one cycle to the next, as factors, and
@@ -86,11 +87,13 @@ class AdaptiveGait(ContactSchedule):
 
     def __init__(self, name: str, choose: Choose, first: Stride) -> None:
         self.name, self.feet = name, len(first.offset)
+        self._phases = PhaseTable(SAME_TIME)
         self._choose, self._first = choose, first
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the feet stand, and begin to walk at time 0 if the first stride moves."""
+        self._phases.forget()
         self.stride = self.wanted = self._first
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
         self.asked = np.zeros(3)
@@ -116,6 +119,7 @@ class AdaptiveGait(ContactSchedule):
 
     def update(self, time: float, velocity: FloatArray) -> None:
         """Follow a (3,) velocity [m/s, m/s, rad/s] at a time [s]: cycles that are not made yet fit it."""
+        self._phases.forget()
         self.wanted, self.asked = self._choose(velocity, self.wanted.name), velocity
         if self._resting and self.wanted.moving:
             self._begin(time)
@@ -163,11 +167,16 @@ class AdaptiveGait(ContactSchedule):
             before = end
         raise AssertionError("the last stance of a foot lies ahead")  # pragma: no cover
 
+    def phases(self, time: float) -> FloatArray:
+        """See `ContactSchedule.phases`."""
+        return self._phases.at(self, time)
+
     def _make(self, time: float) -> None:
         """Make cycles until the last stance of every foot ends after a time."""
         while not self._resting and min(s[-1][1] for s in self._stances) <= time:
             if not self.wanted.moving:
                 self._resting = True
+                self._phases.forget()
                 for stances in self._stances:
                     stances[-1][1] = math.inf
                 return

@@ -13,11 +13,14 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.feet_kernels import ramp_shares
 from surefoot.control.gait import ContactSchedule
 from surefoot.kernels import kernel
 
 SAMPLES = 4
 """Instants within a step of the horizon that its mean bound is taken from."""
+LANDED = 1e-3
+"""A foot that touches has used this much of its ramp: it may push at once, if little [s]."""
 
 
 class ForceRamps:
@@ -35,20 +38,22 @@ class ForceRamps:
         self.schedule, self.length = schedule, max(length, 1e-9)
         self._landed = np.full(schedule.feet, -math.inf)
         self._carrying: BoolArray = np.ones(schedule.feet, dtype=bool)
+        self._shares = np.ones(schedule.feet)
 
     def now(self, time: float, carrying: BoolArray) -> FloatArray:
         """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
 
         To be called at every step: a foot's ramp begins when it first carries.
         """
-        self._landed[carrying & ~self._carrying] = time
-        self._carrying = carrying.copy()
-        out = np.ones(len(carrying))
-        for k, (on, landed) in enumerate(zip(carrying.tolist(), self._landed.tolist(), strict=True)):
-            if on:
-                used = min(time - landed + 1e-3, self._lift_off(k, time) - time)
-                out[k] = min(max(used / self.length, 0.0), 1.0)
-        return out
+        shares, schedule = self._shares, self.schedule
+        early = ramp_shares(
+            schedule.phases(time), carrying, self._carrying, self._landed, time, LANDED, self.length, shares
+        )
+        for k in range(len(shares)) if early else ():
+            if early >> k & 1:
+                left = (self._lift_off(k, time) - time) / self.length
+                shares[k] = min(shares[k], max(left, 0.0))
+        return shares.copy()
 
     def ahead(self, time: float, step: float, count: int) -> FloatArray:
         """Return the mean shares over `count` coming steps of `step` [s]: (count, n).

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
+from surefoot.control.phase_table import PhaseTable
 from surefoot.control.walking_kernels import mode_rows
 from surefoot.errors import ProblemError, unknown_name
 
@@ -80,6 +81,10 @@ class ContactSchedule(ABC):
 
         The ends are infinite for a foot that never changes.
         """
+
+    def phases(self, time: float) -> FloatArray:
+        """Return `phase` of every foot: (feet, 3), the first 1 for a foot that carries and else 0."""
+        return PhaseTable(SAME_TIME).at(self, time)
 
     def horizon(self, start: float, step: float, count: int) -> BoolArray:
         """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
@@ -165,6 +170,7 @@ class Gait(_ModeTable):
         self._refuse_flight(f"gait {name}", *twice, max_flight)
         self._intervals = [self._foot_intervals(foot) for foot in range(self.feet)]
         self._last = [(True, math.inf, math.inf)] * self.feet
+        self._phases = PhaseTable(SAME_TIME)
 
     @classmethod
     def from_phases(
@@ -260,6 +266,10 @@ class Gait(_ModeTable):
                     self._last[foot] = found = on, base + start, base + end
                     return found
         raise AssertionError("the intervals of a foot cover its period")  # pragma: no cover
+
+    def phases(self, time: float) -> FloatArray:
+        """See `ContactSchedule.phases`."""
+        return self._phases.at(self, time)
 
     def scaled(self, period: float) -> Gait:
         """Return the same gait with another period [s]."""

@@ -17,7 +17,7 @@ from surefoot.control.controller import RobotState
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.walking_body import BodyPlan
 from surefoot.control.whole_body import Kinematics, WholeBodyController
-from surefoot.estimation.wrench_kernels import tell_wrench
+from surefoot.estimation.wrench_kernels import point_inertia, tell_wrench
 from surefoot.estimation.wrench_observer import Instant, Load, ObserverSettings, WrenchObserver
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
@@ -170,7 +170,7 @@ class LoadAdaptation:
         # a point mass at r beside the robot's own at c: their inertia about the common centre of mass
         arm = load.place - self._com
         reduced = max(load.mass, 0.0) * mass / total
-        inertia = self._inertia + reduced * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
+        inertia = self._inertia + reduced * point_inertia(arm)
         self._whole_body.carry(load)
         self._mpc.carry(total, inertia)
         if body is not None:

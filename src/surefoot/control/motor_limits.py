@@ -8,7 +8,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.controller import Command, Controller, RobotState
-from surefoot.control.torque_kernels import motor_bounds
+from surefoot.control.torque_kernels import hold_to_motors, motor_bounds
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
 
@@ -71,8 +71,9 @@ class MotorLimits:
 
     def clip(self, torques: FloatArray, speed: FloatArray) -> FloatArray:
         """Return what the motors give of (joints,) torques at (joints,) joint speeds [N m]."""
-        low, high = self.bounds(speed)
-        return np.asarray(np.minimum(np.maximum(torques, low), high))
+        given = np.array(torques, np.float64)
+        hold_to_motors(given, speed, self.effort, self.speed, self.knee, self.driving)
+        return given
 
 
 def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:

@@ -18,6 +18,7 @@ from surefoot.contact import Status
 from surefoot.control.allocation import Allocation, ExactAllocation
 from surefoot.control.controller import Command, Controller, RobotState
 from surefoot.control.damping import computable, damping_torques
+from surefoot.control.model_views import ModelViews
 from surefoot.control.standing_kernels import (
     foot_impedance,
     grasp_map_of_points,
@@ -115,12 +116,14 @@ class StandingController(Controller):
         import pinocchio
 
         self.robot, self.plan, self.terrain, self.dt = robot, plan, terrain, dt
-        self._pin, self._model, self._data = pinocchio, robot.model, robot.model.createData()
+        self._pin, self._model = pinocchio, robot.model
+        self._views = ModelViews(robot.model, robot.model.createData())
         self._q = q.copy()
-        pinocchio.ccrba(self._model, self._data, q, np.zeros(self._model.nv))
-        base = np.array(self._data.oMi[1].rotation)
+        data = self._views.data
+        pinocchio.ccrba(self._model, data, q, np.zeros(self._model.nv))
+        base = np.array(data.oMi[1].rotation)
         self._rotation = base.copy()
-        self._inertia_base = base.T @ np.array(self._data.Ig.inertia) @ base
+        self._inertia_base = base.T @ np.array(data.Ig.inertia) @ base
         self._set_points(q)
         weight = robot.mass * GRAVITY
         self.normal_min, self.normal_max = default_normal_bounds(robot, normal_min, normal_max)
@@ -148,6 +151,7 @@ class StandingController(Controller):
         self._support = points.foot_support
         self._all_held = bool(self._support.any(axis=0).all())
         self._frame_ids = points.frames
+        self._point_frame = np.array(points.frames, dtype=np.int64)[points.foot]
         self._anchors = self.robot.foot_positions(q)
         normals = self.terrain.normal(self._anchors[:, :2])
         self._normals = normals
@@ -222,32 +226,26 @@ class StandingController(Controller):
 
     def _kinematics(self, q: FloatArray, v: FloatArray) -> None:
         """Update Pinocchio's terms, the contact points and the grasp map about the centre of mass."""
-        pin, model, data = self._pin, self._model, self._data
-        pin.computeJointJacobians(model, data, q)
-        pin.nonLinearEffects(model, data, q, v)
-        self._com = np.array(pin.centerOfMass(model, data, q, False))
-        rotations = np.empty((len(self._frame_ids), 3, 3))
-        places = np.empty((len(self._frame_ids), 3))
-        for k, frame in enumerate(self._frame_ids):
-            pose = pin.updateFramePlacement(model, data, frame)
-            rotations[k], places[k] = pose.rotation, pose.translation
-        self._base_rotation = np.array(data.oMi[1].rotation)
-        self._jacobian = np.ascontiguousarray(data.J)
+        pin, model, views = self._pin, self._model, self._views
+        pin.computeJointJacobians(model, views.data, q)
+        pin.nonLinearEffects(model, views.data, q, v)
+        pin.centerOfMass(model, views.data, q, False)
+        pin.updateFramePlacements(model, views.data)
         self._points = grasp_map_of_points(
-            rotations,
-            places,
-            self.point_foot,
+            views.frame_rotations,
+            views.frame_places,
+            self._point_frame,
             self._centres,
             self._radii,
             self._frames,
-            self._com,
+            views.com,
             self._grasp,
         )
 
     def _wrench(self, target: Target, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the wrench about the centre of mass that the PD law wants: (6,) [N, N m]."""
         wrench, self._pull = pd_wrench(
-            self._base_rotation, self._rotation, q, v, target.position, target.velocity, target.acceleration,
+            self._views.rotation, self._rotation, q, v, target.position, target.velocity, target.acceleration,
             self._inertia_base, self.robot.mass, self._omega, self._omega_turn, GRAVITY, self._integral,
         )  # fmt: skip
         return wrench
@@ -281,11 +279,12 @@ class StandingController(Controller):
 
     def _torques(self, target: Target, forces: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
         """Return the joint torques that make the feet push, before the limits: (joints,) [N m]."""
-        torques = np.asarray(self._data.nle[6:] - self._carried(forces))
+        torques = np.asarray(self._views.bias[6:] - self._carried(forces))
         if self._all_held and target.stance.all():
             return torques
         held = np.asarray(self._support[target.stance].any(axis=0))[6:]
-        M = np.array(self._pin.crba(self._model, self._data, q))
+        self._pin.crba(self._model, self._views.data, q)
+        M = self._views.mass_matrix
         free = ~held
         for foot in np.flatnonzero(~target.stance):
             legs = self._support[foot][6:]
@@ -298,17 +297,17 @@ class StandingController(Controller):
     def _carried(self, forces: FloatArray) -> FloatArray:
         """Return the joints' part of Jᵀ f for (p, 3) forces in contact frames: (joints,) [N m]."""
         rows = self._contact_rows
-        contact_jacobian(self._jacobian, self._support, self.point_foot, self._points, self._frames, rows)
+        contact_jacobian(self._views.twists, self._support, self.point_foot, self._points, self._frames, rows)
         return np.asarray(forces.ravel() @ rows[:, 6:])
 
     def _swing(self, foot: int, target: Target, M: FloatArray, v: FloatArray) -> FloatArray:
         """Return the torques that hold a lifted foot over its place: (joints,) [N m]."""
-        pose = self._data.oMf[self._frame_ids[foot]]
+        pose = self._views.data.oMf[self._frame_ids[foot]]
         place = pose.act(self.robot.feet[foot].centre)
         normal = self._normals[foot]
         wanted = self._anchors[foot] + target.height[foot] * normal
         return foot_impedance(
-            self._jacobian, self._support[foot], M, v, np.asarray(place), wanted - place,
+            self._views.twists, self._support[foot], M, v, np.asarray(place), wanted - place,
             target.climb[foot] * normal, self._omega_swing,
         )  # fmt: skip
 

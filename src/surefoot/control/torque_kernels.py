@@ -110,6 +110,22 @@ def motor_bounds(
 
 
 @kernel
+def hold_to_motors(
+    torques: FloatArray, speed: FloatArray, effort: FloatArray, fastest: FloatArray, knee: float,
+    driving: float,
+) -> None:  # fmt: skip
+    """Bring (joints,) torques [N m] within `motor_bounds`, which has the other parameters; NaN stays."""
+    for j in range(len(torques)):
+        low, high = -effort[j], effort[j]
+        if speed[j] > 0.0:
+            high = _driving(speed[j], effort[j], fastest[j], knee, driving)
+        elif speed[j] < 0.0:
+            low = -_driving(speed[j], effort[j], fastest[j], knee, driving)
+        torques[j] = low if torques[j] < low else torques[j]
+        torques[j] = high if torques[j] > high else torques[j]
+
+
+@kernel
 def usable_range(
     low: FloatArray, high: FloatArray, losses: FloatArray, effort: FloatArray, least: float,
     middle: FloatArray, half: FloatArray, scale: FloatArray,
@@ -144,3 +160,29 @@ def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray
     for j in range(len(speed)):
         out[j] = damping[j] * speed[j] + friction[j] * math.tanh(speed[j] / creep)
     return out
+
+
+@kernel
+def torque_range(
+    speed: FloatArray, figures: FloatArray, knee: float, driving: float, creep: float, compensation: float,
+    least: float, out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill the rows of `out` (4, joints): middle, half, scale and losses, see `TorqueRange`.
+
+    Parameters
+    ----------
+    speed
+        (joints,) [rad/s]; those not finite count as rest.
+    figures
+        (5, joints) damping and friction, effort and no-load speed of the motors, effort of the command.
+    knee, driving, creep, compensation, least
+        See `motor_bounds`, `friction_losses`, `TorqueRange` and `usable_range`.
+    """
+    told = np.empty(len(speed))
+    for j in range(len(speed)):
+        told[j] = speed[j] if math.isfinite(speed[j]) else 0.0
+    lost = friction_losses(told, figures[0], figures[1], creep)
+    for j in range(len(speed)):
+        out[3, j] = compensation * lost[j]
+    low, high = motor_bounds(told, figures[2], figures[3], knee, driving)
+    usable_range(low, high, out[3], figures[4], least, out[0], out[1], out[2])

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.actuators import Actuators
-from surefoot.control.torque_kernels import usable_range
+from surefoot.control.actuators import CREEP, Actuators
+from surefoot.control.torque_kernels import torque_range
 
 LEAST_SHARE = 0.02
 """Half the range is at least this share of the effort: a motor that spins away still brakes."""
@@ -41,19 +41,33 @@ class TorqueRange:
     def __init__(
         self, effort: FloatArray, actuators: Actuators | None = None, compensation: float = 1.0
     ) -> None:
-        self.effort, self.actuators, self.compensation = effort, actuators, compensation
-        self.middle, self.losses = np.zeros_like(effort), np.zeros_like(effort)
-        self.half, self.scale = effort.copy(), np.ones_like(effort)
+        self.actuators, self.compensation = actuators, compensation
+        self._rows = np.array([np.zeros_like(effort), effort, np.ones_like(effort), np.zeros_like(effort)])
+        self.middle: FloatArray = self._rows[0]
+        self.half: FloatArray = self._rows[1]
+        self.scale: FloatArray = self._rows[2]
+        self.losses: FloatArray = self._rows[3]
+        if actuators is not None:
+            motors = actuators.limits
+            self._figures = np.array(
+                [actuators.damping, actuators.friction, motors.effort, motors.speed, effort]
+            )
 
     def update(self, speed: FloatArray) -> None:
         """Bring the range up to the joints' speeds (joints,) [rad/s]; those not finite count as rest."""
         if self.actuators is None:
             return
-        if not np.isfinite(speed).all():
-            speed = np.where(np.isfinite(speed), speed, 0.0)
-        self.losses = self.compensation * self.actuators.losses(speed)
-        low, high = self.actuators.bounds(speed)
-        usable_range(low, high, self.losses, self.effort, LEAST_SHARE, self.middle, self.half, self.scale)
+        motors = self.actuators.limits
+        torque_range(
+            speed,
+            self._figures,
+            motors.knee,
+            motors.driving,
+            CREEP,
+            self.compensation,
+            LEAST_SHARE,
+            self._rows,
+        )
 
     def excess(self, torques: FloatArray) -> FloatArray:
         """Return by how much (joints,) torques are beyond the range, negative inside [N m]."""

@@ -11,7 +11,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
 from surefoot.control.foothold import fit_plane
-from surefoot.control.walking_kernels import cruise, slope_frames
+from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
@@ -143,22 +143,10 @@ class BodyPlan:
         dt
             Step [s].
         """
-        limit = self.acceleration * dt
-        now = self.velocity.tolist()
-        for k, most in enumerate((limit, limit, limit / self.height)):
-            self.velocity[k] = now[k] + min(max(float(command[k]) - now[k], -most), most)
-        self.yaw += float(self.velocity[2]) * dt
-        vx, vy = self._flow()
-        self.position[0] += vx * dt
-        self.position[1] += vy * dt
-        lead = LEAD * math.sqrt(GRAVITY * self.height)
-        x, y = self.position[0] - com[0], self.position[1] - com[1]
-        far = math.hypot(x, y)
-        if far > lead:
-            self.position[0], self.position[1] = com[0] + x * lead / far, com[1] + y * lead / far
-        self.ground += (self.slope[0] * vx + self.slope[1] * vy) * dt
-        self.lowered += (1.0 - self.lowered) * dt / LOWERING
-        self.position[2] = self.ground + self._rise()
+        self.yaw, self.ground, self.lowered = advance_body(
+            self.position, self.velocity, self.slope, command, com, dt, self.height,
+            self.yaw, self.ground, self.lowered, self.acceleration, self.dip, LEAD, LOWERING,
+        )  # fmt: skip
 
     def fit_ground(self, feet: FloatArray, dt: float) -> None:
         """Follow the ground under (n, 3) places where feet last stood [m], `dt` after the last time [s]."""
@@ -173,20 +161,8 @@ class BodyPlan:
         self.position[2] = self.ground + self._rise()
 
     def _rise(self) -> float:
-        """Return the wanted height over the ground along the vertical.
-
-        Downhill and at the start it is `height` along the ground's normal. Feet stand below the body along
-        the vertical and not along the normal: uphill they trail, which would stretch the knees, so there the
-        body comes down to `height` times the slope's squared cosine along the normal; across the slope, times
-        the cosine. Down steps a foot may stand half a step below their plane: see `dip`.
-        """
-        steepness = math.hypot(self.slope[0], self.slope[1])
-        if steepness < 1e-9:
-            return self.height
-        climb = float(self.slope[0] * math.cos(self.yaw) + self.slope[1] * math.sin(self.yaw))
-        dip = self.dip * min(max(-climb, 0.0), 0.4) * self.lowered
-        power = 0.5 - 0.5 * self.lowered * (1.0 + climb / steepness)
-        return self.height * (1.0 - dip) * math.exp(power * math.log1p(steepness * steepness))
+        """Return the wanted height over the ground along the vertical, see `body_rise`."""
+        return body_rise(self.slope, self.yaw, self.height, self.dip, self.lowered)
 
     def flow(self) -> FloatArray:
         """Return the (2,) wanted velocity along x and y of the world [m/s]."""

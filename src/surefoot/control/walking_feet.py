@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.feet_kernels import follow_phases, set_timing
 from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
 from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
@@ -88,10 +89,12 @@ class Feet:
         self.planned: BoolArray = np.ones(n, dtype=bool)
         self.late: BoolArray = np.zeros(n, dtype=bool)
         self.share = np.zeros(n)
-        self.duration = np.ones(n)
-        self.target, self.start = self.centres.copy(), self.centres.copy()
+        self._ends = np.array([self.centres, self.centres])
+        self.start, self.target = self._ends  # both are parts of what swings are computed from, as are
+        self._timing = np.zeros((n, 6))
+        self.apex, self.duration, self._lift_first = (self._timing[:, j] for j in (0, 2, 3))
+        self.apex[:], self.duration[:] = self.centres[:, 2], 1.0
         self._aimed = self.target.copy()  # where a foot was on its way to before it landed
-        self.apex = self.centres[:, 2].copy()
         self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
         self.ground = self.centres - self.radii[:, None] * self.frames[:, :, 2]
         self._lifted = np.full(n, -np.inf)
@@ -100,8 +103,7 @@ class Feet:
         self.again: BoolArray = np.zeros(n, dtype=bool)
         self._late_from = np.zeros(n)
         self._plane = self.terrain.planar
-        self._lift_first = np.full(n, -1.0 if self._plane else LIFT_FIRST)
-        self._ends, self._timing = np.zeros((2, n, 3)), np.zeros((n, 6))
+        self._lift_first[:] = -1.0 if self._plane else LIFT_FIRST
         self._timing[:, 5] = DOWN
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
 
@@ -117,27 +119,30 @@ class Feet:
         centres
             (n, 3) where the feet are.
         """
+        phases = self.schedule.phases(time)
+        events = follow_phases(
+            phases, time, self.wait, sensed, EARLY, LOST_TIME, self.carrying, self.planned, self.late,
+            self.share, self._sensed, self._retry, self._lifted,
+        )  # fmt: skip
         changed = False
-        self._sensed[sensed] = time
-        for k in range(len(sensed)):
-            planned, begin, end = self.schedule.phase(k, time)
-            self.planned[k] = planned
-            if self._again(k, time, bool(sensed[k]), centres[k]):
-                changed |= bool(self.carrying[k])
-                continue
-            if planned:
-                changed |= self._on_ground(k, time, bool(sensed[k]), centres[k])
-                continue
-            self.late[k] = False
-            self.share[k] = (time - begin) / (end - begin)
-            if self.carrying[k]:
-                if begin > self._lifted[k]:
-                    self._lift(k, begin, end - begin, centres[k])
-                    changed = True
-            elif sensed[k] and self.share[k] > EARLY:
-                self._land(k, centres[k])
-                changed = True
+        for k in range(len(sensed)) if events else ():
+            if events >> k & 1:
+                changed |= self._happens(k, time, bool(sensed[k]), centres[k], *phases[k, 1:].tolist())
         return changed
+
+    def _happens(
+        self, k: int, time: float, sensed: bool, centre: FloatArray, begin: float, end: float
+    ) -> bool:
+        """Let a foot lift, land, look for the ground or go on; return whether it has lifted or landed."""
+        if self._again(k, time, sensed, centre):
+            return bool(self.carrying[k])
+        if self.planned[k]:
+            return self._on_ground(k, time, sensed, centre)
+        if self.carrying[k]:
+            self._lift(k, begin, end - begin, centre)
+        else:
+            self._land(k, centre)
+        return True
 
     def interrupt(self, k: int, time: float, centre: FloatArray) -> None:
         """Begin a swing anew from where the foot is, which has struck something; time as for `update`."""
@@ -267,11 +272,5 @@ class Feet:
 
     def _paths(self, time: float) -> tuple[FloatArray, FloatArray]:
         """Return ends and timing of the swings at a time, see `swing_paths`."""
-        ends, timing = self._ends, self._timing
-        ends[0], ends[1] = self.start, self.target
-        timing[:, 0], timing[:, 1], timing[:, 2] = self.apex, self.share, self.duration
-        timing[:, 3], timing[:, 4] = self._lift_first, -1.0
-        for k in np.flatnonzero(self.late).tolist():
-            overdue = max(time + self.wait - float(self._late_from[k]), 0.0)
-            timing[k, 1], timing[k, 4] = 1.0 + overdue / float(self.duration[k]), overdue
-        return ends, timing
+        set_timing(self._timing, self.share, self.late, self._late_from, time + self.wait)
+        return self._ends, self._timing

@@ -14,6 +14,7 @@ from surefoot.control.swing import swing_motion
 from surefoot.control.swing_even import even_swing
 from surefoot.kernels import kernel
 from surefoot.numerics.rotations import log_between
+from surefoot.spatial import GRAVITY
 
 # rows of the motion that is followed: the body when the plan was made, and the plan's accelerations
 COM, VELOCITY, SPIN, ACCELERATION, TURNING = 0, 1, 2, 3, 4
@@ -52,6 +53,74 @@ def follow(
         miss = t * motion[SPIN, i] + half * b - turned[i]
         out[1, i] = b + stiffness * miss + damping * (motion[SPIN, i] + t * b - now[SPIN, i])
     return out
+
+
+@kernel
+def body_rise(slope: FloatArray, yaw: float, height: float, dip: float, lowered: float) -> float:
+    """Return the wanted height of a body over the ground along the vertical.
+
+    Downhill and at the start it is `height` along the ground's normal. Feet stand below the body along
+    the vertical and not along the normal: uphill they trail, which would stretch the knees, so there the
+    body comes down to `height` times the slope's squared cosine along the normal; across the slope, times
+    the cosine. Down steps a foot may stand half a step below their plane: see `dip`.
+
+    Parameters
+    ----------
+    slope, yaw
+        (2,) rise of the ground along world x and y; the body's heading.
+    height, dip, lowered
+        See `BodyPlan`.
+    """
+    steepness = math.hypot(slope[0], slope[1])
+    if steepness < 1e-9:
+        return height
+    climb: float = slope[0] * math.cos(yaw) + slope[1] * math.sin(yaw)
+    sink = dip * min(max(-climb, 0.0), 0.4) * lowered
+    power = 0.5 - 0.5 * lowered * (1.0 + climb / steepness)
+    return height * (1.0 - sink) * math.exp(power * math.log1p(steepness * steepness))
+
+
+@kernel
+def advance_body(
+    position: FloatArray, velocity: FloatArray, slope: FloatArray, command: FloatArray, com: FloatArray,
+    dt: float, height: float, yaw: float, ground: float, lowered: float, acceleration: float, dip: float,
+    lead: float, lowering: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Move the wanted pose of a body by one step; return its heading, ground and `lowered`.
+
+    Parameters
+    ----------
+    position, velocity
+        (3,) wanted centre of mass; (3,) wanted forward, left and turn rate: both moved.
+    slope
+        (2,) rise of the ground along world x and y.
+    command, com
+        (3,) wanted velocity in the end; (3,) centre of mass.
+    dt, height
+        Step [s]; of the body.
+    yaw, ground, lowered, acceleration, dip
+        See `BodyPlan`.
+    lead, lowering
+        How far the wanted place may be ahead, as a share of sqrt(g h) [s]; time constant of `lowered` [s].
+    """
+    limit = acceleration * dt
+    for k in range(3):
+        most = limit if k < 2 else limit / height
+        velocity[k] += min(max(command[k] - velocity[k], -most), most)
+    yaw += velocity[2] * dt
+    c, s = math.cos(yaw), math.sin(yaw)
+    vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
+    position[0] += vx * dt
+    position[1] += vy * dt
+    reach = lead * math.sqrt(GRAVITY * height)
+    x, y = position[0] - com[0], position[1] - com[1]
+    far = math.hypot(x, y)
+    if far > reach:
+        position[0], position[1] = com[0] + x * reach / far, com[1] + y * reach / far
+    ground += (slope[0] * vx + slope[1] * vy) * dt
+    lowered += (1.0 - lowered) * dt / lowering
+    position[2] = ground + body_rise(slope, yaw, height, dip, lowered)
+    return yaw, ground, lowered
 
 
 @kernel

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
@@ -37,8 +38,7 @@ class Weights:
     force: float = 0.1
 
 
-@dataclass(frozen=True)
-class Kinematics:
+class Kinematics(NamedTuple):
     """Where a robot is and how it moves, world axes.
 
     Attributes
@@ -61,8 +61,7 @@ class Kinematics:
     drifts: FloatArray
 
 
-@dataclass(frozen=True)
-class Tasks:
+class Tasks(NamedTuple):
     """What is wanted in one step; world axes.
 
     Attributes
@@ -93,8 +92,7 @@ class Tasks:
     gaps: FloatArray
 
 
-@dataclass(frozen=True)
-class WholeBodyCommand:
+class WholeBodyCommand(NamedTuple):
     """What whole-body control asks for.
 
     Attributes

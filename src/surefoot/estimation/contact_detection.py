@@ -19,6 +19,7 @@ References
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -28,13 +29,11 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
 from surefoot.audit.contact_times import debounced
 from surefoot.errors import ProblemError
-from surefoot.estimation.detection_kernels import foot_forces, observe_momentum
+from surefoot.estimation.detection_kernels import add_torques, feel_feet
+from surefoot.estimation.foot_kinematics import FootKinematics
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
-
-DAMPING = 1e-3
-"""Share of a leg's levers at which forces are damped: a straight knee cannot feel along the leg."""
 
 
 @dataclass(frozen=True)
@@ -99,13 +98,18 @@ class ContactDetector:
         Time between updates [s].
     settings
         Thresholds; None for `DetectionSettings()`.
+    feet
+        Kinematics that are moved along; None for own ones.
+    least
+        Force along the normal that `observe` takes for a push [N].
 
     Attributes
     ----------
     forces, velocities
-        (n, 3) estimated forces on the feet [N] and velocities of their lowest points [m/s], world axes.
+        (n, 3) estimated forces on the feet [N] and velocities of their lowest points [m/s], world axes; these
+        arrays are overwritten by every step.
     points
-        (n, 3) these points [m].
+        (n, 3) these points [m], likewise.
 
     Raises
     ------
@@ -122,29 +126,51 @@ class ContactDetector:
     array([False, False, False, False])
     """
 
-    def __init__(self, robot: Robot, dt: float, settings: DetectionSettings | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        dt: float,
+        settings: DetectionSettings | None = None,
+        feet: FootKinematics | None = None,
+        least: float = 0.0,
+    ) -> None:
         if not robot.floating or not robot.feet:
             raise ProblemError(
                 f"contacts are detected for a floating base with feet; {robot.name} has no such thing"
             )
         self.robot, self.settings = robot, settings or DetectionSettings()
         self.dt = real_number("dt", dt, low=1e-6, high=1.0)
-        self._data: Any = robot.model.createData()
-        points = robot.contact_points
-        self._support, self._flat, self._frames = points.foot_support, points.flat, points.frames
-        self._middles, self._radii = points.middles, points.foot_radii
+        self._feet = FootKinematics(robot, 0.0) if feet is None else feet
+        self._flags = np.array([robot.contact_points.flat, np.zeros(len(robot.feet), dtype=bool)])
         self._share = robot.mass * GRAVITY / len(robot.feet)
-        self._keep = float(np.exp(-self.settings.bandwidth * self.dt))
+        self._joints = (robot.joints,)
+        n, nv = len(robot.feet), int(robot.model.nv)
+        self._memory: FloatArray = np.zeros(4 + 13 * n + 4 * nv)
+        self._bind()
+        self._radii[:], self._rotors[:] = robot.contact_points.foot_radii, robot.model.armature
+        self._numbers[:] = math.exp(-self.settings.bandwidth * self.dt), self.dt, 0.0, least
         self.reset()
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        n, nv = len(self.robot.feet), int(self.robot.model.nv)
+        sizes = [4, n, nv, nv, nv, nv, 3 * n, 3 * n, 3 * n]  # as `detector_arrays` has them
+        parts = np.split(self._memory, np.cumsum(sizes))
+        self._numbers, self._radii, self._rotors, _, self._rate, self._residual = parts[:6]
+        self._past = self._memory[4 + n + nv :]
+        self.forces, self.velocities, self.points = (part.reshape(n, 3) for part in parts[6:9])
+        self._pushed: BoolArray = self._flags[1]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(self) -> None:
         """Forget the past: the next update is the first."""
         n = len(self.robot.feet)
-        self.points = np.zeros((n, 3))
-        self._residual, self._momentum, self._rate = np.zeros((3, self.robot.model.nv))
-        self._known = False
+        self._past[:] = self._numbers[2] = 0.0
         self._contact, self._above = np.zeros(n, dtype=bool), np.zeros(n)
-        self.forces, self.velocities = np.zeros((n, 3)), np.zeros((n, 3))
 
     def update(
         self, q: ArrayLike, v: ArrayLike, tau: ArrayLike | None = None, normals: ArrayLike | None = None
@@ -184,8 +210,8 @@ class ContactDetector:
         self._decide(up)
         return Detection(self._contact.copy(), self.forces.copy())
 
-    def observe(self, q: FloatArray, v: FloatArray, up: FloatArray) -> None:
-        """Find `forces`, `velocities` and `points` of the feet, and decide nothing.
+    def observe(self, q: FloatArray, v: FloatArray, up: FloatArray) -> BoolArray:
+        """Find `forces`, `velocities` and `points` of the feet; return which are pushed by `least`: (n,).
 
         Parameters
         ----------
@@ -194,26 +220,13 @@ class ContactDetector:
         up
             (n, 3) normals of the ground, world axes [-].
         """
-        import pinocchio
-
-        model, data = self.robot.model, self._data
-        pinocchio.crba(model, data, q)
-        C = pinocchio.computeCoriolisMatrix(model, data, q, v)  # and Jacobians
-        gravity = pinocchio.computeGeneralizedGravity(model, data, q)
-        points = np.empty((len(self._frames), 3))
-        for k, frame in enumerate(self._frames):
-            points[k] = pinocchio.updateFramePlacement(model, data, frame).act(self._middles[k])
-        points -= self._radii[:, None] * up
-        observe_momentum(
-            np.ascontiguousarray(data.M), np.ascontiguousarray(C), gravity, v, self._keep, self.dt,
-            self._known, self._momentum, self._rate, self._residual,
+        feet = self._feet
+        feet.move(q, v)
+        feel_feet(
+            feet.twists, feet.drifts, feet.turns, feet.places, feet.momenta, feet.masses, feet.tables,
+            feet.support, self._flags, feet.memory, self._memory, q, v, up,
         )  # fmt: skip
-        self._known = True
-        foot_forces(
-            np.ascontiguousarray(data.J), self._support, points, self._flat, self._residual, v, DAMPING,
-            self.forces, self.velocities,
-        )  # fmt: skip
-        self.points = points
+        return self._pushed.copy()
 
     def applied(self, tau: ArrayLike) -> None:
         """Tell the (joints,) torques [N m] from the last update, which was not told them, to the next.
@@ -223,7 +236,9 @@ class ContactDetector:
         ProblemError
             For the wrong shape or numbers that are not finite.
         """
-        self._rate[self.robot.base_dof :] += finite_array("tau", tau, (self.robot.joints,))
+        torques = np.asarray(tau, dtype=np.float64)
+        if torques.shape != self._joints or not add_torques(self._rate, torques):
+            finite_array("tau", tau, self._joints)  # says what is wrong
 
     def _normals(self, normals: ArrayLike | None) -> FloatArray:
         n = len(self.robot.feet)

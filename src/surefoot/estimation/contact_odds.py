@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
-from surefoot.estimation.detection_kernels import contact_odds
+from surefoot.estimation.detection_kernels import decide_contacts, prior_odds
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -103,6 +103,11 @@ class GroundBelief:
         if self._ground is None:
             self._feet[k] = place
             self._fit()
+
+    @property
+    def mapped(self) -> bool:
+        """Whether a map tells the ground place by place."""
+        return self._ground is not None
 
     def normal(self) -> FloatArray | None:
         """Return the plane's normal (3,), a unit vector; None where a map tells it place by place."""
@@ -203,13 +208,24 @@ class ContactFusion:
         share = robot.mass * GRAVITY / n
         reach = max(float(robot.nominal[2]), 0.1)
         self.settings = s
-        self._forces = np.hypot(s.force * share, noise)
+        self._memory: FloatArray = np.zeros((3, n))  # odds, prior odds, deviations of forces
+        self._bind()
+        self._memory[2] = np.hypot(s.force * share, noise)
         self._scales = np.array([
             s.heavy * share, s.height if mapped else s.unmapped, s.clearance * reach,
             math.hypot(s.still, speed * reach), s.swinging, s.hold,
+            s.pushing, s.swing, share,
         ])  # fmt: skip
         self.contact: BoolArray = np.zeros(n, dtype=bool)
-        self.odds, self._prior = np.zeros((2, n))
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        self.odds, self._prior = self._memory[:2]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(self) -> None:
         """Forget what was believed."""
@@ -218,24 +234,32 @@ class ContactFusion:
 
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
         """Tell the plan for the next step: (n,) which feet push, and which should stand."""
-        s = self.settings
-        self._prior = np.where(pushing, s.pushing, np.where(planned, 0.0, s.swing))
+        prior_odds(pushing, planned, self._scales, self._prior)
 
     def update(
-        self, forces: FloatArray, velocities: FloatArray, up: FloatArray, gaps: FloatArray
+        self,
+        forces: FloatArray,
+        velocities: FloatArray,
+        points: FloatArray,
+        up: FloatArray,
+        heights: FloatArray,
+        felt: BoolArray,
+        told: BoolArray,
     ) -> BoolArray:
         """Return which feet touch: (n,).
 
         Parameters
         ----------
-        forces, velocities
-            (n, 3) on the feet [N], and of the feet [m/s], world axes.
-        up
-            (n, 3) normals of the ground.
-        gaps
-            (n,) between feet and believed ground [m].
+        forces, velocities, points
+            (n, 3) on the feet [N], of the feet [m/s], and where they are [m], world axes.
+        up, heights
+            (n, 3) normals of the ground [-], and its heights (n,) under the feet [m].
+        felt, told
+            (n,) which feet feel a force by `forces`, and by what is to be believed: where they differ, the
+            force is none or the usual one.
         """
-        contact_odds(
-            forces, velocities, up, gaps, self._prior, self._forces, self._scales, self.contact, self.odds,
-        )  # fmt: skip
-        return self.contact.copy()
+        contact = self.contact
+        decide_contacts(
+            forces, velocities, points, up, heights, felt, told, self._scales, self._memory, contact
+        )
+        return contact.copy()

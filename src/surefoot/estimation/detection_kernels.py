@@ -6,36 +6,126 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.estimation.extended_poses import apply
+from surefoot.estimation.foot_kinematics import place_feet
+from surefoot.kernels import borrowed, inline_kernel, kernel, window
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.numerics.points import point_velocity
+from surefoot.spatial import GRAVITY
 
+DAMPING = 1e-3
+"""Share of a leg's levers at which forces are damped: a straight knee cannot feel along the leg."""
 LEAST_HEIGHT, LEAST_SPEED, MOST_FORCE = -3.0, -4.0, 5.0
 """Bounds of what height, speed and force may say: ground may be elsewhere, readings go wrong."""
 
 
 @kernel
-def observe_momentum(
-    M: FloatArray, C: FloatArray, gravity: FloatArray, v: FloatArray, keep: float, dt: float, known: bool,
-    momentum: FloatArray, rate: FloatArray, residual: FloatArray,
+def feel_feet(
+    twists: FloatArray, drifts: FloatArray, turns: FloatArray, places: FloatArray, momenta: FloatArray,
+    masses: FloatArray, tables: IntArray, support: BoolArray, flags: BoolArray, feet: FloatArray,
+    memory: FloatArray, q: FloatArray, v: FloatArray, up: FloatArray,
 ) -> None:  # fmt: skip
-    """Move the observer on by dt [s]: residual [N, N m] follows Jᵀ f, what `rate` leaves of ṗ.
+    """Move the observer and the feet's forces, velocities and points on, and tell which feet are pushed.
 
-    M (nv, nv) has its upper triangle only; v is (nv,) [m/s, rad/s]. Over one step ṗ - rate = Jᵀ f is
-    constant, so that r' = K (Jᵀ f - r) is solved exactly with `keep` = exp(-K dt). `momentum` and `rate`
-    (without torques) become those of now; they are not `known` at the first step.
+    Parameters
+    ----------
+    twists, drifts
+        (6, nv) what each velocity moves, and its rate, base axes.
+    turns, places, momenta, masses
+        Of the joints, (joints, ...): rotations, places [m], momentum of all that a joint carries, about it,
+        and the centre of that mass, both in its own axes.
+    tables, support, feet
+        See `FootKinematics`.
+    flags
+        (2, n) which feet have a sole, and which are pushed; the latter are filled.
+    memory
+        See `detector_arrays`; changed.
+    q, v, up
+        Configuration (nq,), velocity (nv,) and (n, 3) normals of the ground [-].
     """
-    n = v.shape[0]
-    for i in range(n):
-        p = r = 0.0
-        for j in range(n):
-            p += (M[i, j] if j >= i else M[j, i]) * v[j]
-            r += C[j, i] * v[j]
-        if known:
-            seen = (p - momentum[i]) / dt - rate[i]
-            residual[i] = keep * residual[i] + (1.0 - keep) * seen
-        momentum[i], rate[i] = p, r - gravity[i]
+    n, nv = support.shape
+    numbers, radii, rows, forces, velocities, points, local = detector_arrays(memory, n, nv)
+    place_feet(twists, turns, places, tables, support, v[6:], feet)
+    R = np.empty((3, 3))
+    _rotation(q[3], q[4], q[5], q[6], R)
+    _observe(
+        twists, drifts, turns, places, momenta, masses, tables, feet[36 * n + 1 :], v, R[2], numbers, rows
+    )
+    for k in range(n):
+        a, b, c = up[k, 0], up[k, 1], up[k, 2]
+        for r in range(3):
+            local[k, r] = feet[3 * k + r] - radii[k] * (R[0, r] * a + R[1, r] * b + R[2, r] * c)
+    foot_forces(twists, support, local, borrowed(flags)[0], rows[3], v, DAMPING, forces, velocities)
+    pushed = borrowed(flags)[1]
+    for k in range(n):
+        a, b, c = apply(R, local[k, 0], local[k, 1], local[k, 2])
+        points[k, 0], points[k, 1], points[k, 2] = q[0] + a, q[1] + b, q[2] + c
+        a, b, c = apply(R, velocities[k, 0], velocities[k, 1], velocities[k, 2])
+        velocities[k, 0], velocities[k, 1], velocities[k, 2] = a, b, c
+        a, b, c = apply(R, forces[k, 0], forces[k, 1], forces[k, 2])
+        forces[k, 0], forces[k, 1], forces[k, 2] = a, b, c
+        pushed[k] = a * up[k, 0] + b * up[k, 1] + c * up[k, 2] > numbers[3]
+
+
+@inline_kernel
+def detector_arrays(memory: FloatArray, n: int, nv: int) -> tuple[FloatArray, ...]:
+    """Return the parts of a `ContactDetector`'s memory, for n feet and nv velocities.
+
+    They are numbers (exp(-K dt), dt [s], whether there was a step before, and the force that counts as a push
+    [N]), the feet's radii (n,) [m], (4, nv) rotors' inertias, momentum, rate and residual, forces, velocities
+    and points (n, 3) in world axes, and (n, 3) scratch.
+    """
+    at = 4 + n + 4 * nv
+    return (
+        window(memory, 0, 1, 4)[0], window(memory, 4, 1, n)[0], window(memory, 4 + n, 4, nv),
+        window(memory, at, n, 3), window(memory, at + 3 * n, n, 3), window(memory, at + 6 * n, n, 3),
+        window(memory, at + 9 * n, n, 3),
+    )  # fmt: skip
+
+
+@inline_kernel
+def _rotation(x: float, y: float, z: float, w: float, R: FloatArray) -> None:
+    """Fill R with the rotation of a quaternion of length 1."""
+    R[0, 0], R[0, 1], R[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    R[1, 0], R[1, 1], R[1, 2] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    R[2, 0], R[2, 1], R[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+
+
+@inline_kernel
+def _observe(
+    twists: FloatArray, drifts: FloatArray, turns: FloatArray, places: FloatArray, momenta: FloatArray,
+    masses: FloatArray, tables: IntArray, loads: FloatArray, v: FloatArray, plumb: FloatArray,
+    numbers: FloatArray, rows: FloatArray,
+) -> None:  # fmt: skip
+    """Move the joints' rows of the observer on by dt [s]: residual follows Jᵀ f, what `rate` leaves of ṗ.
+
+    With h the momentum of all that a joint carries, its row of p = M v is Sᵀ h and its rotor's, that of
+    C(q, v)ᵀ v is Ṡᵀ h. Over one step ṗ - rate = Jᵀ f is constant, so that r' = K (Jᵀ f - r) is solved exactly
+    with exp(-K dt). Momentum and rate (without torques) become those of now. `loads` (joints,) are the masses
+    that joints carry [kg], `plumb` (3,) is the vertical.
+    """
+    keep, dt, known = numbers[0], numbers[1], numbers[2]
+    rotors, momentum, rate, residual = rows[0], rows[1], rows[2], rows[3]
+    for j in range(6, twists.shape[1]):
+        i = tables[j]
+        R, h = turns[i], momenta[i]
+        a, b, c = apply(R, h[0], h[1], h[2])
+        d, e, f = apply(R, h[3], h[4], h[5])
+        x, y, z = places[i, 0], places[i, 1], places[i, 2]
+        d, e, f = d + y * c - z * b, e + z * a - x * c, f + x * b - y * a  # about the base's origin
+        k, m, n = apply(R, masses[i, 0], masses[i, 1], masses[i, 2])
+        rise = point_velocity(twists, j, x + k, y + m, z + n)
+        weight = loads[i] * GRAVITY * (rise[0] * plumb[0] + rise[1] * plumb[1] + rise[2] * plumb[2])
+        p = rotors[j] * v[j] + twists[0, j] * a + twists[1, j] * b + twists[2, j] * c
+        p += twists[3, j] * d + twists[4, j] * e + twists[5, j] * f
+        r = drifts[0, j] * a + drifts[1, j] * b + drifts[2, j] * c
+        r += drifts[3, j] * d + drifts[4, j] * e + drifts[5, j] * f
+        if known > 0.0:
+            seen = (p - momentum[j]) / dt - rate[j]
+            residual[j] = keep * residual[j] + (1.0 - keep) * seen
+        momentum[j], rate[j] = p, r - weight
+    numbers[2] = 1.0
 
 
 @kernel
@@ -118,3 +208,47 @@ def contact_odds(
         stopped = _ratio(v, still, swinging)
         odds[k] = prior[k] + min(pushed, MOST_FORCE) + max(near, LEAST_HEIGHT) + max(stopped, LEAST_SPEED)
         contact[k] = odds[k] > (-hold if contact[k] else hold)
+
+
+@kernel
+def prior_odds(pushing: BoolArray, planned: BoolArray, scales: FloatArray, prior: FloatArray) -> None:
+    """Fill prior (n,), the odds of contact by the plan: of feet that push, that should stand, that swing.
+
+    Natural logarithms; `scales` has those of feet that push and that swing behind what `contact_odds` takes.
+    """
+    for k in range(prior.shape[0]):
+        prior[k] = scales[6] if pushing[k] else 0.0 if planned[k] else scales[7]
+
+
+@kernel
+def decide_contacts(
+    forces: FloatArray, velocities: FloatArray, points: FloatArray, up: FloatArray, heights: FloatArray,
+    felt: BoolArray, told: BoolArray, scales: FloatArray, memory: FloatArray, contact: BoolArray,
+) -> None:  # fmt: skip
+    """Move contact (n,) on by `contact_odds`.
+
+    Where feet are `told` (n,) to feel a force and have `felt` none, it is the usual one, `scales[8]` [N];
+    where the other way round, none. `points` (n, 3) and the ground's `heights` (n,) make the gaps [m];
+    `memory` is (3, n): odds, prior odds, deviations of forces [N]. The rest is as in `contact_odds`.
+    """
+    n = contact.shape[0]
+    gaps, believed = np.empty(n), np.empty((n, 3))
+    for k in range(n):
+        gaps[k] = (points[k, 2] - heights[k]) * up[k, 2]
+        usual = scales[8] if told[k] else 0.0
+        for r in range(3):
+            believed[k, r] = forces[k, r] if felt[k] == told[k] else usual * up[k, r]
+    contact_odds(believed, velocities, up, gaps, memory[1], memory[2], scales[:6], contact, memory[0])
+
+
+@kernel
+def add_torques(rate: FloatArray, torques: FloatArray) -> bool:
+    """Add (joints,) torques [N m] to the last numbers of rate, unless one is not finite; tell if all are."""
+    joints, total = torques.shape[0], 0.0
+    for j in range(joints):
+        total += 0.0 * torques[j]
+    if total != 0.0:  # NaN and infinity times zero are NaN
+        return False
+    for j in range(joints):
+        rate[rate.shape[0] - joints + j] += torques[j]
+    return True

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.estimation.inekf_kernels import foresee
-from surefoot.kernels import kernel
+from surefoot.estimation.live_arrays import live_parts
+from surefoot.kernels import inline_kernel, kernel, window
 from surefoot.numerics.points import point_velocity
 from surefoot.robot import Robot
 
@@ -167,9 +168,9 @@ def base_state(X: FloatArray, turn: FloatArray, arm: FloatArray, q: FloatArray, 
 def state_ahead(
     X: FloatArray, bias: FloatArray, gyros: FloatArray, accelerometers: FloatArray, dt: float,
     arm: FloatArray, joints: FloatArray, speeds: FloatArray, early: FloatArray, late: FloatArray,
-    span: float, ahead: float,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
-    """Return q (nq,) [m, rad] and v (nv,) [m/s, rad/s] of the filter's state, moved on to now.
+    span: float, ahead: float, q: FloatArray, v: FloatArray,
+) -> None:  # fmt: skip
+    """Fill q (nq,) [m, rad] and v (nv,) [m/s, rad/s] with the filter's state, moved on to now.
 
     Parameters
     ----------
@@ -185,7 +186,7 @@ def state_ahead(
         How far the joints go on with them [s].
     """
     n = len(joints)
-    q, v, now, turn = np.empty(7 + n), np.empty(6 + n), X[:, :5].copy(), np.empty(3)
+    now, turn = X[:, :5].copy(), np.empty(3)
     foresee(now, bias, gyros, accelerometers, dt)
     for r in range(3):
         turn[r] = gyros[len(gyros) - 1, r] - bias[r]
@@ -194,11 +195,47 @@ def state_ahead(
         rate = (late[j] - early[j]) / span
         q[7 + j] = joints[j] + ahead * (speeds[j] + 0.5 * ahead * rate)
         v[6 + j] = speeds[j] + ahead * rate
-    return q, v
+
+
+@kernel
+def place_feet(
+    twists: FloatArray, rotations: FloatArray, places: FloatArray, tables: IntArray, support: BoolArray,
+    speeds: FloatArray, feet: FloatArray,
+) -> None:  # fmt: skip
+    """Fill what `FootKinematics` holds of feet, in its memory `feet`, from Pinocchio's placements of joints.
+
+    `rotations` (joints, 3, 3) and `places` (joints, 3) [m] are those of the joints, `tables` has the joint of
+    each velocity and of each foot; see `feet_by_joints` for the rest.
+    """
+    n, nv = support.shape
+    centres, velocities, turned, spreads, fixed = foot_arrays(feet, n)
+    for k in range(n):
+        j = tables[nv + k]
+        R, Q = rotations[j], fixed[4 * k : 4 * k + 4]
+        for r in range(3):
+            for s in range(3):
+                turned[k, r, s] = R[r, 0] * Q[0, s] + R[r, 1] * Q[1, s] + R[r, 2] * Q[2, s]
+            out = R[r, 0] * Q[3, 0] + R[r, 1] * Q[3, 1] + R[r, 2] * Q[3, 2]
+            centres[k, r] = places[j, r] + out
+    feet_by_joints(twists, support, centres, speeds, feet[36 * n], velocities, spreads)
+
+
+@inline_kernel
+def foot_arrays(
+    feet: FloatArray, n: int
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return centres, velocities, rotations and spreads of n feet, and (4n, 3) how they lie on their joints.
+
+    `feet` is the memory of `FootKinematics`; the last are rows of a rotation and a middle for each foot.
+    """
+    return (
+        window(feet, 0, n, 3), window(feet, 3 * n, n, 3), window(feet, 6 * n, 3 * n, 3).reshape((n, 3, 3)),
+        window(feet, 15 * n, 3 * n, 3).reshape((n, 3, 3)), window(feet, 24 * n, 4 * n, 3),
+    )  # fmt: skip
 
 
 class FootKinematics:
-    """The feet of a robot as its joints have them; arrays are overwritten by the next `update`.
+    """The feet of a robot as its joints have them; arrays are overwritten by the next `update` or `move`.
 
     Parameters
     ----------
@@ -217,29 +254,77 @@ class FootKinematics:
         (n, 3) of the middles against the base [m/s].
     spreads
         (n, 3, 3) covariances of the middles [m²].
+    memory
+        What holds these, see `foot_arrays`, and the variance of an angle and the joints' loads behind them.
+    tables
+        (nv + n,) joint that each velocity moves, and that carries each foot.
+    support
+        (n, nv) which velocities move each foot.
     """
 
     def __init__(self, robot: Robot, deviation: float) -> None:
-        points, n = robot.contact_points, len(robot.feet)
-        self._model, self._data, self._variance = robot.model, robot.model.createData(), deviation**2
-        self._q: FloatArray = np.zeros(robot.model.nq)
+        import pinocchio
+
+        points, model, n = robot.contact_points, robot.model, len(robot.feet)
+        self._data: Any
+        self._model, self._data, self._feet = model, model.createData(), n
+        self._q: FloatArray = np.zeros(model.nq)
         self._q[6] = 1.0
-        self._frames, self._middles, self._support = points.frames, points.middles, points.foot_support
-        self.centres, self.velocities = np.zeros((n, 3)), np.zeros((n, 3))
-        self.rotations, self.spreads = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+        self.support = points.foot_support
+        frames = [model.frames[frame] for frame in points.frames]
+        joints = range(1, model.njoints)
+        self.tables: IntArray = np.array(
+            [i for i in joints for _ in range(model.joints[i].nv)] + [f.parentJoint for f in frames], np.int64
+        )
+        pinocchio.centerOfMass(model, self._data, self._q, True)
+        fixed = [
+            [*f.placement.rotation.ravel(), *f.placement.act(middle)]
+            for f, middle in zip(frames, points.middles, strict=True)
+        ]
+        self.memory = np.concatenate([np.zeros(24 * n), np.ravel(fixed), [deviation**2], self._data.mass])
+        self._bind()
+
+    def _bind(self) -> None:
+        """Find the parts of the memory and of Pinocchio's data."""
+        n, data = self._feet, self._data
+        self.centres, self.velocities = self.memory[: 3 * n].reshape(n, 3), self._part(3, n)
+        self.rotations, self.spreads = self._part(6, n, 3), self._part(15, n, 3)
+        self.twists, self.drifts = data.J, data.dJ
+        self.turns, self.places = live_parts(data.oMi, "rotation"), live_parts(data.oMi, "translation")
+        self.momenta, self.masses = live_parts(data.h, "vector"), live_parts(data.com)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy is made of: no arrays on Pinocchio's memory."""
+        views = ("twists", "drifts", "turns", "places", "momenta", "masses")
+        return {name: value for name, value in self.__dict__.items() if name not in views}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
+
+    def _part(self, start: int, n: int, more: int = 1) -> FloatArray:
+        """Return (n, 3) or (n, 3, 3) of the memory, from `start` times n on."""
+        part = self.memory[start * n : (start + 3 * more) * n]
+        return part.reshape((n, 3) if more == 1 else (n, more, 3))
 
     def update(self, positions: FloatArray, speeds: FloatArray) -> None:
         """Move to (joints,) angles [rad] and speeds [rad/s]."""
         import pinocchio
 
-        model: Any = self._model
-        data: Any = self._data
         self._q[7:] = positions
-        pinocchio.computeJointJacobians(model, data, self._q)
-        for k, frame in enumerate(self._frames):
-            pose = pinocchio.updateFramePlacement(model, data, frame)
-            self.rotations[k], self.centres[k] = pose.rotation, pose.act(self._middles[k])
-        twists = np.ascontiguousarray(data.J)
-        feet_by_joints(
-            twists, self._support, self.centres, speeds, self._variance, self.velocities, self.spreads
-        )
+        pinocchio.computeJointJacobians(self._model, self._data, self._q)
+        place_feet(self.twists, self.turns, self.places, self.tables, self.support, speeds, self.memory)
+
+    def move(self, q: FloatArray, v: FloatArray) -> None:
+        """Let Pinocchio find twists, their rates, momenta and centres of mass at (nq,) q, (nv,) v.
+
+        All in the axes of the base, as if it were at the origin; the feet follow by `place_feet`.
+        """
+        import pinocchio as pin
+
+        model, data = self._model, self._data
+        self._q[7:] = q[7:]
+        pin.computeJointJacobiansTimeVariation(model, data, self._q, v)
+        pin.computeCentroidalMomentum(model, data)
+        pin.centerOfMass(model, data, pin.KinematicLevel.POSITION, True)

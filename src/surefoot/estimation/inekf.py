@@ -14,6 +14,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -94,6 +95,8 @@ class InvariantFilter:
         (n,) which feet are in the state.
     distances
         (n,) squared Mahalanobis distances of the last observation.
+    memory
+        What holds these numbers, see `filter_arrays`; `flags` (2, n) has these feet and those used last.
 
     Examples
     --------
@@ -109,11 +112,30 @@ class InvariantFilter:
     def __init__(self, feet: int, noise: FilterNoise | None = None, gate: float = GATE) -> None:
         self.n = whole_number("feet", feet, low=1)
         self.noise = noise or FilterNoise()
-        self.gate = real_number("gate", gate, low=0.0)
-        self.standing: BoolArray = np.zeros(self.n, dtype=bool)
-        self.used: BoolArray = np.zeros(self.n, dtype=bool)
-        self.distances = np.zeros(self.n)
+        n = self.n
+        N = 15 + 3 * n
+        self.flags: BoolArray = np.zeros((2, n), dtype=bool)
+        self._sizes = [3 * (5 + n), 6, N * N, 4 + n, 2, 1, n]  # as `filter_arrays` has them
+        self.memory: FloatArray = np.zeros(sum(self._sizes))
+        self._none: BoolArray = np.zeros(n, dtype=bool)
+        self._bind()
+        self._gate[0] = real_number("gate", gate, low=0.0)
         self.reset()
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        n = self.n
+        self.standing: BoolArray = self.flags[0]
+        self.used: BoolArray = self.flags[1]
+        parts = np.split(self.memory, np.cumsum(self._sizes)[:-1])
+        self._X, self._bias, self._covariance = parts[0].reshape(3, 5 + n), parts[1], parts[2]
+        self._covariance = self._covariance.reshape(15 + 3 * n, 15 + 3 * n)
+        self._densities, self._walks, self._gate, self.distances = parts[3:]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(
         self,
@@ -144,16 +166,16 @@ class InvariantFilter:
         if np.abs(R @ R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(R) < 0.0:
             raise ProblemError("rotation must be a rotation matrix")
         v, p = finite_array("velocity", velocity, (3,)), finite_array("position", position, (3,))
-        self.X = np.ascontiguousarray(np.column_stack([R, v, p, np.zeros((3, self.n))]))
+        self.X = np.column_stack([R, v, p, np.zeros((3, self.n))])
         self.bias = np.zeros(6) if bias is None else finite_array("bias", bias, (6,))
         small = self._start(v, p) if covariance is None else finite_array("covariance", covariance, (15, 15))
         known = np.r_[0:9, 9 + 3 * self.n : 15 + 3 * self.n]
-        self.covariance = np.zeros((15 + 3 * self.n, 15 + 3 * self.n))
+        self._covariance[:] = 0.0
         self.covariance[np.ix_(known, known)] = small
         self.standing[:] = False
         w = self.noise
-        self._densities = np.full(4 + self.n, w.foot**2)
-        self._walks, self._none = np.square([w.foot, w.landing]), np.zeros(self.n, dtype=bool)
+        self._densities[:] = w.foot**2
+        self._walks[:] = np.square([w.foot, w.landing])
         self._densities[:4] = np.square([w.gyro, w.accelerometer, w.gyro_drift, w.accelerometer_drift])
 
     def _start(self, v: FloatArray, p: FloatArray) -> FloatArray:
@@ -167,6 +189,36 @@ class InvariantFilter:
         P[9:12, 9:12] = w.gyro_bias**2 * np.eye(3)
         P[12:, 12:] = w.accelerometer_bias**2 * np.eye(3)
         return P
+
+    @property
+    def X(self) -> FloatArray:
+        """(3, 5 + n) state [R | v | p | d_1 ... d_n] [-, m/s, m]."""
+        return self._X
+
+    @X.setter
+    def X(self, value: FloatArray) -> None:
+        """Take (3, 5 + n) numbers [-, m/s, m] over."""
+        self._X[:] = value
+
+    @property
+    def bias(self) -> FloatArray:
+        """(6,) of the gyro [rad/s] and the accelerometer [m/s²]."""
+        return self._bias
+
+    @bias.setter
+    def bias(self, value: FloatArray) -> None:
+        """Take (6,) biases [rad/s, m/s²] over."""
+        self._bias[:] = value
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(15 + 3n, 15 + 3n) of the errors [rad, m/s, m, rad/s, m/s²]."""
+        return self._covariance
+
+    @covariance.setter
+    def covariance(self, value: FloatArray) -> None:
+        """Take (15 + 3n, 15 + 3n) numbers [rad, m/s, m, rad/s, m/s²] over."""
+        self._covariance[:] = value
 
     @property
     def rotation(self) -> FloatArray:
@@ -220,7 +272,7 @@ class InvariantFilter:
         fresh = self._none if landed is None else landed
         kernels.observe_feet(
             self.X, self.bias, self.covariance, self.standing, places, spreads, touching, fresh,
-            self._walks, self._densities, self.gate, self.distances, self.used,
+            self._walks, self._densities, self._gate[0], self.distances, self.used,
         )  # fmt: skip
         return self.used.copy()
 

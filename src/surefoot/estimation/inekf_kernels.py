@@ -23,42 +23,54 @@ from surefoot.spatial import GRAVITY
 
 
 @inline_kernel
-def _transition_rows(P: FloatArray, X: FloatArray, on: BoolArray, h: float) -> None:
-    """Replace every row x of P by Φ x, Φ = exp(A h) = I + A h + A² h²/2 + A³ h³/6 (A is nilpotent)."""
-    N, n = P.shape[0], on.shape[0]
+def _transit(x: FloatArray, X: FloatArray, on: BoolArray, h: float, last: int) -> None:
+    """Replace x (N,) by Φ x, Φ = exp(A h) = I + A h + A² h²/2 + A³ h³/6 (A is nilpotent).
+
+    Only the entries up to `last` are wanted, block by block.
+    """
+    n = on.shape[0]
     R, m = X[:, :3], 9 + 3 * n
     h2, h3 = 0.5 * h * h, h * h * h / 6.0
-    vx, vy, vz = X[0, 3], X[1, 3], X[2, 3]
-    px, py, pz = X[0, 4], X[1, 4], X[2, 4]
-    for i in range(N):
-        x = P[i]
-        a, b, c = apply(R, x[m], x[m + 1], x[m + 2])
-        d, e, f = apply(R, x[m + 3], x[m + 4], x[m + 5])
-        # g x y = GRAVITY (y_y, -y_x, 0)
-        x[6] += h * x[3] + h2 * (GRAVITY * x[1] - d) - h * (py * c - pz * b) - h2 * (vy * c - vz * b)
-        x[7] += h * x[4] - h2 * (GRAVITY * x[0] + e) - h * (pz * a - px * c) - h2 * (vz * a - vx * c)
-        x[8] += h * x[5] - h2 * f - h * (px * b - py * a) - h2 * (vx * b - vy * a)
-        x[6] -= h3 * GRAVITY * b
-        x[7] += h3 * GRAVITY * a
-        x[3] += h * (GRAVITY * x[1] - d) - h * (vy * c - vz * b) - h2 * GRAVITY * b
-        x[4] += -h * (GRAVITY * x[0] + e) - h * (vz * a - vx * c) + h2 * GRAVITY * a
-        x[5] += -h * f - h * (vx * b - vy * a)
-        for k in range(n):
-            if on[k]:
-                X0, Y0, Z0, j = X[0, 5 + k], X[1, 5 + k], X[2, 5 + k], 9 + 3 * k
-                x[j] -= h * (Y0 * c - Z0 * b)
-                x[j + 1] -= h * (Z0 * a - X0 * c)
-                x[j + 2] -= h * (X0 * b - Y0 * a)
-        x[0] -= h * a
-        x[1] -= h * b
-        x[2] -= h * c
+    a, b, c = apply(R, x[m], x[m + 1], x[m + 2])
+    d, e, f = apply(R, x[m + 3], x[m + 4], x[m + 5])
+    # g x y = GRAVITY (y_y, -y_x, 0)
+    if last >= 6:
+        px, py, pz = h * X[0, 4] + h2 * X[0, 3], h * X[1, 4] + h2 * X[1, 3], h * X[2, 4] + h2 * X[2, 3]
+        x[6] += h * x[3] + h2 * (GRAVITY * x[1] - d) - (py * c - pz * b) - h3 * GRAVITY * b
+        x[7] += h * x[4] - h2 * (GRAVITY * x[0] + e) - (pz * a - px * c) + h3 * GRAVITY * a
+        x[8] += h * x[5] - h2 * f - (px * b - py * a)
+    if last >= 3:
+        vx, vy, vz = h * X[0, 3], h * X[1, 3], h * X[2, 3]
+        x[3] += h * (GRAVITY * x[1] - d) - (vy * c - vz * b) - h2 * GRAVITY * b
+        x[4] += -h * (GRAVITY * x[0] + e) - (vz * a - vx * c) + h2 * GRAVITY * a
+        x[5] += -h * f - (vx * b - vy * a)
+    a, b, c = h * a, h * b, h * c
+    for k in range(n):
+        if on[k] and last >= 9 + 3 * k:
+            X0, Y0, Z0, j = X[0, 5 + k], X[1, 5 + k], X[2, 5 + k], 9 + 3 * k
+            x[j] -= Y0 * c - Z0 * b
+            x[j + 1] -= Z0 * a - X0 * c
+            x[j + 2] -= X0 * b - Y0 * a
+    x[0] -= a
+    x[1] -= b
+    x[2] -= c
 
 
 @inline_kernel
-def _transpose(P: FloatArray) -> None:
-    for i in range(P.shape[0]):
+def _transport(P: FloatArray, X: FloatArray, on: BoolArray, h: float) -> None:
+    """Replace P by Φ P Φᵀ, see `_transit`; rows of feet that do not touch are zero and stay so."""
+    N, n = P.shape[0], on.shape[0]
+    columns = P.T
+    for turn in range(2):
+        for i in range(N):
+            if i < 9 or i >= 9 + 3 * n or on[(i - 9) // 3]:
+                if turn == 0:
+                    _transit(P[i], X, on, h, N)
+                else:  # what is above the diagonal suffices
+                    _transit(columns[i], X, on, h, i)
+    for i in range(N):
         for j in range(i):
-            P[i, j], P[j, i] = P[j, i], P[i, j]
+            P[i, j] = P[j, i]
 
 
 @inline_kernel
@@ -66,20 +78,22 @@ def _add_noise(P: FloatArray, X: FloatArray, on: BoolArray, densities: FloatArra
     """Add Ad_X Cov Ad_Xᵀ h to P; see `propagate` for the densities."""
     n = on.shape[0]
     m = 9 + 3 * n
-    G = np.zeros((m, 3))  # how the gyro's noise moves the group: [I; v x; p x; d x]
+    G = np.zeros((3, m))  # how the gyro's noise moves the group: [I; v x; p x; d x], transposed
     for r in range(3):
         G[r, r] = 1.0
     for k in range(2 + n):
         if k < 2 or on[k - 2]:
             x, y, z, j = X[0, 3 + k], X[1, 3 + k], X[2, 3 + k], 3 + 3 * k
-            G[j, 1], G[j, 2] = -z, y
-            G[j + 1, 0], G[j + 1, 2] = z, -x
-            G[j + 2, 0], G[j + 2, 1] = -y, x
+            G[1, j], G[2, j] = -z, y
+            G[0, j + 1], G[2, j + 1] = z, -x
+            G[0, j + 2], G[1, j + 2] = -y, x
     q = densities[0] * h
-    for i in range(m):
-        a, b, c = q * G[i, 0], q * G[i, 1], q * G[i, 2]
-        for j in range(m):
-            P[i, j] += a * G[j, 0] + b * G[j, 1] + c * G[j, 2]
+    for k in range(3 + n):
+        if k < 3 or on[k - 3]:
+            for i in range(3 * k, 3 * k + 3):
+                a, b, c = q * G[0, i], q * G[1, i], q * G[2, i]
+                for j in range(m):
+                    P[i, j] += a * G[0, j] + b * G[1, j] + c * G[2, j]
     for r in range(3):
         P[3 + r, 3 + r] += densities[1] * h
         P[m + r, m + r] += densities[2] * h
@@ -118,9 +132,7 @@ def propagate(
     biases' walks, and each foot's place. P becomes Φ (P + Ad_X Cov Ad_Xᵀ h) Φᵀ.
     """
     _add_noise(P, X, on, densities, h)
-    _transition_rows(P, X, on, h)
-    _transpose(P)
-    _transition_rows(P, X, on, h)
+    _transport(P, X, on, h)
     _march(X, bias, gyro, accelerometer, h)
 
 
@@ -158,19 +170,43 @@ def _whiten(L: FloatArray, z: FloatArray) -> float:
 
 
 @inline_kernel
-def _innovation(
-    X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: FloatArray, S: FloatArray, z: FloatArray
-) -> None:
-    """Fill z = R y - (d_k - p) and its covariance S = H P Hᵀ + R N Rᵀ, H = [.. -I (p) .. I (d_k) ..]."""
-    R, j = X[:, :3], 9 + 3 * k
-    u = apply(R, place[0], place[1], place[2])
+def _add_turned(R: FloatArray, spread: FloatArray, S: FloatArray) -> None:
+    """Add R N Rᵀ to S, both (3, 3)."""
     for r in range(3):
-        z[r] = u[r] - X[r, 5 + k] + X[r, 4]
+        a = R[r, 0] * spread[0, 0] + R[r, 1] * spread[1, 0] + R[r, 2] * spread[2, 0]
+        b = R[r, 0] * spread[0, 1] + R[r, 1] * spread[1, 1] + R[r, 2] * spread[2, 1]
+        c = R[r, 0] * spread[0, 2] + R[r, 1] * spread[1, 2] + R[r, 2] * spread[2, 2]
         for s in range(3):
-            S[r, s] = P[j + r, j + s] - P[j + r, 6 + s] - P[6 + r, j + s] + P[6 + r, 6 + s]
-            for a in range(3):
-                for b in range(3):
-                    S[r, s] += R[r, a] * spread[a, b] * R[s, b]
+            S[r, s] += a * R[s, 0] + b * R[s, 1] + c * R[s, 2]
+
+
+@inline_kernel
+def _innovation(
+    X: FloatArray, P: FloatArray, k: int, place: FloatArray, S: FloatArray, z: FloatArray
+) -> None:
+    """Fill z = R y - (d_k - p), add its covariance by the state, H P Hᵀ, H = [.. -I (p) .. I (d_k) ..], to S.
+
+    Only what lies in the lower triangles is read and filled.
+    """
+    R, j = X[:, :3], 9 + 3 * k
+    z[0], z[1], z[2] = apply(R, place[0], place[1], place[2])
+    for r in range(3):
+        z[r] += X[r, 4] - X[r, 5 + k]
+        for s in range(r + 1):
+            S[r, s] += P[j + r, j + s] - P[j + r, 6 + s] - P[j + s, 6 + r] + P[6 + r, 6 + s]
+
+
+@inline_kernel
+def _gain(P: FloatArray, j: int, L: FloatArray, W: FloatArray) -> None:
+    """Fill W (N, 3) with P Hᵀ L⁻ᵀ, so that P - K S Kᵀ = P - W Wᵀ is symmetric; the foot's rows begin at j."""
+    for i in range(P.shape[0]):
+        for r in range(3):  # of P the lower triangle
+            p = P[i, 6 + r] if i >= 6 + r else P[6 + r, i]
+            d = P[i, j + r] if i >= j + r else P[j + r, i]
+            W[i, r] = d - p
+        W[i, 0] = W[i, 0] / L[0, 0]
+        W[i, 1] = (W[i, 1] - L[1, 0] * W[i, 0]) / L[1, 1]
+        W[i, 2] = (W[i, 2] - L[2, 0] * W[i, 0] - L[2, 1] * W[i, 1]) / L[2, 2]
 
 
 @kernel
@@ -188,33 +224,37 @@ def correct(
     """
     N, n, count = P.shape[0], on.shape[0], 0
     delta, W = np.zeros(N), np.empty((N, 3))
-    S, z = np.empty((3, 3)), np.empty(3)
+    S, z, seen = np.empty((3, 3)), np.empty(3), np.zeros((n, 3, 3))
     for k in range(n):
         used[k], distances[k] = False, 0.0
         if on[k]:
-            _innovation(X, P, k, places[k], spreads[k], S, z)
+            _add_turned(X[:, :3], spreads[k], seen[k])
+            S[:] = seen[k]
+            _innovation(X, P, k, places[k], S, z)
             distances[k] = _whiten(S, z) if _factor(S) else np.inf
             used[k] = distances[k] <= gate
     for k in range(n):
         if not used[k]:
             continue
-        _innovation(X, P, k, places[k], spreads[k], S, z)
+        S[:] = seen[k]
+        _innovation(X, P, k, places[k], S, z)
         j = 9 + 3 * k
         for r in range(3):
             z[r] -= delta[j + r] - delta[6 + r]
         _factor(S)
         _whiten(S, z)
-        for i in range(N):  # W = P Hᵀ L⁻ᵀ, so that P - K S Kᵀ = P - W Wᵀ is symmetric
-            W[i, 0] = (P[i, j] - P[i, 6]) / S[0, 0]
-            W[i, 1] = (P[i, j + 1] - P[i, 7] - S[1, 0] * W[i, 0]) / S[1, 1]
-            W[i, 2] = (P[i, j + 2] - P[i, 8] - S[2, 0] * W[i, 0] - S[2, 1] * W[i, 1]) / S[2, 2]
+        _gain(P, j, S, W)
         for i in range(N):
             a, b, c = W[i, 0], W[i, 1], W[i, 2]
             delta[i] += a * z[0] + b * z[1] + c * z[2]
-            for s in range(N):
-                P[i, s] -= a * W[s, 0] + b * W[s, 1] + c * W[s, 2]
+            if i < 9 or i >= 9 + 3 * n or on[(i - 9) // 3]:
+                for s in range(i + 1):
+                    P[i, s] -= a * W[s, 0] + b * W[s, 1] + c * W[s, 2]
         count += 1
     if count:
+        for i in range(N):
+            for s in range(i):
+                P[s, i] = P[i, s]
         _move_all(X, bias, delta)
     return count
 
@@ -226,14 +266,12 @@ def _move_all(X: FloatArray, bias: FloatArray, delta: FloatArray) -> None:
     move(X, delta[:m])
     for r in range(6):
         bias[r] += delta[m + r]
-    R = X[:, :3].copy()
+    R, half = X[:, :3].copy(), np.empty(3)
     for r in range(3):
+        for b in range(3):
+            half[b] = 0.5 * (R[r, 0] * R[b, 0] + R[r, 1] * R[b, 1] + R[r, 2] * R[b, 2])
         for s in range(3):
-            total = 1.5 * R[r, s]
-            for a in range(3):
-                for b in range(3):
-                    total -= 0.5 * R[r, a] * R[b, a] * R[b, s]
-            X[r, s] = total
+            X[r, s] = 1.5 * R[r, s] - half[0] * R[0, s] - half[1] * R[1, s] - half[2] * R[2, s]
 
 
 @kernel
@@ -288,11 +326,7 @@ def add_foot(X: FloatArray, P: FloatArray, k: int, place: FloatArray, spread: Fl
     for i in range(P.shape[0]):
         for r in range(3):
             P[i, j + r] = P[i, 6 + r]
-    for r in range(3):
-        for s in range(3):
-            for a in range(3):
-                for b in range(3):
-                    P[j + r, j + s] += R[r, a] * spread[a, b] * R[s, b]
+    _add_turned(R, spread, P[j : j + 3, j : j + 3])
 
 
 @kernel

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
-from surefoot.estimation.foot_kinematics import (
-    FootKinematics,
-    base_state,
-    follow_stances,
-    over_ground,
-    places_seen,
-    roll,
-)
+from surefoot.estimation.foot_kinematics import FootKinematics, base_state
 from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
+from surefoot.estimation.step_kernels import BELIEVED, LANDED, stand
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
@@ -55,6 +51,11 @@ class InvariantEkf:
         `InvariantFilter`, with covariance and biases; its body is the IMU.
     normals
         (n, 3) of the ground where each foot landed last, world axes.
+    feet
+        `FootKinematics`.
+    memory
+        What holds its numbers, see `robot_arrays`; q (nq,) and v (nv,) there are those of `StateEstimator`'s
+        last reading, `stances` (2, n) says which feet stand and which have just landed.
 
     Raises
     ------
@@ -89,11 +90,31 @@ class InvariantEkf:
         self.robot, self.dt, self.ground = robot, real_number("dt", dt, low=1e-6, high=1.0), ground
         self.filter = InvariantFilter(len(robot.feet), noise, gate)
         self.imu_position = finite_array("imu_position", imu_position, (3,))
-        points = robot.contact_points
-        self._radii = np.where(points.flat, 0.0, points.foot_radii)
+        points, n, joints = robot.contact_points, len(robot.feet), robot.joints
         self._soles = points.foot_radii
-        self._feet = FootKinematics(robot, self.filter.noise.joint)
+        self.feet = FootKinematics(robot, self.filter.noise.joint)
+        self.stances: BoolArray = np.zeros((2, n), dtype=np.bool_)
+        self._sizes = [9, 7 + joints, 6 + joints, 3 * n, 3 * n, 3 * n, 3 * n]  # as `robot_arrays` has them
+        self.memory: FloatArray = np.zeros(sum(self._sizes) + 9 * n)
+        self._bind()
+        self._numbers[0], self._numbers[1] = (self.dt, SETTLING, SLIDING), self.imu_position
+        self._lines[0] = np.where(points.flat, 0.0, points.foot_radii)
         self.reset(robot.nominal)
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        n = self.filter.n
+        parts = np.split(self.memory, np.cumsum(self._sizes))
+        self._numbers, self.q, self.v = parts[0].reshape(3, 3), parts[1], parts[2]
+        self._turn, self._lines = self._numbers[2], parts[3].reshape(3, n)
+        self._pace, self._age = self._lines[1:]
+        self.normals, self._rolled = parts[4].reshape(n, 3), parts[5].reshape(n, 3)
+        self._turned = parts[7].reshape(n, 3, 3)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
         """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s]: place and heading are taken as they are.
@@ -109,27 +130,25 @@ class InvariantEkf:
         velocity = (
             np.zeros(self.robot.model.nv) if v is None else finite_array("v", v, (self.robot.model.nv,))
         )
-        R, arm, n = rotation_from_quaternion(start[3:7]), self.imu_position, len(self.robot.feet)
+        R, arm = rotation_from_quaternion(start[3:7]), self.imu_position
         linear = R @ (velocity[:3] + np.cross(velocity[3:6], arm))
         self.filter.reset(R, linear, start[:3] + R @ arm)
-        self._turn = velocity[3:6].copy()
-        self._joints, self._speeds = start[7:].copy(), velocity[6:].copy()
-        self._rolled, self._age, self._pace = np.zeros((n, 3)), np.full(n, -self.dt), np.zeros(n)
-        self._places, (self._touching, self._landed) = np.zeros((n, 3)), np.zeros((2, n), dtype=np.bool_)
-        self.normals = np.tile([0.0, 0.0, 1.0], (n, 1))
-        self._feet.update(self._joints, self._speeds)
-        self._turned = np.ascontiguousarray(R @ self._feet.rotations)
+        self._turn[:] = velocity[3:6]
+        self.joints(start[7:], velocity[6:])
+        self._rolled[:] = self._pace[:] = 0.0
+        self._age[:], self.stances[:], self.normals[:] = -self.dt, False, (0.0, 0.0, 1.0)
+        self.feet.update(*self.legs)
+        self._turned[:] = R @ self.feet.rotations
 
     def predict(self, gyro: ArrayLike, accelerometer: ArrayLike) -> None:
         """Go on by dt with the (3,) turn rate [rad/s] and specific force [m/s²] of the IMU, base axes."""
         rate = np.asarray(gyro, dtype=np.float64)
         self.filter.predict(rate, np.asarray(accelerometer, dtype=np.float64), self.dt)
-        self._turn = rate - self.filter.bias[:3]
+        self._turn[:] = rate - self.filter.bias[:3]
 
     def joints(self, positions: ArrayLike, speeds: ArrayLike) -> None:
         """Tell the (joints,) angles [rad] and speeds [rad/s] that `state` holds from now on."""
-        self._joints = np.asarray(positions, dtype=np.float64)
-        self._speeds = np.asarray(speeds, dtype=np.float64)
+        self.q[7:], self.v[6:] = positions, speeds
 
     def update(self, positions: ArrayLike, speeds: ArrayLike, contact: ArrayLike) -> BoolArray:
         """Correct with encoders and contacts; return which feet were believed: (n,).
@@ -142,45 +161,44 @@ class InvariantEkf:
             (n,) mask of the feet that touch; one that moves over the ground all the same is not used.
         """
         self.joints(positions, speeds)
-        feet, body, arm = self._feet, self.filter, self.imu_position
-        feet.update(self._joints, self._speeds)
-        over_ground(body.X, self._turn, arm, feet.centres, feet.velocities, self._pace)
-        touching, landed = self._touching, self._landed
-        new = follow_stances(
-            np.asarray(contact, dtype=np.bool_),
-            self._pace,
-            SLIDING,
-            SETTLING,
-            self.dt,
-            self._age,
-            touching,
-            landed,
-        )
-        roll(body.X, feet.rotations, self.normals, self._radii, touching, self._turned, self._rolled)
-        places_seen(body.X, feet.centres, arm, self._rolled, self._places)
-        used = body.observe(self._places, feet.spreads, touching, landed)
-        if new:
-            for k in np.flatnonzero(touching & (self._age < 0.5 * self.dt)):
-                self._land(int(k))
-        return used
+        self.feet.update(*self.legs)
+        self.correct(np.asarray(contact, dtype=np.bool_))
+        return self.filter.used.copy()
 
-    def _land(self, k: int) -> None:
-        """Use the map where a foot has landed."""
-        if self.ground is None:
+    def correct(self, contact: BoolArray) -> bool:
+        """Correct with feet where `feet` has them; return whether one was believed.
+
+        Parameters
+        ----------
+        contact
+            (n,) mask of the feet that touch [-].
+        """
+        body = self.filter
+        told = stand(
+            body.memory, body.flags, self.memory, self.feet.memory, self.stances, contact, self.robot.joints
+        )
+        if told & LANDED:
+            self.land()
+        return bool(told & BELIEVED)
+
+    def land(self) -> None:
+        """Use the map where feet have just landed."""
+        ground, body = self.ground, self.filter
+        if ground is None:
             return
-        place = self.filter.X[:, 5 + k]
-        normal = self.normals[k] = self.ground.normal(place[:2])
-        excess = float(place[2] - self.ground.height(place[:2])) * normal[2] - self._soles[k]
-        self.filter.observe_height(k, self.normals[k], excess, HEIGHT)
+        for k in np.flatnonzero(self.stances[0] & (self._age < 0.5 * self.dt)).tolist():
+            place = body.X[:, 5 + k]
+            normal = self.normals[k] = ground.normal(place[:2])
+            excess = float(place[2] - ground.height(place[:2])) * normal[2] - self._soles[k]
+            body.observe_height(k, self.normals[k], excess, HEIGHT)
 
     @property
     def legs(self) -> tuple[FloatArray, FloatArray]:
-        """The (joints,) angles [rad] and speeds [rad/s] that it was told last."""
-        return self._joints, self._speeds
+        """The (joints,) angles [rad] and speeds [rad/s] that it was told last; they are overwritten."""
+        return self.q[7:], self.v[6:]
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
-        q, v = np.empty(self.robot.model.nq), np.empty(self.robot.model.nv)
+        q, v = self.q.copy(), self.v.copy()
         base_state(self.filter.X, self._turn, self.imu_position, q, v)
-        q[7:], v[6:] = self._joints, self._speeds
         return q, v

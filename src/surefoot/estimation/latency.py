@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
-from surefoot.estimation.foot_kinematics import state_ahead
+from surefoot.arrays import FloatArray, IntArray, real_number
+from surefoot.estimation.step_kernels import QUEUED
 
 if TYPE_CHECKING:
     from surefoot.estimation.inekf_robot import InvariantEkf
-    from surefoot.estimation.state_estimator import Reading
 
 WINDOW = 0.005
 """Time over which a joint's acceleration is taken [s]: shorter is noisier."""
@@ -41,6 +40,10 @@ class Latency:
     ----------
     steps
         How many steps the filter is behind.
+    ahead
+        How far joints go on with their acceleration [s].
+    memory, counts
+        The readings that wait, see `waiting_arrays`; the kernels of a step put them there and take them.
 
     Raises
     ------
@@ -49,48 +52,25 @@ class Latency:
     """
 
     def __init__(self, ekf: InvariantEkf, imu: float, encoders: float) -> None:
-        self._ekf, dt = ekf, ekf.dt
+        dt = ekf.dt
         late = [
             round(real_number(f"latency of the {name}", value, low=0.0, high=LATEST) / dt)
             for name, value in (("IMU", imu), ("encoders", encoders))
         ]
         self.steps = max(late)
-        self._held, self._ahead = late[0], min(self.steps * dt, FURTHEST)
-        self._imu: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=self.steps - late[0] + 1)
-        self._legs: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=self.steps - late[1] + 1)
-        self._gyros, self._forces = np.zeros((2, self.steps + late[0] + 1, 3))
-        self._speeds: deque[FloatArray] = deque(maxlen=1 + max(round(WINDOW / dt), 1))
+        self.ahead = min(self.steps * dt, FURTHEST)
+        joints = ekf.robot.joints
+        imu, legs, speeds = self.steps - late[0] + 1, self.steps - late[1] + 1, 1 + max(round(WINDOW / dt), 1)
+        self.counts: IntArray = np.array([self.steps, late[0], imu, legs, speeds, 0, 0, 0])
+        self.memory: FloatArray = np.zeros(6 * (imu + self.steps) + joints * (2 * legs + speeds))
         self._torques: deque[FloatArray] = deque(maxlen=self.steps + 1)
 
     def reset(self) -> None:
         """Forget all readings."""
-        for one in (self._imu, self._legs, self._speeds, self._torques):
-            one.clear()
-
-    def align(self, reading: Reading) -> Reading:
-        """Return the readings of the filter's next time."""
-        self._imu.append((reading.gyro, reading.accelerometer))
-        self._legs.append((reading.positions, reading.speeds))
-        (gyro, accelerometer), (positions, speeds) = self._imu[0], self._legs[0]
-        self._speeds.append(speeds)
-        return type(reading)(gyro, accelerometer, positions, speeds)
+        self.counts[QUEUED:] = 0
+        self._torques.clear()
 
     def torques(self, now: FloatArray) -> FloatArray:
         """Return the (joints,) torques [N m] at the filter's time, from those of now on."""
         self._torques.append(now)
         return self._torques[0]
-
-    def state(self) -> tuple[FloatArray, FloatArray]:
-        """Return q (nq,) [m, rad] and v (nv,) [m/s, rad/s] of now, Pinocchio's order."""
-        ekf = self._ekf
-        if self.steps == 0 or not self._imu:
-            return ekf.state()
-        last = len(self._imu) - 1
-        for i in range(last + self._held):  # the last reading is held
-            self._gyros[i], self._forces[i] = self._imu[min(i + 1, last)]
-        count = last + self._held
-        span = max(len(self._speeds) - 1, 1) * ekf.dt
-        return state_ahead(
-            ekf.filter.X, ekf.filter.bias, self._gyros[:count], self._forces[:count], ekf.dt,
-            ekf.imu_position, *ekf.legs, self._speeds[0], self._speeds[-1], span, self._ahead,
-        )  # fmt: skip

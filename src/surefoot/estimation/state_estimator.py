@@ -25,9 +25,9 @@ from surefoot.estimation.contact_odds import (
     observer_gain,
     quiet_bandwidth,
 )
-from surefoot.estimation.credible import credible, known
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.latency import Latency
+from surefoot.estimation.step_kernels import BELIEVED, CREDIBLE, LANDED, TOUCHED, advance, settle, tell
 from surefoot.spatial import GRAVITY
 
 SENSED = 0.2
@@ -127,14 +127,18 @@ class StateEstimator:
         self.latency = Latency(ekf, *latency)
         noise, dt = ekf.filter.noise, ekf.dt
         bandwidth = quiet_bandwidth(ekf.robot, dt, noise.joint_speed)
-        self.detector = ContactDetector(ekf.robot, dt, DetectionSettings(bandwidth=bandwidth))
         sensed = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
         self.fusion = ContactFusion(
             ekf.robot, contacts or ContactSettings(), sensed, noise.joint_speed, ekf.ground is not None
         )
-        self._usual = ekf.robot.mass * GRAVITY / len(ekf.robot.feet)
-        self._least = SENSED * self._usual
-        self._largest = self.watch.bias * np.array([noise.gyro_bias, noise.accelerometer_bias])
+        detection, usual = (
+            DetectionSettings(bandwidth=bandwidth),
+            ekf.robot.mass * GRAVITY / len(ekf.robot.feet),
+        )
+        self.detector = ContactDetector(ekf.robot, dt, detection, ekf.feet, SENSED * usual)
+        largest = self.watch.bias * noise.gyro_bias, self.watch.bias * noise.accelerometer_bias
+        self._limits = np.array([self.latency.ahead, self.watch.fastest, *largest])
+        self._nq, self._nv = len(ekf.q), len(ekf.v)
         self.reset(ekf.robot.nominal)
 
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
@@ -154,16 +158,12 @@ class StateEstimator:
 
     def predict(self, reading: Reading) -> BoolArray:
         """Go on to the time of a reading; return which feet feel a force: (n,). The first makes no step."""
-        ekf, detector, reading = self.ekf, self.detector, self.latency.align(reading)
-        if not self._first:
-            ekf.predict(reading.gyro, reading.accelerometer)
-        self._first, self._reading = False, reading
-        ekf.joints(reading.positions, reading.speeds)
-        q, v = ekf.state()
-        if known(q, v):
-            detector.observe(q, v, ekf.normals)
-            self.forces = detector.forces
-            self._sensed = (self.forces * ekf.normals).sum(axis=1) > self._least
+        ekf, late, body = self.ekf, self.latency, self.ekf.filter
+        sound = advance(body.memory, body.flags, ekf.memory, late.memory, late.counts, *reading, self._first)
+        self._first = False
+        if sound:
+            self._sensed = self.detector.observe(ekf.q, ekf.v, ekf.normals)
+            self.forces = self.detector.forces
         else:
             self.health = Health.DIVERGED
             self._sensed[:] = False
@@ -178,14 +178,14 @@ class StateEstimator:
             (n,) which feet feel a force, where something other than `predict` has told that; None for what
             it has told.
         """
-        normals, points, forces = self.ekf.normals, self.detector.points, self.detector.forces
         if self.health is Health.DIVERGED:
             return np.zeros_like(self._sensed)
-        if sensed is not None and (sensed != self._sensed).any():
-            told = np.where(sensed, self._usual, 0.0)[:, None] * normals
-            forces = np.where((sensed == self._sensed)[:, None], forces, told)
-        gaps = (points[:, 2] - self.ground.heights(points)) * normals[:, 2]
-        return self.fusion.update(forces, self.detector.velocities, normals, gaps)
+        detector, heights = self.detector, self.ground.heights(self.detector.points)
+        told = self._sensed if sensed is None else sensed
+        return self.fusion.update(
+            detector.forces, detector.velocities, detector.points, self.ekf.normals, heights,
+            self._sensed, told,
+        )  # fmt: skip
 
     def update(self, contact: BoolArray, standing: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Correct and return the estimate q (nq,) [m, rad] and v (nv,) [m/s, rad/s], Pinocchio's order.
@@ -197,17 +197,30 @@ class StateEstimator:
         standing
             (n,) which of them are meant to stand, by the plan; None for all.
         """
-        meant = contact if standing is None else contact & standing
+        ekf, late, meant = self.ekf, self.latency, contact if standing is None else standing
+        body, lost, q, v = ekf.filter, self.health is Health.DIVERGED, np.empty(self._nq), np.empty(self._nv)
+        if not self.ground.mapped:
+            self._learn(contact & meant)
+        told = settle(
+            body.memory, body.flags, ekf.memory, ekf.feet.memory, ekf.stances, late.memory, late.counts,
+            self._limits, contact, meant, lost, q, v,
+        )  # fmt: skip
+        if told & LANDED and ekf.ground is not None:
+            ekf.land()
+            sound = tell(body.memory, ekf.memory, late.memory, late.counts, self._limits, body.n, q, v)
+            told = told & ~CREDIBLE | (CREDIBLE if sound else 0)
+        if not lost:
+            self._look(told)
+        return q, v
+
+    def _learn(self, meant: BoolArray) -> None:
+        """Learn where the ground is from feet (n,) that stand and did not before."""
         for k in np.flatnonzero(meant & ~self._stood).tolist():
             self.ground.stood(k, self.detector.points[k])
             plane = self.ground.normal()
             if plane is not None:
                 self.ekf.normals[k] = plane
         self._stood = meant
-        if self.health is not Health.DIVERGED:
-            used = self.ekf.update(self._reading.positions, self._reading.speeds, meant)
-            self._look(bool(used.any()), bool(contact.any()))
-        return self.latency.state()
 
     def expect(self, pushing: BoolArray, planned: BoolArray) -> None:
         """Tell the plan for the next step: (n,) which feet push, and which should stand if they can."""
@@ -217,16 +230,16 @@ class StateEstimator:
         """Tell the (joints,) torques from now to the next reading [N m]."""
         self.detector.applied(self.latency.torques(torques))
 
-    def _look(self, believed: bool, touched: bool) -> None:
-        """Judge the estimate after a correction."""
-        watch, body, dt = self.watch, self.ekf.filter, self.ekf.dt
-        self._alone = 0.0 if believed else self._alone + dt
+    def _look(self, told: int) -> None:
+        """Judge the estimate after a correction, of which `settle` has told."""
+        watch, dt, touched = self.watch, self.ekf.dt, told & TOUCHED
+        self._alone = 0.0 if told & BELIEVED else self._alone + dt
         self._unheard = 0.0 if touched else self._unheard + dt
         if touched and self._alone >= watch.doubt and self._alone < watch.doubt + dt:
-            body.doubt_velocity(watch.doubted)
+            self.ekf.filter.doubt_velocity(watch.doubted)
         if self.health is not Health.GOOD:
             return
-        if not credible(body.X, body.bias, watch.fastest, self._largest):
+        if not told & CREDIBLE:
             self.health = Health.DIVERGED
         elif self._alone >= watch.patience:
             half = self._unheard >= 0.5 * self._alone

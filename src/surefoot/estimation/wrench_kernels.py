@@ -77,6 +77,71 @@ def add_weight(mass: float, moment: FloatArray, pose: FloatArray, wrench: FloatA
 
 
 @kernel
+def point_inertia(arm: FloatArray) -> FloatArray:
+    """Return the (3, 3) inertia of a unit mass at (3,) `arm` about the origin [m²]."""
+    out = np.empty((3, 3))
+    square = arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = (square if i == j else 0.0) - arm[i] * arm[j]
+    return out
+
+
+@kernel
+def sum_wrench(
+    M: FloatArray, bias: FloatArray, v: FloatArray, after: FloatArray, dt: float, torques: FloatArray,
+    twists: FloatArray, support: BoolArray, points: FloatArray, flat: BoolArray, touching: BoolArray,
+    pose: FloatArray, load: FloatArray, total: FloatArray,
+) -> None:  # fmt: skip
+    """Add to `total` (6,) the wrench of a step and of a load that the model knows already [N, N m].
+
+    `load` is (4,): mass and first moment, see `add_weight`; all else is as for `outside_wrench`.
+    """
+    wrench = np.empty(6)
+    outside_wrench(M, bias, v, after, dt, torques, twists, support, points, flat, touching, pose, wrench)
+    add_weight(load[0], load[1:], pose, wrench)
+    for a in range(6):
+        total[a] += wrench[a]
+
+
+@kernel
+def filter_block(
+    state: FloatArray, covariance: FloatArray, mean: FloatArray, last: FloatArray, spread: FloatArray,
+    pose: FloatArray, noise: FloatArray, keep: FloatArray, drive: FloatArray, watch: float,
+    bounds: FloatArray,
+) -> None:  # fmt: skip
+    """Take a block's mean wrench into the filter: noise is what blocks differ by, and loads are bounded.
+
+    Parameters
+    ----------
+    state, covariance, pose, keep, drive
+        As for `filter_wrench`.
+    mean, last
+        (6,) of this block, and of the one before: brought up, NaN at first.
+    spread
+        (6,) variance of the differences: brought up.
+    noise
+        (6,) least variances of the measurement.
+    watch
+        Share of the newest difference in the spread.
+    bounds
+        (6,) on the mean; least and most mass; furthest place, and the least mass that it counts for; on the
+        rest.
+    """
+    for a in range(6):
+        mean[a] = min(max(mean[a], -bounds[0]), bounds[0])
+        change = mean[a] - last[a] if np.isfinite(last[a]) else 0.0
+        spread[a] += watch * (0.5 * change * change - spread[a])
+        last[a] = mean[a]
+    filter_wrench(state, covariance, mean, pose, np.maximum(noise, spread), keep, drive)
+    state[0] = min(max(state[0], bounds[1]), bounds[2])
+    reach = bounds[3] * max(abs(state[0]), bounds[4])
+    for j in range(1, 10):
+        most = reach if j < 4 else bounds[5]
+        state[j] = min(max(state[j], -most), most)
+
+
+@kernel
 def filter_wrench(
     state: FloatArray, covariance: FloatArray, wrench: FloatArray, rotation: FloatArray, noise: FloatArray,
     keep: FloatArray, drive: FloatArray,

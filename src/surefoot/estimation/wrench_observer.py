@@ -177,6 +177,8 @@ class WrenchObserver:
         self._drive[:3] = deviation[:3] ** 2 * 2.0 * block / s.memory
         self._noise = np.array([s.noise_force**2] * 3 + [s.noise_moment**2] * 3)
         self._watch = 1.0 - math.exp(-block / s.watch)
+        self._bounds = np.array([VIOLENT, s.least, s.most, s.furthest, LIGHT, s.largest])
+        self._none = np.zeros(4)
         self._warm_up()
         self.reset()
 
@@ -199,7 +201,7 @@ class WrenchObserver:
         """Forget the past: no payload, no wrench."""
         self.state, self._covariance = np.zeros(10), self._start.copy()
         self._sum, self._count = np.zeros(6), 0
-        self._spread, self._last = np.zeros(6), None
+        self._spread, self._last = np.zeros(6), np.full(6, np.nan)
 
     def observe(
         self, before: Instant, after: FloatArray, torques: FloatArray, touching: BoolArray,
@@ -220,14 +222,11 @@ class WrenchObserver:
         carried
             What the model of `before` carries already; the estimate is of all that the robot carries.
         """
-        wrench = np.empty(6)
-        kernels.outside_wrench(
+        load = self._none if carried is None else np.array([carried.mass, *carried.moment])
+        kernels.sum_wrench(
             before.M, before.bias, before.v, after, self.dt, torques, before.twists, self._support,
-            before.points, self._flat, touching, before.pose, wrench,
+            before.points, self._flat, touching, before.pose, load, self._sum,
         )  # fmt: skip
-        if carried is not None:
-            kernels.add_weight(carried.mass, carried.moment, before.pose, wrench)
-        self._sum += wrench
         self._count += 1
         if self._count < self._steps:
             return False
@@ -240,16 +239,10 @@ class WrenchObserver:
         mean = self._sum / (self._count * self._unit[4:])
         if not np.isfinite(mean).all():
             return
-        np.clip(mean, -VIOLENT, VIOLENT, out=mean)
-        change, self._last = mean - (mean if self._last is None else self._last), mean
-        self._spread += self._watch * (0.5 * change * change - self._spread)
-        noise = np.maximum(self._noise, self._spread)
-        kernels.filter_wrench(self.state, self._covariance, mean, pose, noise, self._keep, self._drive)
-        s, x = self.settings, self.state
-        x[0] = min(max(x[0], s.least), s.most)
-        reach = s.furthest * max(abs(x[0]), LIGHT)
-        np.clip(x[1:4], -reach, reach, out=x[1:4])
-        np.clip(x[4:], -s.largest, s.largest, out=x[4:])
+        kernels.filter_block(
+            self.state, self._covariance, mean, self._last, self._spread, pose, self._noise, self._keep,
+            self._drive, self._watch, self._bounds,
+        )  # fmt: skip
 
     @property
     def load(self) -> Load:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from surefoot.errors import WriteError
 from surefoot.log import parts
 from surefoot.log.channels import Channel
 from surefoot.log.log import MEMORY, Log
+from surefoot.log.rows import Rows
 
 CHUNK_BYTES = 1 << 20
 """Size of the rows that are held back before they are written to a folder that was asked for."""
@@ -40,7 +41,8 @@ class Recorder:
     Attributes
     ----------
     arrays
-        Name to array of the rows in memory; write to row `slot()`, then add one to `count`.
+        Name to array of the rows in memory; write to row `slot()`, then add one to `count`, or leave both to
+        `write`.
     count
         Number of rows so far.
     """
@@ -58,9 +60,8 @@ class Recorder:
         self._row_bytes = sum(c.dtype.itemsize * math.prod(c.row_shape) for c in rows)
         room = (MEMORY if folder is None else CHUNK_BYTES) // max(self._row_bytes, 1)
         self._rows = max(1, min(steps, room))
-        self.arrays: dict[str, Any] = {
-            c.name: np.zeros((self._rows, *c.row_shape), dtype=c.dtype) for c in rows
-        }
+        self._memory = Rows(rows, self._rows)
+        self.arrays = self._memory.arrays
         self.count = self._written = 0
         self._facts = dict(facts or {})
         self._temporary: tempfile.TemporaryDirectory[str] | None = None
@@ -79,6 +80,19 @@ class Recorder:
             self.flush()
             return 0
         return at
+
+    def write(self, values: Sequence[Any]) -> None:
+        """Take a row: one value for every channel, in their order, that can be assigned to its row.
+
+        Raises
+        ------
+        WriteError
+            If a full chunk cannot be written; no row is lost.
+        ValueError, TypeError
+            For a value that does not fit its channel.
+        """
+        self._memory.write(self.slot(), values)
+        self.count += 1  # last: an interrupted row is none
 
     def flush(self) -> None:
         """Write the rows that are in memory to the files."""

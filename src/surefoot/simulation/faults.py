@@ -104,8 +104,10 @@ class ActiveFaults:
 
     def heard(self, state: RobotState) -> RobotState:
         """Return the state that reaches the controller: in a dropout the last one before it."""
-        if self._reached is not None and any(a <= state.time + 1e-9 < a + d for a, d in self.dropouts):
-            return self._reached
+        if self.dropouts and self._reached is not None:
+            now = state.time + 1e-9
+            if any(start <= now < start + duration for start, duration in self.dropouts):
+                return self._reached
         self._reached = state
         return state
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from surefoot.simulation.world import ContactReading
 
 
@@ -25,7 +23,7 @@ class LinkTouches:
 
     def look(self, time: float, reading: ContactReading) -> None:
         """Note what touched in the step that began at a time [s]."""
-        if self._touching is None or reading.others is None or not np.any(reading.others):
+        if self._touching is None or reading.others is None or not any(reading.others.tolist()):
             return
         for a, b in {(min(pair), max(pair)) for pair in self._touching()}:
             first, steps = self._found.get((a, b), (time, 0))

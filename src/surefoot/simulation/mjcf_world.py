@@ -21,6 +21,7 @@ from surefoot.simulation.mujoco_robot import import_mujoco
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.world import ground_of
 from surefoot.spatial import GRAVITY
+from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
 
 MATCH = 1e-6
@@ -117,7 +118,8 @@ class MjcfWorld(MujocoWorld):
 
     def _drive(self, torques: FloatArray) -> None:
         """See `MujocoWorld`."""
-        self._drives.ask(self.data, torques)
+        self._drives.ask(self.data, finite_vector("torques", torques, self.robot.joints))
+        self._before[0][:], self._before[1][:] = self._qpos, self._qvel
 
     def _driven(self) -> None:
         """See `MujocoWorld`."""

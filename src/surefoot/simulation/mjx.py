@@ -96,6 +96,7 @@ class MjxWorld(MujocoWorld):
         super().__init__(
             robot, terrain, mu, dt, payload, solref=solref, solimp=solimp, payload_position=payload_position
         )
+        self.model.opt.disableflags &= ~int(self._mujoco.mjtDisableBit.mjDSBL_ISLAND)  # none in MJX
         self.on_device = self._mjx.put_model(self.model)
         self.reset(robot.nominal)
 
@@ -139,13 +140,16 @@ class MjxWorld(MujocoWorld):
 
     def reading(self, read: dict[str, FloatArray]) -> ContactReading:
         """Return forces (p, 3) [N], gaps (p,) [m], velocities at the feet from what a step `left_behind`."""
-        centres = read["geom_xpos"][self._geoms]
-        gaps, normals = self._ground_near(centres)
-        forces, velocities, positions = read_contacts(
-            centres, self._frames, self._radii, read["cvel"][self._bodies], read["subtree_com"][self._roots],
-            read["geom"].astype(np.int32), read["efc_address"].astype(np.int32),
-            read["frame"].reshape(-1, 9), read["efc_force"], self._geoms,
+        points, forces, velocities, positions, gaps, _ = self._blank()
+        normals = self._normals
+        over = None if self._planar else self._ground_near(read["geom_xpos"][self._geoms])
+        read_contacts(
+            read["geom_xpos"], read["cvel"], read["subtree_com"], read["geom"].astype(np.int32),
+            read["efc_address"].astype(np.int32), read["frame"].reshape(-1, 9), read["efc_force"],
+            self._owner, self._spheres, self._sizes, self._frames, gaps, points,
         )  # fmt: skip
+        if over is not None:
+            gaps, normals = over
         return ContactReading(forces, gaps, velocities, positions, normals=normals)
 
     def set_friction(self, mu: float) -> None:

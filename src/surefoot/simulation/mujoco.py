@@ -18,14 +18,15 @@ from surefoot.collision import Geometry
 from surefoot.contact.laws.soft import MujocoLaw
 from surefoot.control.actuators import Actuators
 from surefoot.errors import ModelError, SimulationError
+from surefoot.kernels import VECTOR, entry_point
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.actuated import equipped
-from surefoot.simulation.mujoco_actuators import fit_actuators
+from surefoot.simulation.mujoco_actuators import LOAD_TYPES, fit_actuators, load_joints, motor_figures
+from surefoot.simulation.mujoco_contacts import OWN_TYPES, read_contacts, to_pinocchio
 from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
-from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
-from surefoot.simulation.mujoco_links import LinkContacts, add_links
+from surefoot.simulation.mujoco_links import LinkContacts, add_links, owners
 from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
 from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
 from surefoot.simulation.mujoco_robot import robot_spec as robot_spec
@@ -36,6 +37,7 @@ from surefoot.spatial import (
     quaternion_wxyz,
     rotation_from_quaternion,
 )
+from surefoot.stepping.arithmetic import largest
 from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
@@ -49,6 +51,9 @@ Not closer to one: a foot that turns with its shank at a rate w leaves the groun
 constraint leaves out the acceleration w² r at which its surface turns away. The force presses it back by
 its share 1 - d: at d = 0.97 a fast foot hops every 20 ms, with 170 N after nothing.
 """
+_FLOAT = np.dtype(np.float64)
+STOCK = 32
+"""Arrays for the contacts of so many steps are made at a time."""
 LARGEST = 1e10
 """Speed from which MuJoCo itself calls a state bad [rad/s, m/s]."""
 HEAVIEST = 1e9
@@ -129,6 +134,8 @@ class MujocoWorld:
         except ValueError as error:
             told = " ".join(str(error).split()).removeprefix("Error: ")
             raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
+        if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
+            self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
         points = robot.contact_points
         feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
         names = [self.model.geom(i).name for i in range(self.model.ngeom)]
@@ -142,16 +149,36 @@ class MujocoWorld:
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
         self.applied = np.zeros(robot.joints)
         points = robot.contact_points
-        self.contact_foot, self._radii = points.foot, points.radii
+        self.contact_foot = points.foot
         self._geoms = feet  # numbered along the tree
         self._bodies = np.array(self.model.geom_bodyid)[feet]
-        self._roots = np.array(self.model.body_rootid)[self._bodies]
         self.base_body = base
         self._links = LinkContacts(mujoco, self.model, feet, self.ground_geoms) if links else None
         self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(feet)).reshape(-1, 3, 3)
         self._normals = np.ascontiguousarray(self._frames[:, :, 2])  # all that a plane needs, with its offset
-        self._offset = float(self._frames[0, 2, 2] * self.terrain.height([0.0, 0.0])) if len(feet) else 0.0
+        offset = float(self._frames[0, 2, 2] * self.terrain.height([0.0, 0.0])) if len(feet) else 0.0
+        roots = np.array(self.model.body_rootid)[self._bodies]
+        self._spheres = np.stack([feet, self._bodies, roots], axis=1).astype(np.int64)
+        self._sizes = np.stack([points.radii, np.full(len(feet), offset)], axis=1)
+        self._owner = owners(self.model.ngeom, feet, self.ground_geoms)
+        self._look_at_data(feet)
         self.reset(robot.nominal)
+
+    def _look_at_data(self, feet: IntArray) -> None:
+        """Keep hold of arrays of MuJoCo's data that stay in their places, and of compiled functions."""
+        data, first = self.data, self.robot.base_dof
+        self._qpos, self._qvel, self._effort = data.qpos, data.qvel, data.qfrc_applied[first:]
+        self._no_torques = np.zeros(self.robot.joints)
+        self._joints_shape = self._no_torques.shape
+        self._motors = motor_figures(self.actuators, self.robot.joints)
+        self._pushed = data.xfrc_applied[self.base_body, :3]
+        self._places, self._twists, self._centres = data.geom_xpos, data.cvel, data.subtree_com
+        self._planar, self._contact = bool(self.terrain.planar), data.contact
+        self._spare: list[tuple[FloatArray, ...]] = []
+        self._read = entry_point(read_contacts, *OWN_TYPES)
+        self._load = entry_point(load_joints, *LOAD_TYPES)
+        self._turn = entry_point(to_pinocchio, VECTOR, VECTOR)
+        self._largest = entry_point(largest, VECTOR)
 
     @property
     def time(self) -> float:
@@ -173,16 +200,9 @@ class MujocoWorld:
 
     def state(self) -> tuple[FloatArray, FloatArray]:
         """Return q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] in Pinocchio's order."""
-        q, v = np.array(self.data.qpos), np.array(self.data.qvel)
+        q, v = self._qpos.copy(), self._qvel.copy()
         if self.robot.floating:
-            w, x, y, z = q[3:7].tolist()
-            q[3:7] = (x, y, z, w)
-            a, b, c = v[:3].tolist()
-            # world to base axes: rotate by the conjugate quaternion, t = -2 (r x u), u + w t - r x t
-            s, t, r = -2.0 * (y * c - z * b), -2.0 * (z * a - x * c), -2.0 * (x * b - y * a)
-            v[0] = a + w * s - (y * r - z * t)
-            v[1] = b + w * t - (z * s - x * r)
-            v[2] = c + w * r - (x * t - y * s)
+            self._turn(q, v)
         return q, v
 
     def step(self, torques: FloatArray, push: FloatArray | None = None) -> None:
@@ -196,23 +216,25 @@ class MujocoWorld:
             Where the state stops being finite, or exceeds MuJoCo's own largest number, 1e10. The world stays
             in the state before the step.
         """
-        data = self.data
-        self._drive(finite_vector("torques", torques, self.robot.joints))
-        if self.base_body:
-            data.xfrc_applied[self.base_body, :3] = 0.0 if push is None else finite_vector("push", push, 3)
-        self._before[0][:], self._before[1][:] = data.qpos, data.qvel
-        self._mujoco.mj_step(self.model, data)
-        if not np.abs(data.qvel).max(initial=0.0) < LARGEST:
+        self._drive(torques)
+        if push is None:
+            self._pushed.fill(0.0)
+        elif self.base_body:
+            self._pushed[:] = finite_vector("push", push, 3)
+        self._mujoco.mj_step(self.model, self.data)
+        if not self._largest(self._qvel) < LARGEST:
             raise self._lost()
         self._driven()
 
     def _drive(self, torques: FloatArray) -> None:
-        """Have the motors give (joints,) torques [N m] in the next step, as far as they can."""
-        first = self.robot.base_dof
-        if self.actuators is not None:
-            torques = self.actuators.given(torques, self.data.qvel[first:])
-        self.applied = torques
-        self.data.qfrc_applied[first:] = torques
+        """Have the motors give (joints,) torques [N m] in the next step, if they can; keep the state."""
+        wanted, given = self._joints_shape, self._no_torques.copy()
+        if type(torques) is not np.ndarray or torques.dtype != _FLOAT or torques.shape != wanted:
+            torques = finite_array("torques", torques, wanted)
+        asked = np.ascontiguousarray(torques)
+        if not self._load(asked, *self._motors, given, self._effort, self._qpos, self._qvel, *self._before):
+            finite_array("torques", torques, wanted)  # says which is not finite
+        self.applied = given
 
     def _driven(self) -> None:
         """Note what the motors gave in the last step, where only the step tells."""
@@ -241,25 +263,36 @@ class MujocoWorld:
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""
-        data = self.data
-        centres = data.geom_xpos[self._geoms]
-        gaps, normals = self._ground_near(centres)
-        contact = data.contact
-        addresses = contact.efc_address if self._links is None else self._links.addresses(data)
-        forces, velocities, positions = read_contacts(
-            centres, self._frames, self._radii, data.cvel[self._bodies], data.subtree_com[self._roots],
-            contact.geom, addresses, contact.frame, data.efc_force, self._geoms,
+        data, contact, links, normals = self.data, self._contact, self._links, self._normals
+        points, forces, velocities, positions, gaps, others = self._blank()
+        over = None if self._planar else self._ground_near(self._places[self._geoms])
+        beside = self._read(
+            self._places, self._twists, self._centres, contact.geom, contact.efc_address, contact.frame,
+            data.efc_force, self._owner, self._spheres, self._sizes, self._frames, gaps, points,
         )  # fmt: skip
-        others = None if self._links is None else self._links.force(data, addresses)
+        if over is not None:
+            gaps, normals = over
+        if links is None:
+            return ContactReading(forces, gaps, velocities, positions, None, normals)
+        if beside or data.nl:  # joints at their stops count, too
+            others = links.force(data)
         return ContactReading(forces, gaps, velocities, positions, others, normals)
+
+    def _blank(self) -> tuple[FloatArray, ...]:
+        """Return zeros (3, p, 3), its three parts, (p,) and (nv,), from a stock of them."""
+        if not self._spare:
+            p, nv = len(self.contact_foot), self.model.nv
+            stock = np.zeros((STOCK, 10 * p + nv))
+            points = stock[:, : 9 * p].reshape(STOCK, 3, p, 3)
+            parts = (*points.transpose(1, 0, 2, 3), stock[:, 9 * p : 10 * p], stock[:, 10 * p :])
+            self._spare = list(zip(points, *parts, strict=True))
+        return self._spare.pop()
 
     def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres; set their frames."""
-        if self.terrain.planar:
-            return centres @ self._normals[0] - self._offset - self._radii, self._normals
         distances, normals = self.terrain.nearest(centres)
         surface_frames(normals, self._frames)
-        return distances - self._radii, normals
+        return distances - self._sizes[:, 0], normals
 
     def touching(self) -> list[tuple[str, str]]:
         """Return the names of links, feet or ground that touched in the last step, without feet on ground."""

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-import numpy as np
+import numba
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import kernel
+from surefoot.kernels import INTEGER, MATRIX, REAL, VECTOR, kernel
 from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
+
+OWN_TYPES = (
+    MATRIX, MATRIX, MATRIX, numba.int32[:, :], numba.int32[:], REAL[:, :], VECTOR,
+    INTEGER[::1], INTEGER[:, ::1], MATRIX, REAL[:, :, ::1], VECTOR, REAL[:, :, ::1],
+)  # fmt: skip
+"""Types of what `read_contacts` is given of MuJoCo itself, whose contacts lie apart in memory."""
 
 
 @kernel
 def read_contacts(
-    centres: FloatArray,
-    frames: FloatArray,
-    radii: FloatArray,
+    geom_places: FloatArray,
     body_twists: FloatArray,
-    body_origins: FloatArray,
+    tree_centres: FloatArray,
     pairs: IntArray,
     addresses: IntArray,
     contact_frames: FloatArray,
     constraint_forces: FloatArray,
-    geoms: IntArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return forces [N] and velocities [m/s] in contact frames, positions [m] in world axes, all (p, 3).
+    owner: IntArray,
+    spheres: IntArray,
+    sizes: FloatArray,
+    frames: FloatArray,
+    gaps: FloatArray,
+    out: FloatArray,
+) -> bool:
+    """Fill in what the ground did to the feet's spheres; return whether any other contact pushed.
 
     A force's normal part is that along MuJoCo's own contact normals, its tangential part what is left,
     turned into the terrain's tangents: on curved ground MuJoCo's normal is a facet's, a degree or so off
@@ -30,51 +39,77 @@ def read_contacts(
 
     Parameters
     ----------
-    centres, frames, radii
-        (p, 3) [m], (p, 3, 3), (p,) [m] of the spheres: centres and terrain frames in world axes.
-    body_twists, body_origins
-        (p, 6) MuJoCo's cvel [angular; linear] of each sphere's body, and (p, 3) the point it refers
-        to: the centre of mass of the kinematic tree.
+    geom_places, body_twists, tree_centres
+        MuJoCo's geom_xpos (geoms, 3) [m], cvel (bodies, 6) [angular; linear] and subtree_com (bodies, 3) [m].
     pairs, addresses, contact_frames
         MuJoCo's contacts: (c, 2) geoms, (c,) first constraint row (-1: none), (c, 9) frames, the first
         row of which points from the first geom to the second.
     constraint_forces
         MuJoCo's efc_force; with elliptic cones a contact's rows are its force (normal, tangent, tangent).
-    geoms
-        (p,) geom of each sphere.
+    owner
+        (geoms,) number of a foot's sphere, -1 for the ground, -2 for anything else.
+    spheres
+        (p, 3) geom, body, and root of the body's tree.
+    sizes
+        (p, 2) radius, and the offset of a plane along its normal [m].
+    frames
+        (p, 3, 3) of the terrain at the spheres, world axes.
+    gaps
+        (p,) to the planes [m]; filled.
+    out
+        (3, p, 3) forces [N] and velocities [m/s] in contact frames, positions [m] in world axes; filled.
     """
-    count = centres.shape[0]
-    normal, tangential = np.zeros(count), np.zeros((count, 3))
-    for c in range(pairs.shape[0]):
-        at = addresses[c]
+    count = len(spheres)
+    forces, velocities, positions = out[0], out[1], out[2]
+    tangential = out[1]  # in world axes, until the velocities are told
+    forces[:], tangential[:] = 0.0, 0.0
+    beside = False
+    for c in range(len(addresses)):
+        at, first, second = addresses[c], owner[pairs[c, 0]], owner[pairs[c, 1]]
         if at < 0:
             continue
-        for k in range(count):
-            # MuJoCo's frame points from the first geom to the second
-            sign = 1.0 if pairs[c, 1] == geoms[k] else (-1.0 if pairs[c, 0] == geoms[k] else 0.0)
-            if sign != 0.0:
-                normal[k] += constraint_forces[at]
-                for i in range(1, 3):
-                    for j in range(3):
-                        tangential[k, j] += sign * constraint_forces[at + i] * contact_frames[c, 3 * i + j]
-    forces, velocities, positions = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((count, 3))
+        if min(first, second) != -1 or max(first, second) < 0:
+            beside = beside or constraint_forces[at] > 0.0
+            continue
+        # MuJoCo's frame points from the first geom to the second
+        k, sign = max(first, second), (1.0 if second >= 0 else -1.0)
+        forces[k, 2] += constraint_forces[at]
+        for i in range(1, 3):
+            for j in range(3):
+                tangential[k, j] += sign * constraint_forces[at + i] * contact_frames[c, 3 * i + j]
     for k in range(count):
-        forces[k, 2] = normal[k]
+        geom, body, root = spheres[k, 0], spheres[k, 1], spheres[k, 2]
+        height = 0.0
         for i in range(3):
-            positions[k, i] = centres[k, i] - radii[k] * frames[k, i, 2]
-        x = positions[k, 0] - body_origins[k, 0]
-        y = positions[k, 1] - body_origins[k, 1]
-        z = positions[k, 2] - body_origins[k, 2]
-        p, q, r = body_twists[k, 0], body_twists[k, 1], body_twists[k, 2]
-        a = body_twists[k, 3] + q * z - r * y
-        b = body_twists[k, 4] + r * x - p * z
-        c_ = body_twists[k, 5] + p * y - q * x
+            height += geom_places[geom, i] * frames[k, i, 2]
+            positions[k, i] = geom_places[geom, i] - sizes[k, 0] * frames[k, i, 2]
+        gaps[k] = height - sizes[k, 1] - sizes[k, 0]
+        x = positions[k, 0] - tree_centres[root, 0]
+        y = positions[k, 1] - tree_centres[root, 1]
+        z = positions[k, 2] - tree_centres[root, 2]
+        p, q, r = body_twists[body, 0], body_twists[body, 1], body_twists[body, 2]
+        a = body_twists[body, 3] + q * z - r * y
+        b = body_twists[body, 4] + r * x - p * z
+        c_ = body_twists[body, 5] + p * y - q * x
+        for j in range(2):
+            for i in range(3):
+                forces[k, j] += frames[k, i, j] * tangential[k, i]
         for j in range(3):
             velocities[k, j] = frames[k, 0, j] * a + frames[k, 1, j] * b + frames[k, 2, j] * c_
-            if j < 2:
-                for i in range(3):
-                    forces[k, j] += frames[k, i, j] * tangential[k, i]
-    return forces, velocities, positions
+    return beside
+
+
+@kernel
+def to_pinocchio(q: FloatArray, v: FloatArray) -> None:
+    """Turn MuJoCo's q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s] of a floating robot into Pinocchio's."""
+    w, x, y, z = q[3], q[4], q[5], q[6]
+    q[3], q[4], q[5], q[6] = x, y, z, w
+    a, b, c = v[0], v[1], v[2]
+    # world to base axes: rotate by the conjugate quaternion, t = -2 (r x u), u + w t - r x t
+    s, t, r = -2.0 * (y * c - z * b), -2.0 * (z * a - x * c), -2.0 * (x * b - y * a)
+    v[0] = a + w * s - (y * r - z * t)
+    v[1] = b + w * t - (z * s - x * r)
+    v[2] = c + w * r - (x * t - y * s)
 
 
 def pinocchio_state(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:

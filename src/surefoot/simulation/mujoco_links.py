@@ -119,6 +119,17 @@ def _form(mujoco: Any, shape: Shape) -> dict[str, Any]:
     return {"type": kinds.mjGEOM_SPHERE, "size": [shape.radius, 0.0, 0.0]}
 
 
+def owners(count: int, feet: IntArray, ground: list[int]) -> IntArray:
+    """Return for each geom (count,) the number of a foot's sphere, -1 for the ground, -2 for anything else.
+
+    >>> owners(4, np.array([2, 1]), [3])
+    array([-2,  1,  0, -1])
+    """
+    out = np.full(count, -2, dtype=np.int64)
+    out[feet], out[ground] = np.arange(len(feet)), -1
+    return out
+
+
 class LinkContacts:
     """Reads the contacts of a MuJoCo world that are not the feet's with the ground.
 

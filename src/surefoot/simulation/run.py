@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from surefoot.simulation.ground_friction import GroundFriction
 from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
 from surefoot.simulation.outward import Outward
+from surefoot.simulation.run_kernels import any_reached, loaded_feet
 from surefoot.simulation.scenario import Ice as Ice
 from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
@@ -38,6 +39,7 @@ TOUCH = 0.02
 """A foot feels the ground when its normal force exceeds this share of m g."""
 AT_LIMIT = 1.0 - 1e-6
 """A torque is saturated from this share of its limit on."""
+NO_PUSH = np.zeros(3)
 _SHARED = (
     "time", "q", "v", "torques", "forces", "forces_commanded", "gaps", "contact_velocities",
     "contact_positions", "normals", "active", "attained", "saturated", "push", "mu", "controller_time",
@@ -96,9 +98,7 @@ def run(
 
 def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
     """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
-    out = np.zeros(feet, dtype=bool)
-    out[contact_foot[reading.forces[:, 2] > least]] = True
-    return out
+    return loaded_feet(contact_foot, reading.forces, feet, least)
 
 
 def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
@@ -161,9 +161,18 @@ class _Run:
     ground: GroundFriction
 
     def __post_init__(self) -> None:
+        any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
+        sensed_feet(self.world.contact_foot, len(self.world.robot.feet), self.world.contacts(), 0.0)
         self.stop = Stop(self.world)
         self.touches = LinkTouches(self.world)
         self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
+        rows = self.recorder.arrays
+        self._others = np.zeros(rows["other_forces"].shape[1:]) if "other_forces" in rows else None
+        self._motors = "torques_commanded" in rows
+        parts = (self.controller, self.sensing, self.ground)
+        names = [[channel.name for channel in part.channels] for part in parts]
+        told = zip((None, self.sensing, self.ground), names, strict=True)
+        self._told = tuple((part, own) for part, own in told if own or part is None)
 
     def carry_out(self, height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
@@ -195,18 +204,20 @@ class _Run:
     def _loop(self, height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
-        feet, touch = len(world.robot.feet), TOUCH * world.robot.mass * GRAVITY
+        foot, feet = world.contact_foot, len(world.robot.feet)
+        touch = TOUCH * world.robot.mass * GRAVITY
         reading, command, stopped = world.contacts(), None, math.inf
         for k in range(scenario.steps(world.dt)):
             # what the world is like, and what the controller makes of it
             now = k * world.dt
             self.ground.advance(now, reading)
-            push = push_at(scenario.pushes, now)
+            push = push_at(scenario.pushes, now) if scenario.pushes else None
             q, v = world.state()
-            state = sensing.state(q, v, now, sensed_feet(world.contact_foot, feet, reading, touch))
+            state = sensing.state(q, v, now, loaded_feet(foot, reading.forces, feet, touch))
             state = self.outward.add(state, q, reading)
             start = clock.perf_counter()
-            command = self._decide(faults.heard(state._replace(torques=sensing.heard)), command)
+            state = RobotState(*state[:4], sensing.heard, *state[5:])
+            command = self._decide(faults.heard(state), command)
             spent = clock.perf_counter() - start
             # the step
             self._asked = faults.act(command, q, v)
@@ -236,37 +247,33 @@ class _Run:
 
     def _record(self, moment: Moment) -> None:
         """Write the row of a step, and show it to the observers."""
-        rows, i = self.recorder.arrays, self.recorder.slot()
-        command, reading = moment.command, moment.reading
-        rows["time"][i], rows["q"][i], rows["v"][i] = moment.time, moment.q, moment.v
-        rows["torques"][i], rows["mu"][i] = moment.torques, moment.mu
-        rows["push"][i] = 0.0 if moment.push is None else moment.push
-        rows["forces"][i], rows["gaps"][i] = reading.forces, reading.gaps
-        rows["contact_velocities"][i], rows["contact_positions"][i] = reading.velocities, reading.positions
-        rows["normals"][i] = reading.normals_on(self.world.terrain)
-        if reading.others is not None:
-            rows["other_forces"][i] = reading.others
-        if "torques_commanded" in rows:
-            rows["torques_commanded"][i] = self._asked
-        rows["forces_commanded"][i], rows["active"][i] = command.forces, command.active
-        rows["attained"][i], rows["saturated"][i] = (
-            command.attained,
-            (np.abs(command.torques) >= self.limits).any(),
-        )
-        rows["controller_time"][i] = moment.controller_time
-        own = command.rows()
-        if self.recorder.count == 0:
-            _check_rows(own, self.controller)
-        for name, value in (*own.items(), *self.sensing.rows().items(), *self.ground.rows().items()):
-            rows[name][i] = value
-        self.recorder.count += 1
+        command, reading, normals = moment.command, moment.reading, moment.reading.normals
+        if normals is None:
+            normals = reading.normals_on(self.world.terrain)
+        row = [
+            moment.time, moment.q, moment.v, moment.torques, reading.forces, command.forces, reading.gaps,
+            reading.velocities, reading.positions, normals, command.active, command.attained,
+            any_reached(np.asarray(command.torques), self.limits),
+            NO_PUSH if moment.push is None else moment.push, moment.mu, moment.controller_time,
+        ]  # fmt: skip
+        if self._others is not None:
+            row.append(self._others if reading.others is None else reading.others)
+        if self._motors:
+            row.append(self._asked)
+        for part, names in self._told:
+            told = command.rows() if part is None else part.rows()
+            if [*told] == names:
+                row += told.values()
+            elif part is None and self.recorder.count == 0 and told.keys() != set(names):
+                raise _wrong_rows(told, names)
+            else:
+                row += [told.get(name, 0.0) for name in names]
+        self.recorder.write(row)
         for observer in self.observers:
             observer.step(moment)
 
 
-def _check_rows(rows: Mapping[str, Any], controller: Controller) -> None:
-    """Raise `ProblemError` unless a command's own rows are the controller's channels."""
-    names = {channel.name for channel in controller.channels}
-    if set(rows) != names:
-        told, said = (", ".join(sorted(some)) or "none" for some in (rows, names))
-        raise ProblemError(f"a command has rows for {told}, its controller has the channels {said}")
+def _wrong_rows(rows: Iterable[str], channels: Iterable[str]) -> ProblemError:
+    """Return the error that a command's own rows are not the controller's channels."""
+    told, said = (", ".join(sorted(some)) or "none" for some in (rows, channels))
+    return ProblemError(f"a command has rows for {told}, its controller has the channels {said}")

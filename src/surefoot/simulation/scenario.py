@@ -17,7 +17,6 @@ from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.sensors import SensorModel
 from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.world import World
-from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain
 
 START_SPEED = 0.01
@@ -92,11 +91,17 @@ class Fall:
         terrain
             The ground.
         """
-        if not np.isfinite(q).all():
+        numbers = q.tolist()
+        if not all(map(math.isfinite, numbers)):
             return Ending.INVALID
-        up = rotation_from_quaternion(q[3:7])[:, 2]
-        low = q[2] - float(terrain.height(q[:2])) < self.height * height
-        return Ending.FELL if low or float(up @ terrain.normal(q[:2])) < math.cos(self.tilt) else None
+        if numbers[2] - float(terrain.height(q[:2])) < self.height * height:
+            return Ending.FELL
+        # the base's vertical axis is the last column of its rotation
+        x, y, z, w = numbers[3:7]
+        square = x * x + y * y + z * z + w * w
+        up = 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), w * w + z * z - x * x - y * y
+        along = sum(a * b for a, b in zip(up, terrain.normal(q[:2]).tolist(), strict=True))
+        return Ending.FELL if along < math.cos(self.tilt) * square else None
 
 
 STANDING_FALL = Fall(0.5, math.radians(50.0))

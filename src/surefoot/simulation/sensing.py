@@ -17,6 +17,7 @@ from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
 from surefoot.simulation.faults import ActiveFaults
+from surefoot.simulation.sensor_kernels import with_points
 from surefoot.simulation.sensors import SensorModel, Sensors
 from surefoot.simulation.world import World
 from surefoot.spatial import GRAVITY
@@ -98,6 +99,7 @@ class EstimatedState(Sensing):
         self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._foot = np.asarray(world.contact_foot)
         self._standing: BoolArray | None = None
+        self._none: BoolArray = np.zeros(len(robot.feet), dtype=bool)
         self._warm_up(robot.nominal)
         self._started = False
 
@@ -133,8 +135,8 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        pushing = np.zeros(len(self.sensors.robot.feet), dtype=bool)
-        pushing[self._foot[command.active]] = True
+        pushing = self._none.copy()
+        with_points(command.active, self._foot, pushing)
         planned = command.rows().get("planned", pushing)
         self._standing = pushing
         self.estimator.expect(pushing, np.asarray(planned, dtype=bool))

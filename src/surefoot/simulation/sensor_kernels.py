@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from surefoot.arrays import FloatArray
-from surefoot.kernels import inline_kernel, kernel
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.kernels import inline_kernel, kernel, window
 from surefoot.spatial import GRAVITY
 
 
@@ -114,3 +114,59 @@ def counted(
     for j in range(len(true)):
         out[j] = _stepped(true[j] + offsets[j] + scale * noise[j], step)
     return out
+
+
+@kernel
+def sense(
+    memory: FloatArray, motion: FloatArray, q: FloatArray, v: FloatArray, noise: FloatArray, first: bool,
+    out: FloatArray,
+) -> None:  # fmt: skip
+    """Fill a row with what IMU and encoders say at a state (nq,) q, (nv,) v [m, rad], [m/s, rad/s].
+
+    Gyro and accelerometer (3,) each, then angles and speeds of the joints (joints,) each.
+
+    Parameters
+    ----------
+    memory
+        Biases of gyro and accelerometer (2, 3) [rad/s], [m/s²], which walk; place of the IMU (3,) [m]; what
+        `imu_reading` takes, 4 scales, 2 steps and 2 ranges; noise and step of an angle [rad] and of a speed
+        [rad/s]; dt [s]; the offsets of the angles (joints,) [rad], and zeros, those of the speeds.
+    motion
+        (13,) place, attitude and velocity of the base at the state before; those of this one afterwards.
+    noise
+        (12 + 2 joints,) standard normal numbers.
+    first
+        Whether there was no state before: the IMU is taken to be unaccelerated.
+    """
+    joints = v.shape[0] - 6
+    biases, arm, figures = window(memory, 0, 2, 3), memory[6:9], memory[9:22]
+    rate, force = np.empty(3), np.zeros(3)
+    if first:
+        rate[:], force[2] = v[3:6], GRAVITY
+        _rotate(-q[3], -q[4], -q[5], q[6], force.copy(), force)
+    else:
+        mean_readings(motion[:7], motion[7:], q, v, figures[12], arm, rate, force)
+    motion[:7], motion[7:] = q[:7], v[:6]
+    gyro, accelerometer = imu_reading(
+        rate, force, biases, window(noise, 0, 4, 3), figures[:4], figures[4:6], figures[6:8]
+    )
+    out[:3], out[3:6] = gyro, accelerometer
+    offsets = memory[22:]
+    out[6 : 6 + joints] = counted(q[7:], offsets[:joints], figures[8], noise[12 : 12 + joints], figures[9])
+    out[6 + joints :] = counted(v[6:], offsets[joints:], figures[10], noise[12 + joints :], figures[11])
+
+
+@kernel
+def heard(torques: FloatArray, factors: FloatArray, scale: float, noise: FloatArray, out: FloatArray) -> None:
+    """Fill (joints,) torques as currents tell them [N m]: off by factors, and noisy by `scale` [N m]."""
+    for j in range(torques.shape[0]):
+        out[j] = factors[j] * torques[j] + scale * noise[j]
+
+
+@kernel
+def with_points(active: BoolArray, foot: IntArray, out: BoolArray) -> None:
+    """Fill which feet (n,) have a contact point that is active, (p,) each; `foot` (p,) owns it."""
+    out[:] = False
+    for i in range(active.shape[0]):
+        if active[i]:
+            out[foot[i]] = True

@@ -12,8 +12,11 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import FilterNoise, Reading
 from surefoot.robot import Robot
-from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings
-from surefoot.spatial import GRAVITY, rotation_from_quaternion
+from surefoot.simulation.sensor_kernels import heard, mean_readings, sense
+from surefoot.spatial import GRAVITY
+
+AT_ONCE = 8
+"""Steps for which random numbers are drawn at once."""
 
 
 @dataclass(frozen=True)
@@ -214,26 +217,35 @@ class Sensors:
         self.model, self.robot, self.dt = model, robot, dt
         self._random = r = np.random.default_rng([0 if seed is None else seed, 2])
         imu, encoders, touch = model.imu, model.encoders, model.touch
-        self.biases = np.array([imu.gyro_bias * r.normal(size=3), imu.accelerometer_bias * r.normal(size=3)])
-        root = np.sqrt(dt)
+        biases = imu.gyro_bias * r.normal(size=3), imu.accelerometer_bias * r.normal(size=3)
+        root, joints = np.sqrt(dt), robot.joints
         drifts = root * imu.gyro_drift, root * imu.accelerometer_drift
-        self._imu_figures = (
-            np.array([*drifts, imu.gyro_noise / root, imu.accelerometer_noise / root]),
-            np.array([imu.gyro_step, imu.accelerometer_step]),
-            np.array([imu.gyro_range, imu.accelerometer_range]),
-        )
-        self._offsets, self._exact = encoders.bias * r.normal(size=robot.joints), np.zeros(robot.joints)
-        self._factors = 1.0 + touch.torque_scale * r.normal(size=robot.joints)
-        usual = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.0) / max(robot.joints, 1)
+        offsets = encoders.bias * r.normal(size=joints)
+        self._memory = np.concatenate([
+            *biases, imu.position, drifts, (imu.gyro_noise / root, imu.accelerometer_noise / root),
+            (imu.gyro_step, imu.accelerometer_step), (imu.gyro_range, imu.accelerometer_range),
+            (encoders.noise, encoders.step, encoders.speed_noise, encoders.speed_step, dt),
+            offsets, np.zeros(joints),
+        ])  # fmt: skip
+        self._factors = 1.0 + touch.torque_scale * r.normal(size=joints)
+        usual = robot.mass * GRAVITY * max(float(robot.nominal[2]), 0.0) / max(joints, 1)
         self._torque_noise = touch.torque_noise * usual
-        self._imu: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=1 + round(imu.latency / dt))
-        self._legs: deque[tuple[FloatArray, FloatArray]] = deque(maxlen=1 + round(encoders.latency / dt))
-        self._arm = np.array(imu.position)
-        self._before: tuple[FloatArray, FloatArray] | None = None
+        late = round(imu.latency / dt), round(encoders.latency / dt)
+        self._imu: deque[FloatArray] = deque(maxlen=1 + late[0])
+        self._legs: deque[FloatArray] = deque(maxlen=1 + late[1])
+        self._motion, self._first, self._joints = np.zeros(13), True, joints
+        self._mixed = touch.missed > 0.0 or touch.false > 0.0  # other random numbers come in between
+        self._drawn: FloatArray = np.zeros(AT_ONCE * (12 + 3 * joints))
+        self._used = len(self._drawn)
         n = len(robot.feet)
         self._touched, self._hidden = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         self._false_until = np.zeros(n)
         self._time = 0.0
+
+    @property
+    def biases(self) -> FloatArray:
+        """(2, 3) biases of gyro [rad/s] and accelerometer [m/s²] now."""
+        return self._memory[:6].reshape(2, 3)
 
     @property
     def gyro_bias(self) -> FloatArray:
@@ -247,7 +259,7 @@ class Sensors:
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
-        turn = np.append(self.model.tilt * self._random.normal(size=2), 0.0)
+        turn = np.append(self.model.tilt * self._normal(2), 0.0)
         angle, out = float(np.linalg.norm(turn)), q.copy()
         if angle > 0.0:
             x, y, z = turn / angle * np.sin(0.5 * angle)
@@ -262,37 +274,39 @@ class Sensors:
 
     def read(self, q: FloatArray, v: FloatArray) -> Reading:
         """Return what the sensors say at the next step, from the true (nq,) q and (nv,) v."""
-        if self._before is None:
-            up = rotation_from_quaternion(q[3:7]).T @ np.array([0.0, 0.0, GRAVITY])
-            true = v[3:6].copy(), up
-        else:
-            true = mean_motion(self._before, (q, v), self.dt, self._arm)
-        self._before = q, v
-        self._imu.append(self._sensed(*true))
-        self._legs.append(self._counted(q[7:], v[6:]))
-        return Reading(*self._imu[0], *self._legs[0])
-
-    def _sensed(self, rate: FloatArray, force: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what the IMU makes of its true motion; its biases walk."""
-        noise = self._random.normal(size=(4, 3))
-        return imu_reading(rate, force, self.biases, noise, *self._imu_figures)
-
-    def _counted(self, angles: FloatArray, speeds: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what the encoders make of the joints."""
-        encoders, noise = self.model.encoders, self._random.normal(size=(2, len(angles)))
-        return (
-            counted(angles, self._offsets, encoders.noise, noise[0], encoders.step),
-            counted(speeds, self._exact, encoders.speed_noise, noise[1], encoders.speed_step),
-        )
+        joints, row = self._joints, np.empty(6 + 2 * self._joints)
+        sense(self._memory, self._motion, q, v, self._normal(12 + 2 * joints), self._first, row)
+        self._first = False
+        self._imu.append(row)
+        self._legs.append(row)
+        imu, legs = self._imu[0], self._legs[0]
+        return Reading(imu[:3], imu[3:6], legs[6 : 6 + joints], legs[6 + joints :])
 
     def torques(self, true: FloatArray) -> FloatArray:
         """Return (joints,) torques as the motors' currents tell them [N m]."""
-        return self._factors * true + self._torque_noise * self._random.normal(size=len(true))
+        out = np.empty(self._joints)
+        heard(true, self._factors, self._torque_noise, self._normal(self._joints), out)
+        return out
+
+    def _normal(self, count: int) -> FloatArray:
+        """Return the next normal random numbers; they are drawn for several steps at once."""
+        if self._mixed:
+            return self._random.standard_normal(count)
+        start, numbers = self._used, self._drawn
+        if start + count > len(numbers):
+            left = len(numbers) - start
+            numbers[:left] = numbers[start:]
+            self._random.standard_normal(out=numbers[left:])
+            start = 0
+        self._used = start + count
+        return numbers[start : start + count]
 
     def touches(self, contact: BoolArray) -> BoolArray:
         """Return (n,) which feet feel a force, some missed and some false, one step after the last call."""
         touch, n = self.model.touch, len(contact)
         self._time += self.dt
+        if not self._mixed:
+            return contact
         if touch.missed > 0.0:
             fresh = contact & ~self._touched
             self._hidden = np.where(fresh, self._random.random(n) < touch.missed, self._hidden)

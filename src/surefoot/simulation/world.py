@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.errors import ProblemError
@@ -11,8 +10,7 @@ from surefoot.robot import Robot
 from surefoot.terrain import FlatTerrain, Terrain
 
 
-@dataclass(frozen=True)
-class ContactReading:
+class ContactReading(NamedTuple):
     """What the ground did to the robot's contact points during the last step.
 
     One row per contact sphere of the feet, in the order of `World.contact_foot`; all of the same

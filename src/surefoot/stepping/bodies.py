@@ -16,6 +16,8 @@ from surefoot.stepping.motion import FreeMotion
 from surefoot.stepping.pair_detection import PairDetection
 from surefoot.terrain import Terrain
 
+_FLOAT = np.dtype(np.float64)
+
 
 class Bodies:
     """A copy of a robot's model, with its payload.
@@ -148,8 +150,8 @@ def loaded_model(robot: Robot, payload: float, position: ArrayLike = (0.0, 0.0, 
 def finite_vector(name: str, value: FloatArray, size: int) -> FloatArray:
     """Return a finite (size,) array, in any unit; the fast way in for what is one already."""
     if (
-        isinstance(value, np.ndarray)
-        and value.dtype == np.float64
+        type(value) is np.ndarray
+        and value.dtype == _FLOAT
         and value.shape == (size,)
         and arithmetic.largest(value) < np.inf
     ):

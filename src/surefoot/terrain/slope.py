@@ -58,7 +58,7 @@ class SlopeTerrain(Terrain):
     def normal(self, xy: ArrayLike) -> FloatArray:
         """Return the unit normals [-] at (..., 2) places [m]: (..., 3), the same everywhere."""
         shape = np.asarray(xy).shape[:-1]
-        return np.broadcast_to(self._normal, (*shape, 3)).copy()
+        return np.broadcast_to(self._normal, (*shape, 3)).copy() if shape else self._normal.copy()
 
     def shapes(self) -> tuple[Plane]:
         """Return the plane."""

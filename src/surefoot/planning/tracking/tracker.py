@@ -9,7 +9,7 @@ the body over the feet that touch, like a spring and damper of critical damping,
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -176,7 +176,7 @@ class TrackingController(Controller):
         torques = self.motors.clip(
             self._braked(np.where(loose, slow, body.torques), state.v[6:]), state.v[6:]
         )
-        return self._told(replace(body, torques=torques), stance)
+        return self._told(body._replace(torques=torques), stance)
 
     @property
     def _off(self) -> BoolArray:

@@ -1,0 +1,134 @@
+"""Rows of the tables of `bench forces`, `bench contact` and `bench walk`, from the commands' JSON."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from statistics import median
+from typing import Any
+
+Rows = list[list[str]]
+CLASSES = ("easy", "near-boundary", "infeasible-wrench")
+OURS = "surefoot, exact cones"
+
+
+def both(timing: dict[str, float], digits: int = 0) -> str:
+    """Return median and 99th percentile in µs."""
+    return " / ".join(f"{1e6 * timing[key]:.{digits}f}" for key in ("median", "p99"))
+
+
+def allocation(told: Any) -> Rows:
+    """Return a row per solver, exact and on 8 inner facets, and two of what facets get wrong."""
+    cells: dict[str, dict[str, Any]] = defaultdict(dict)
+    for row in told["rows"]:
+        if not row["warm"]:
+            cells[f"{row['solver']}, {row['cone']}"][row["instances"]] = row
+    out = []
+    for name, by in cells.items():
+        if name.endswith((", exact", ", 8 inner")):
+            fast = min(row["timing"]["median"] for row in by.values()) < 20e-6
+            times = [both(by[one]["timing"], 1 if fast else 0) for one in CLASSES]
+            short = min(row["solved"] for row in by.values())
+            label = name.replace("8 inner", "8 facets") + (
+                "" if short == 1.0 else f" ({100 * short:.0f} % solved)"
+            )
+            out.append([label, *times])
+    inner, outer = cells["DAQP, 8 inner"], cells["DAQP, 8 outer"]
+    wrong = [f"{inner[one]['distance_worst']:.2g} N" for one in CLASSES]
+    beyond = [f"{outer[one]['cone_violation']:.2g} N" for one in CLASSES]
+    return [
+        *out,
+        ["worst force error of 8 inner facets", *wrong],
+        ["worst cone violation of 8 outer facets", *beyond],
+    ]
+
+
+def warm_starts(told: Any) -> Rows:
+    """Return a row per trajectory: cold and warm, through Python and in a compiled loop."""
+    rows = []
+    for row in told["warm"]:
+        times = [row[key]["median"] for key in ("cold", "warm", "loop_cold", "loop_warm")]
+        rows.append(
+            [
+                row["trajectory"], f"{100.0 * row['active']:.0f} %",
+                f"{row['iterations_cold']:.1f} → {row['iterations_warm']:.1f}",
+                both(row["cold"], 2), both(row["warm"], 2), f"{times[1] / times[0]:.2f}",
+                both(row["loop_cold"], 2), both(row["loop_warm"], 2), f"{times[3] / times[2]:.2f}",
+            ]
+        )  # fmt: skip
+    return rows
+
+
+def solvers(told: Any) -> Rows:
+    """Return a row per solver: problems solved, median times of a ready problem and of a new one."""
+    runs: dict[str, list[Any]] = defaultdict(list)
+    for run in told["runs"]:
+        runs[run["solver"]].append(run)
+    rows = []
+    for name in sorted(
+        runs, key=lambda one: (" " in one and one != "contact solver", one != "contact solver")
+    ):
+        done = [run for run in runs[name] if run["solved"]]
+        if not done:
+            continue
+        times = [f"{1e6 * median(run[key] for run in done):.1f}" for key in ("seconds", "fresh")]
+        rows.append([f"`{name}`", f"{len(done)} of {len(runs[name])}", *times])
+    return rows
+
+
+def families(told: Any) -> Rows:
+    """Return a row per family: the compiled solver's times on new problems, Pinocchio's best over them."""
+    by: dict[str, dict[str, dict[str, Any]]] = defaultdict(lambda: defaultdict(dict))
+    for run in told["runs"]:
+        by[run["family"]][run["problem"]][run["solver"]] = run
+    rows, every = [], []
+    for family, problems in by.items():
+        found = [ratio for ratio in map(_against_pinocchio, problems.values()) if ratio is not None]
+        every += found
+        rows.append([family, *_family(found)])
+    return [*rows, ["all", *_family(every)]]
+
+
+def _against_pinocchio(runs: dict[str, Any]) -> tuple[float, float, float] | None:
+    """Return time and 99th percentile of ours on a problem [s], and Pinocchio's best time over ours."""
+    ours = runs["contact solver"]
+    rivals = [r["fresh"] for name, r in runs.items() if name.startswith("pinocchio") and r["solved"]]
+    if not ours["solved"]:
+        return None
+    return ours["fresh"], ours["fresh_p99"], min(rivals) / ours["fresh"] if rivals else math.nan
+
+
+def _family(found: list[tuple[float, float, float]]) -> list[str]:
+    """Return median, 99th percentile of the slowest, geometric mean and least of the ratios."""
+    ratios = [ratio for *_, ratio in found if math.isfinite(ratio)]
+    mean = math.exp(sum(map(math.log, ratios)) / len(ratios)) if ratios else math.nan
+    tail = max(p99 for _, p99, _ in found)
+    return [
+        f"{1e6 * median(one for one, *_ in found):.1f}", f"{1e6 * tail:.1f}",
+        f"{mean:.2f}", f"{min(ratios, default=math.nan):.2f}",
+    ]  # fmt: skip
+
+
+def horizons(told: Any) -> Rows:
+    """Return a row per scene: our plan, the fastest accurate QP on 4 or 8 facets, and Clarabel."""
+    by: dict[str, dict[str, Any]] = defaultdict(dict)
+    for row in told["rows"]:
+        if row["accurate"]:
+            by[row["scene"]][row["method"]] = row
+    rows = []
+    for scene, methods in by.items():
+        name = min(
+            (one for one in methods if "facets" in one), key=lambda one: methods[one]["timing"]["median"]
+        )
+        cells = [
+            both(methods[one]["timing"]) if one in methods else "-"
+            for one in (OURS, name, "Clarabel, exact cones")
+        ]
+        cells[1] += f" ({name.removesuffix(' facets')})"
+        rows.append([scene, *cells])
+    return rows
+
+
+def steps(told: Any) -> Rows:
+    """Return a row per robot and call of a walking controller: median and 99th percentile."""
+    return [[row["robot"], row["call"], both(row["timing"])] for row in told["steps"]]

@@ -1,0 +1,108 @@
+"""The feet's state machine where nothing happens, which is nearly always, and the ramps of their forces."""
+
+from __future__ import annotations
+
+from surefoot.arrays import BoolArray, FloatArray
+from surefoot.kernels import kernel
+
+
+@kernel
+def follow_phases(
+    phases: FloatArray, time: float, wait: float, sensed: BoolArray, early: float, lost_time: float,
+    carrying: BoolArray, planned: BoolArray, late: BoolArray, share: FloatArray, sensed_at: FloatArray,
+    retry: FloatArray, lifted: FloatArray,
+) -> int:  # fmt: skip
+    """Bring the feet up to a time, but for those that something happens to; return these as a sum of 2^k.
+
+    Parameters
+    ----------
+    phases
+        (n, 3) see `ContactSchedule.phases`.
+    time, wait
+        On the schedule's clock, and by how much that has been held up [s].
+    sensed
+        (n,) which feet feel the ground.
+    early, lost_time
+        Share of the swing from which touch is touchdown; time without touch in stance that is borne [s].
+    carrying, planned, late, share
+        (n,) each: see `Feet`.
+    sensed_at, retry, lifted
+        (n,) when each foot last felt the ground; (n, 2) when its interrupted swing began anew and ends;
+        (n,) when its last swing began [s].
+    """
+    events = 0
+    for k in range(phases.shape[0]):
+        on, begin, end = phases[k, 0] > 0.0, phases[k, 1], phases[k, 2]
+        planned[k] = on
+        if sensed[k]:
+            sensed_at[k] = time
+        if not carrying[k] and time + wait < retry[k, 1]:
+            events |= 1 << k
+        elif on:
+            if not (carrying[k] and time - sensed_at[k] <= lost_time):
+                events |= 1 << k
+        else:
+            late[k] = False
+            share[k] = (time - begin) / (end - begin)
+            if carrying[k]:
+                if begin > lifted[k]:
+                    events |= 1 << k
+            elif sensed[k] and share[k] > early:
+                events |= 1 << k
+    return events
+
+
+@kernel
+def set_timing(
+    timing: FloatArray, share: FloatArray, late: BoolArray, late_from: FloatArray, now: float
+) -> None:
+    """Fill the columns of `swing_paths`' timing (n, 6) that change from step to step.
+
+    Parameters
+    ----------
+    timing
+        The duration of the swings, its third column, is read [s].
+    share, late, late_from
+        (n,) of the swing; (n,) which feet are late, and (n,) from when on [s].
+    now
+        On the clock of `late_from` [s].
+    """
+    for k in range(timing.shape[0]):
+        timing[k, 1], timing[k, 4] = share[k], -1.0
+        if late[k]:
+            overdue = max(now - late_from[k], 0.0)
+            timing[k, 1], timing[k, 4] = 1.0 + overdue / timing[k, 2], overdue
+
+
+@kernel
+def ramp_shares(
+    phases: FloatArray, carrying: BoolArray, carried: BoolArray, landed: FloatArray, time: float,
+    step: float, length: float, shares: FloatArray,
+) -> int:  # fmt: skip
+    """Fill (n,) shares of the largest normal force; return as a sum of 2^k the feet that landed early.
+
+    Parameters
+    ----------
+    phases
+        (n, 3) see `ContactSchedule.phases`.
+    carrying, carried, landed
+        (n,) which feet carry now, and did at the last step, and (n,) when they began to [s]: brought up.
+    time, step, length
+        Now, what is counted as carried already at a touchdown, and the length of a ramp [s].
+    shares
+        1 for feet that do not carry. Those of feet that landed early have no end yet.
+    """
+    early = 0
+    for k in range(shares.shape[0]):
+        if carrying[k] and not carried[k]:
+            landed[k] = time
+        carried[k] = carrying[k]
+        shares[k] = 1.0
+        if carrying[k]:
+            used = time - landed[k] + step
+            if phases[k, 0] > 0.0:
+                used = min(used, phases[k, 2] - time)
+            else:
+                early |= 1 << k
+            shares[k] = min(max(used / length, 0.0), 1.0)
+    return early

@@ -1,0 +1,296 @@
+"""A step of whole-body control in three compiled calls: where all is, the problem of the forces, the torques.
+
+Every call from Python costs a microsecond, and every array that it is given a tenth of one, as much as most
+pieces of `whole_body_kernels` take: what follows one another without a decision in between runs in one, on
+one block of memory (`StepMemory`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.control.torque_kernels import exceeded, recover
+from surefoot.control.whole_body_kernels import (
+    base_tasks,
+    contact_rows,
+    eliminate,
+    feet_motion,
+    place_points,
+    swing_tasks,
+)
+from surefoot.kernels import inline_kernel, kernel, window
+from surefoot.numerics.points import contact_jacobian
+from surefoot.robot.contact_points import ContactPoints
+from surefoot.spatial import GRAVITY
+
+# sizes, then where each part begins, in `StepMemory.numbers`
+NV, FEET, POINTS, SUPPORT, FLAT, FRAME, FOOT, PARTS = range(8)
+# parts of `StepMemory.memory`: constants first
+WEIGHTS, JOINTS, MIDDLES, RADII, OFFSETS = range(5)
+TWISTS, ROTATIONS, PLACES, CENTRES, MOVING, DRIFTS, BASE, H, C, E, WANTED = range(5, 16)
+OFFSET, GAIN, ROOT, TARGET, MAP, ROWS, NORMALS, ARMS, TOUCHING, FRAMES, SPOTS, END = range(16, 28)
+LINEAR, ANGULAR, SWING, TURN, RATES = range(5)
+"""What the weights are: of the base's tasks, of feet in the air, and four rates as for `contact_rows`."""
+
+
+class StepMemory:
+    """All numbers of a step of whole-body control, with views of those that Python reads.
+
+    Parameters
+    ----------
+    nv
+        Velocity components of the robot.
+    points
+        Its contact points.
+    weights, joints
+        (8,) see `RATES`; (joints,) of the joints' accelerations.
+
+    Attributes
+    ----------
+    numbers
+        Whole numbers: sizes, which velocity components move each foot, which feet are flat, their frames, and
+        the foot of each point, n feet and p points.
+    memory
+        All the rest.
+    rotations, touching
+        (n, 3, 3) of the feet's frames [-]; (n, 3) places where they touch [m].
+    twists
+        (6, nv) Pinocchio's data.J.
+    constraints, wanted
+        (r, nv), (r,) r the most that there can be.
+    offset, gain, target, map
+        (nv,), (nv, 6), (6,), (6, 3p): accelerations are offset + gain w for the ground's force w on the base,
+        and contact forces f cost ½ ||map f - target||².
+    rows
+        (3p, nv) Jacobian of the contact points, contact axes.
+    """
+
+    def __init__(self, nv: int, points: ContactPoints, weights: FloatArray, joints: FloatArray) -> None:
+        n, p = len(points.flat), len(points.foot)
+        most = 6 + int(np.where(points.flat, 6, 3).sum()) + len(joints)
+        self.sizes = nv, n, p, most
+        lengths = [
+            8, len(joints), 3 * n, n, 3 * p, 6 * nv, 9 * n, 3 * n, 3 * n, 6 * n, 6 * n, 9, nv * nv, nv,
+            most * nv, most, nv, 6 * nv, 36, 6, 18 * p, 3 * p * nv, 3 * n, 3 * n, 3 * n, 9 * p, 3 * p,
+        ]  # fmt: skip
+        starts = np.cumsum([0, *lengths])
+        whole = [
+            np.asarray(a).ravel() for a in (points.foot_support, points.flat, points.frames, points.foot)
+        ]
+        ends = np.cumsum([PARTS + len(starts), *(len(a) for a in whole)])
+        self.numbers: IntArray = np.concatenate(
+            [[nv, n, p], ends[:4], starts, *whole], dtype=np.int64, casting="unsafe"
+        )
+        self.memory = np.zeros(starts[-1])
+        given = weights, joints, points.middles, points.foot_radii, points.centres
+        self.memory[: starts[len(given)]] = np.concatenate([np.ravel(a) for a in given])
+        self._look()
+
+    def _look(self) -> None:
+        """Make the views."""
+        nv, n, p, most = self.sizes
+        self.rotations, self.touching = self._part(ROTATIONS, n, 3, 3), self._part(TOUCHING, n, 3)
+        self.twists, self.rows = self._part(TWISTS, 6, nv), self._part(ROWS, 3 * p, nv)
+        self.constraints, self.wanted = self._part(E, most, nv), self._part(WANTED, most)
+        self.offset, self.gain = self._part(OFFSET, nv), self._part(GAIN, nv, 6)
+        self.target, self.map = self._part(TARGET, 6), self._part(MAP, 6, 3 * p)
+
+    def _part(self, which: int, *shape: int) -> FloatArray:
+        """Return a view of a part."""
+        start = self.numbers[PARTS + which]
+        return self.memory[start : start + math.prod(shape)].reshape(shape)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy is made of: no views."""
+        return {"sizes": self.sizes, "numbers": self.numbers, "memory": self.memory}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take the state of a copy."""
+        self.__dict__.update(state)
+        self._look()
+
+
+@inline_kernel
+def _matrix(numbers: IntArray, memory: FloatArray, part: int, rows: int, columns: int) -> FloatArray:
+    return window(memory, numbers[PARTS + part], rows, columns)  # type: ignore[no-any-return]
+
+
+@inline_kernel
+def _vector(numbers: IntArray, memory: FloatArray, part: int, length: int) -> FloatArray:
+    return window(memory, numbers[PARTS + part], 1, length)[0]  # type: ignore[no-any-return]
+
+
+@inline_kernel
+def _matrices(numbers: IntArray, memory: FloatArray, part: int, count: int) -> FloatArray:
+    return window(memory, numbers[PARTS + part], 3 * count, 3).reshape(count, 3, 3)  # type: ignore[no-any-return]
+
+
+@inline_kernel
+def _whole(numbers: IntArray, part: int, rows: int, columns: int) -> Any:  # also truth values
+    return window(numbers, numbers[part], rows, columns)
+
+
+@kernel
+def kinematics(
+    numbers: IntArray, memory: FloatArray, v: FloatArray, twists: FloatArray, rates: FloatArray,
+    rotation: FloatArray, com: FloatArray, com_velocity: FloatArray, frame_rotations: FloatArray,
+    frame_places: FloatArray,
+) -> tuple[FloatArray, ...]:  # fmt: skip
+    """Return the fields of `Kinematics` for what `ModelViews` show, and put them into the memory.
+
+    Parameters
+    ----------
+    numbers, memory
+        Those of a `StepMemory`.
+    v
+        (nv,).
+    twists, rates
+        (6, nv) each: data.J and data.dJ.
+    rotation, com, com_velocity
+        (3, 3) of the base, (3,), (3,).
+    frame_rotations, frame_places
+        (frames, 3, 3), (frames, 3) of all frames of the model.
+    """
+    nv, n = numbers[NV], numbers[FEET]
+    J, places = _matrix(numbers, memory, TWISTS, 6, nv), _matrix(numbers, memory, PLACES, n, 3)
+    rotations, frame = _matrices(numbers, memory, ROTATIONS, n), _whole(numbers, FRAME, 1, n)[0]
+    for i in range(6):
+        for j in range(nv):
+            J[i, j] = twists[i, j]
+    for k in range(n):
+        for i in range(3):
+            places[k, i] = frame_places[frame[k], i]
+            for j in range(3):
+                rotations[k, i, j] = frame_rotations[frame[k], i, j]
+    base, spin, own = np.empty((3, 3)), np.zeros(3), _matrix(numbers, memory, BASE, 3, 3)
+    for i in range(3):
+        for j in range(3):
+            own[i, j] = base[i, j] = rotation[i, j]
+            spin[i] += rotation[i, j] * v[3 + j]
+    support, middles = _whole(numbers, SUPPORT, n, nv), _matrix(numbers, memory, MIDDLES, n, 3)
+    centres, moving, drifts = feet_motion(J, rates, support, v, rotations, places, middles)
+    _matrix(numbers, memory, CENTRES, n, 3)[:] = centres
+    _matrix(numbers, memory, MOVING, n, 6)[:] = moving
+    _matrix(numbers, memory, DRIFTS, n, 6)[:] = drifts
+    return com.copy(), com_velocity.copy(), base, spin, centres, moving, drifts
+
+
+@kernel
+def force_problem(
+    numbers: IntArray, memory: FloatArray, M: FloatArray, bias: FloatArray, mass: float,
+    outside: FloatArray, stance: BoolArray, com: FloatArray, turn: FloatArray, feet: FloatArray,
+    joints: FloatArray, frames: FloatArray, gaps: FloatArray,
+) -> tuple[int, bool]:  # fmt: skip
+    """Reduce the step after `kinematics` to forces; return the number of constraints, and success.
+
+    Parameters
+    ----------
+    numbers, memory
+        Those of a `StepMemory`.
+    M, bias
+        (nv, nv), (nv,) mass matrix and bias forces.
+    mass, outside
+        [kg]; (6,) known wrench on the base, base axes [N, N m].
+    stance, com, turn, feet, joints, frames, gaps
+        Fields of `Tasks`: (n,), (3,), (3,), (n, 6), (joints,), (n, 3, 3), (n,).
+    """
+    nv, n, p = numbers[NV], numbers[FEET], numbers[POINTS]
+    J, base = _matrix(numbers, memory, TWISTS, 6, nv), _matrix(numbers, memory, BASE, 3, 3)
+    support, flat = _whole(numbers, SUPPORT, n, nv), _whole(numbers, FLAT, 1, n)[0]
+    foot, weights = _whole(numbers, FOOT, 1, p)[0], _vector(numbers, memory, WEIGHTS, 8)
+    centres, drifts = _matrix(numbers, memory, CENTRES, n, 3), _matrix(numbers, memory, DRIFTS, n, 6)
+    tasks, costs = _matrix(numbers, memory, H, nv, nv), _vector(numbers, memory, C, nv)
+    base_tasks(
+        M, bias, base, mass, GRAVITY, com, turn, weights[:2], joints,
+        _vector(numbers, memory, JOINTS, nv - 6), tasks, costs,
+    )  # fmt: skip
+    swing_tasks(J, support, flat, stance, centres, drifts, feet, weights[SWING], weights[TURN], tasks, costs)
+    normals, arms = _matrix(numbers, memory, NORMALS, n, 3), _matrix(numbers, memory, ARMS, n, 3)
+    point_frames, points = _matrices(numbers, memory, FRAMES, p), _matrix(numbers, memory, SPOTS, p, 3)
+    place_points(
+        frames, foot, _matrices(numbers, memory, ROTATIONS, n), _matrix(numbers, memory, PLACES, n, 3),
+        _matrix(numbers, memory, OFFSETS, p, 3), _vector(numbers, memory, RADII, n), normals, arms,
+        point_frames, points,
+    )  # fmt: skip
+    most = numbers[PARTS + OFFSET] - numbers[PARTS + WANTED]
+    rows, wanted = _matrix(numbers, memory, E, most, nv), _vector(numbers, memory, WANTED, most)
+    rates = weights[RATES], weights[RATES + 1], weights[RATES + 2], weights[RATES + 3]
+    count = 6 + contact_rows(
+        J, support, flat, stance, centres, _matrix(numbers, memory, MOVING, n, 6), drifts, arms, gaps,
+        normals, rates, rows[6:], wanted[6:],
+    )  # fmt: skip
+    touching = _matrix(numbers, memory, TOUCHING, n, 3)
+    for i in range(6):
+        wanted[i] = outside[i] - bias[i]
+        for j in range(nv):
+            rows[i, j] = M[i, j]
+    for k in range(n):
+        for i in range(3):
+            touching[k, i] = centres[k, i] + arms[k, i]
+    contact_jacobian(J, support, foot, points, point_frames, _matrix(numbers, memory, ROWS, 3 * p, nv))
+    return count, reduce(numbers, memory, count)
+
+
+@kernel
+def reduce(numbers: IntArray, memory: FloatArray, count: int) -> bool:
+    """Eliminate the accelerations under `count` constraints, see `StepMemory.map`; False if that fails.
+
+    Numbers and memory are those of a `StepMemory`, (k,) each.
+    """
+    nv, p = numbers[NV], numbers[POINTS]
+    root, target = _matrix(numbers, memory, ROOT, 6, 6), _vector(numbers, memory, TARGET, 6)
+    sound = eliminate(
+        _matrix(numbers, memory, H, nv, nv), _vector(numbers, memory, C, nv),
+        _matrix(numbers, memory, E, count, nv), _vector(numbers, memory, WANTED, count),
+        _vector(numbers, memory, OFFSET, nv), _matrix(numbers, memory, GAIN, nv, 6), root, target,
+    )  # fmt: skip
+    if not sound:
+        return False
+    out, rows = _matrix(numbers, memory, MAP, 6, 3 * p), _matrix(numbers, memory, ROWS, 3 * p, nv)
+    for i in range(6):
+        if not math.isfinite(target[i]):
+            return False
+        for k in range(3 * p):
+            total = 0.0
+            for j in range(i, 6):
+                total += root[j, i] * rows[k, j]
+            out[i, k] = total
+    return True
+
+
+@kernel
+def torques_of(
+    numbers: IntArray, memory: FloatArray, forces: FloatArray, M: FloatArray, bias: FloatArray,
+    middle: FloatArray, half: FloatArray, losses: FloatArray, loose: BoolArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, tuple[float, float, float, bool]]:  # fmt: skip
+    """Return torques (joints,) and accelerations (nv,) of forces, the command, and what is exceeded.
+
+    The command is what motors are told (joints,): the torques inside their range, and what friction takes.
+
+    Parameters
+    ----------
+    numbers, memory
+        Those of a `StepMemory`, after `force_problem`.
+    forces
+        (p, 3) contact frames [N].
+    M, bias
+        (nv, nv), (nv,) mass matrix and bias forces.
+    middle, half, losses
+        (joints,) see `TorqueRange` [N m].
+    loose
+        (joints,) which of them no contact loads.
+    """
+    nv, p = numbers[NV], numbers[POINTS]
+    torques, accelerations = recover(
+        _matrix(numbers, memory, ROWS, 3 * p, nv), forces, _vector(numbers, memory, OFFSET, nv),
+        _matrix(numbers, memory, GAIN, nv, 6), M, bias,
+    )  # fmt: skip
+    command = np.empty(len(torques))
+    for j in range(len(torques)):
+        inside = min(max(torques[j], middle[j] - half[j]), middle[j] + half[j])
+        command[j] = inside + losses[j]
+    return torques, accelerations, command, exceeded(torques, middle, half, loose)
