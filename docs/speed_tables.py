@@ -7,6 +7,13 @@ from typing import Any
 
 Rows = list[list[str]]
 CLASSES = ("easy", "near-boundary", "infeasible-wrench")
+TRAJECTORIES = {
+    "sliding": "sliding: slope of 20°, mu 0.5, pushed hard",
+    "slope": "slope of 20°, mu 0.5, pushed",
+    "ice": "ice, mu 0.15, pushed",
+    "flat": "flat ground, mu 0.6, pushed",
+    "made": "made: a smooth sway, 500 Hz",
+}
 OURS = "surefoot, exact cones"
 
 
@@ -44,11 +51,11 @@ def allocation(told: Any) -> Rows:
 def warm_starts(told: Any) -> Rows:
     """Return a row per trajectory: cold and warm, through Python and in a compiled loop."""
     rows = []
-    for row in told["warm"]:
+    for row in sorted(told["warm"], key=lambda row: -row["iterations_cold"]):
         times = [row[key]["median"] for key in ("cold", "warm", "loop_cold", "loop_warm")]
         rows.append(
             [
-                row["trajectory"], f"{100.0 * row['active']:.0f} %",
+                TRAJECTORIES.get(row["trajectory"], row["trajectory"]), f"{100.0 * row['active']:.0f} %",
                 f"{row['iterations_cold']:.1f} → {row['iterations_warm']:.1f}",
                 both(row["cold"], 2), both(row["warm"], 2), f"{times[1] / times[0]:.2f}",
                 both(row["loop_cold"], 2), both(row["loop_warm"], 2), f"{times[3] / times[2]:.2f}",

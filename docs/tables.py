@@ -21,6 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from docs import speed_tables
+
 DOCS = Path(__file__).resolve().parent
 FOLDER = DOCS / "tables"
 PLACE = re.compile(r"<!-- table (?P<name>\w+) -->\n.*?<!-- end of table -->", re.DOTALL)
@@ -152,12 +154,20 @@ def _speeds(told: Any) -> Rows:
     return rows
 
 
-STACKS = "bench stacks --stack surefoot --seeds 20"
+TASKS = "speed- turn-3 push- payload- ice slope- stairs- delay noise weak-joint robot- estimate real-time"
+EVERY_TASK = "bench stacks --stack surefoot --seeds 20"
+STACKS = " ".join([EVERY_TASK, *(f"--task {name}" for name in TASKS.split())])
 STACK_COLUMNS = (
     "task", "survived", "held", "m/s", "slip [mm]", "CoT", "torque", "joint speed", "CPU, 99 % [µs]",
     "x real", "what was wrong",
 )  # fmt: skip
 PROBLEMS = ("ball", "slide", "hopper", "push", "kicker")
+FORCES = "bench forces"
+WARM = (
+    "trajectory", "cones active in", "iterations", "cold", "warm", "ratio", "loop: cold", "loop: warm",
+    "loop: ratio",
+)  # fmt: skip
+SCENES = ("scene", "Surefoot, exact cones", "fastest QP, 4 or 8 facets", "Clarabel, exact cones")
 SOFTENING = "bench softening --table race --table recommended"
 TABLES = {
     "rigid": Table("bench rigid go2", "rigid-world.md", ("", "rigid", "MuJoCo"), _rigid),
@@ -178,7 +188,7 @@ TABLES = {
         STACKS, "stacks.md", STACK_COLUMNS,
         lambda told: _stacks(told, without=("-map", "-blind")), long=True,
     ),
-    "bipeds": Table(STACKS, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),
+    "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),
     "stairs": Table(
         STACKS, "terrain-knowledge.md", STACK_COLUMNS, lambda told: _stacks(told, "stairs-", "ice"), long=True
     ),
@@ -190,6 +200,13 @@ TABLES = {
         ),
         _speeds, long=True,
     ),
+    "allocation": Table(
+        FORCES, "force-distribution.md", ("", "easy", "near the boundary", "wrench out of reach"),
+        speed_tables.allocation,
+    ),
+    "warm": Table(FORCES, "force-distribution.md", WARM, speed_tables.warm_starts),
+    "horizons": Table("bench walk", "mpc.md", SCENES, speed_tables.horizons),
+    "steps": Table("bench walk", "walking.md", ("robot", "call", "median / 99 % [µs]"), speed_tables.steps),
     "solref": Table(
         "worlds solref --world mujoco",
         "worlds.md",
