@@ -22,11 +22,11 @@ from pathlib import Path
 from typing import Any
 
 from docs import speed_tables
+from docs.speed_tables import Rows
 
 DOCS = Path(__file__).resolve().parent
 FOLDER = DOCS / "tables"
 PLACE = re.compile(r"<!-- table (?P<name>\w+) -->\n.*?<!-- end of table -->", re.DOTALL)
-Rows = list[list[str]]
 
 
 @dataclass(frozen=True)

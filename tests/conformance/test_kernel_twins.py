@@ -94,6 +94,7 @@ control.swing            swing_places         control/test_swing.py::test_places
 control.swing_even       even_swing           control/test_swing_even.py::test_velocity_and_acceleration_are_derivatives
 control.swing_even       ramped_step          control/test_swing_even.py::test_the_ramped_step_is_the_integral_of_its_acceleration
 control.swing_even       smooth_bump          control/test_swing_even.py::test_the_bump_is_highest_where_it_says
+control.torque_kernels commanded          control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics by torques_of
 control.torque_kernels exceeded           control/test_whole_body_kernels.py::test_excess_is_told_apart
 control.torque_kernels   friction_losses      control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
 control.torque_kernels   hold_to_motors       control/test_torque_kernels.py::test_bounds_and_losses_are_those_of_the_curve
@@ -225,6 +226,7 @@ numerics.projection      face                 numerics/test_projection.py::test_
 numerics.projection      project_cone         numerics/test_projection.py::test_projection
 numerics.projection      project_truncated    numerics/test_projection.py::test_projection
 numerics.rotations       log_between          numerics/test_rotations.py::test_the_rotation_vector_is_scipys
+numerics.rotations       rotation_of planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 numerics.six             add_outer            numerics/test_six.py::test_six_dimensional_algebra
 numerics.six             dot                  numerics/test_six.py::test_six_dimensional_algebra
 numerics.six             mix                  numerics/test_six.py::test_six_dimensional_algebra
@@ -246,7 +248,6 @@ planning.shooting.state_space defect planning/shooting/test_costs.py::test_diffe
 planning.shooting.state_space difference planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
 planning.shooting.state_space feedback planning/shooting/test_costs.py::test_feedback_is_the_policy_within_its_limits
 planning.shooting.state_space retract planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order
-planning.shooting.state_space rotation_of planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 planning.shooting.state_space turn_between planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 simulation.mujoco_actuators load_joints       simulation/test_run_kernels.py::test_joints_are_loaded_with_what_motors_give
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts

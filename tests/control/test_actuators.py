@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pinocchio
 import pytest
@@ -93,6 +95,15 @@ def test_a_range_is_what_motors_leave_for_the_legs() -> None:
             np.testing.assert_allclose(left[inside], wanted[inside], atol=1e-9)
             beyond = span.excess(wanted) > 0.0
             np.testing.assert_allclose(left[beyond], span.nearest(wanted)[beyond], atol=1e-9)
+
+
+def test_a_copy_of_a_range_follows_its_own_speeds() -> None:
+    span = TorqueRange(GO2.effort_limits, REAL)
+    span.update(np.zeros(12))
+    before, other = span.losses.copy(), copy.deepcopy(span)
+    other.update(np.full(12, 10.0))
+    np.testing.assert_allclose(other.losses, REAL.losses(np.full(12, 10.0)))
+    np.testing.assert_array_equal(span.losses, before)
 
 
 def tasks(push: float, swing: float = 0.0) -> Tasks:

@@ -1,5 +1,7 @@
 """The feet's state machine: lift-off and touchdown by plan, early, late, and lost."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,17 @@ def test_feet_lift_and_land_by_plan(feet: Feet) -> None:
     assert feet.share[1] == pytest.approx(0.25)
     assert feet.update(0.2, DOWN, CENTRES)  # the others lift as these land
     assert feet.carrying.tolist() == (~UP).tolist()
+
+
+def test_a_copy_swings_to_its_own_targets(feet: Feet) -> None:
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    other = copy.deepcopy(feet)
+    other.aim(1, CENTRES[1, :2] + [0.1, 0.0])
+    for one in (feet, other):
+        one.update(0.1, UP, CENTRES)
+    assert feet.motions(0.1)[1, 0, 0] == pytest.approx(CENTRES[1, 0])
+    assert other.motions(0.1)[1, 0, 0] > CENTRES[1, 0] + 0.03
 
 
 def test_a_foot_that_touches_early_carries_until_its_next_swing(feet: Feet) -> None:

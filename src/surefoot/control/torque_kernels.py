@@ -50,6 +50,15 @@ def recover(
 
 
 @kernel
+def commanded(torques: FloatArray, middle: FloatArray, half: FloatArray, losses: FloatArray) -> FloatArray:
+    """Return motor torques (joints,) for those on the legs: within middle ± half, plus `losses` [N m]."""
+    out = np.empty(len(torques))
+    for j in range(len(torques)):
+        out[j] = min(max(torques[j], middle[j] - half[j]), middle[j] + half[j]) + losses[j]
+    return out
+
+
+@kernel
 def exceeded(
     torques: FloatArray, middle: FloatArray, half: FloatArray, loose: BoolArray
 ) -> tuple[float, float, float, bool]:
@@ -87,6 +96,16 @@ def _driving(speed: float, effort: float, fastest: float, knee: float, driving: 
     return 0.0 if falling == 0.0 else driving * falling * effort  # 0 times infinity is no torque
 
 
+@inline_kernel
+def _bounds(speed: float, effort: float, fastest: float, knee: float, driving: float) -> tuple[float, float]:
+    """Return a motor's least and largest torque at a speed [N m]."""
+    if speed > 0.0:
+        return -effort, _driving(speed, effort, fastest, knee, driving)
+    if speed < 0.0:
+        return -_driving(speed, effort, fastest, knee, driving), effort
+    return -effort, effort
+
+
 @kernel
 def motor_bounds(
     speed: FloatArray, effort: FloatArray, fastest: FloatArray, knee: float, driving: float
@@ -100,12 +119,9 @@ def motor_bounds(
     effort, fastest, knee, driving
         (joints,) [N m], (joints,) [rad/s], and shares: those of `MotorLimits`.
     """
-    low, high = -effort, effort.copy()
+    low, high = np.empty(len(speed)), np.empty(len(speed))
     for j in range(len(speed)):
-        if speed[j] > 0.0:
-            high[j] = _driving(speed[j], effort[j], fastest[j], knee, driving)
-        elif speed[j] < 0.0:
-            low[j] = -_driving(speed[j], effort[j], fastest[j], knee, driving)
+        low[j], high[j] = _bounds(speed[j], effort[j], fastest[j], knee, driving)
     return low, high
 
 
@@ -116,11 +132,7 @@ def hold_to_motors(
 ) -> None:  # fmt: skip
     """Bring (joints,) torques [N m] within `motor_bounds`, which has the other parameters; NaN stays."""
     for j in range(len(torques)):
-        low, high = -effort[j], effort[j]
-        if speed[j] > 0.0:
-            high = _driving(speed[j], effort[j], fastest[j], knee, driving)
-        elif speed[j] < 0.0:
-            low = -_driving(speed[j], effort[j], fastest[j], knee, driving)
+        low, high = _bounds(speed[j], effort[j], fastest[j], knee, driving)
         torques[j] = low if torques[j] < low else torques[j]
         torques[j] = high if torques[j] > high else torques[j]
 

@@ -6,11 +6,13 @@ torque, friction takes its part (`Actuators.losses`): the range of what is left 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.actuators import CREEP, Actuators
-from surefoot.control.torque_kernels import torque_range
+from surefoot.control.torque_kernels import commanded, torque_range
 
 LEAST_SHARE = 0.02
 """Half the range is at least this share of the effort: a motor that spins away still brakes."""
@@ -42,16 +44,26 @@ class TorqueRange:
         self, effort: FloatArray, actuators: Actuators | None = None, compensation: float = 1.0
     ) -> None:
         self.actuators, self.compensation = actuators, compensation
-        self._rows = np.array([np.zeros_like(effort), effort, np.ones_like(effort), np.zeros_like(effort)])
-        self.middle: FloatArray = self._rows[0]
-        self.half: FloatArray = self._rows[1]
-        self.scale: FloatArray = self._rows[2]
-        self.losses: FloatArray = self._rows[3]
+        nothing = np.zeros_like(effort)
+        self._rows = np.array([nothing, effort, np.ones_like(effort), nothing])
+        self._bind()
         if actuators is not None:
             motors = actuators.limits
             self._figures = np.array(
                 [actuators.damping, actuators.friction, motors.effort, motors.speed, effort]
             )
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+        self.middle: FloatArray = self._rows[0]
+        self.half: FloatArray = self._rows[1]
+        self.scale: FloatArray = self._rows[2]
+        self.losses: FloatArray = self._rows[3]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def update(self, speed: FloatArray) -> None:
         """Bring the range up to the joints' speeds (joints,) [rad/s]; those not finite count as rest."""
@@ -59,15 +71,9 @@ class TorqueRange:
             return
         motors = self.actuators.limits
         torque_range(
-            speed,
-            self._figures,
-            motors.knee,
-            motors.driving,
-            CREEP,
-            self.compensation,
-            LEAST_SHARE,
+            speed, self._figures, motors.knee, motors.driving, CREEP, self.compensation, LEAST_SHARE,
             self._rows,
-        )
+        )  # fmt: skip
 
     def excess(self, torques: FloatArray) -> FloatArray:
         """Return by how much (joints,) torques are beyond the range, negative inside [N m]."""
@@ -79,5 +85,4 @@ class TorqueRange:
 
     def command(self, torques: FloatArray) -> FloatArray:
         """Return motor torques for (joints,) torques on the legs: clipped, plus what friction takes [N m]."""
-        inside = np.minimum(np.maximum(torques, self.middle - self.half), self.middle + self.half)
-        return np.asarray(inside + self.losses)
+        return commanded(torques, self.middle, self.half, self.losses)

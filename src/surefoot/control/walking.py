@@ -211,7 +211,6 @@ class WalkingController(Controller):
         if isinstance(self.schedule, AdaptiveGait):
             self.schedule.reset()
         self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
-        self._shares = b""
         self._aimed_at = -math.inf
         self._held = False  # the gait does not follow the speed fast enough
         self._untold = True  # what has been learned of the load since it was told
@@ -250,11 +249,9 @@ class WalkingController(Controller):
             self._mind_friction(self._grip, state, now)
         self.body.advance(self._wanted(clock), now.com, self.dt)
         self._load.pull(now, state.q[:3])
-        shares = self.ramps.now(clock, feet.carrying)
-        if shares.tobytes() != self._shares:  # rarely: not between the ramps of a stance
-            low, high = self._normals
-            self._shares, top = shares.tobytes(), high * shares
-            self.whole_body.bound_normals(np.minimum(low, top), top)
+        low, high = self._normals
+        top = high * self.ramps.now(clock, feet.carrying)
+        self.whole_body.bound_normals(np.minimum(low, top), top)
         if changed or due:
             self.planner.set_up(time, clock, feet, self.body, self.ramps, self._stance_time)
             self._aimless |= changed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -90,9 +91,8 @@ class Feet:
         self.late: BoolArray = np.zeros(n, dtype=bool)
         self.share = np.zeros(n)
         self._ends = np.array([self.centres, self.centres])
-        self.start, self.target = self._ends  # both are parts of what swings are computed from, as are
         self._timing = np.zeros((n, 6))
-        self.apex, self.duration, self._lift_first = (self._timing[:, j] for j in (0, 2, 3))
+        self._bind()
         self.apex[:], self.duration[:] = self.centres[:, 2], 1.0
         self._aimed = self.target.copy()  # where a foot was on its way to before it landed
         self.frames = np.array([self.terrain.frame(c[:2]) for c in self.centres])
@@ -106,6 +106,19 @@ class Feet:
         self._lift_first[:] = -1.0 if self._plane else LIFT_FIRST
         self._timing[:, 5] = DOWN
         self._search = FootholdSearch(reach=1.2 * self.clearance, margin=float(2.0 * self.radii.mean()))
+
+    def _bind(self) -> None:
+        """Find the parts of what swings are computed from."""
+        self.start: FloatArray = self._ends[0]
+        self.target: FloatArray = self._ends[1]
+        self.apex: FloatArray = self._timing[:, 0]
+        self.duration: FloatArray = self._timing[:, 2]
+        self._lift_first: FloatArray = self._timing[:, 3]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()
 
     def update(self, time: float, sensed: BoolArray, centres: FloatArray) -> bool:
         """Move on to a time of the schedule; return whether a foot has lifted or landed.

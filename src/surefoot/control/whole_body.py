@@ -138,7 +138,7 @@ class WholeBodyController:
         bounds = self.mu, np.full(count, normal_min), np.full(count, normal_max)
         self._distributor = ForceDistributor(*bounds, 1.0, weight)
         self._limited = ForceDistributor(*bounds, 1.0, weight, torque_limit=self.limits)
-        self._bounds: tuple[list[float], list[float]] | None = None
+        self._bounds: tuple[bytes, bytes] | None = None
         self._stance = np.ones(feet, dtype=bool)
         self._loose: BoolArray = np.logical_not(self._support[:, 6:].any(axis=0))
 
@@ -223,7 +223,7 @@ class WholeBodyController:
 
     def bound_normals(self, low: FloatArray, high: FloatArray) -> None:
         """Change the bounds (n,) on every foot's normal forces [N]; a flat foot's hold for each corner."""
-        given = low.tolist(), high.tolist()
+        given = low.tobytes(), high.tobytes()
         if given == self._bounds:
             return  # most of the time: between the ramps of a stance
         self._bounds = given

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
-from surefoot.control.torque_kernels import exceeded, recover
+from surefoot.control.torque_kernels import commanded, exceeded, recover
 from surefoot.control.whole_body_kernels import (
     base_tasks,
     contact_rows,
@@ -289,8 +289,5 @@ def torques_of(
         _matrix(numbers, memory, ROWS, 3 * p, nv), forces, _vector(numbers, memory, OFFSET, nv),
         _matrix(numbers, memory, GAIN, nv, 6), M, bias,
     )  # fmt: skip
-    command = np.empty(len(torques))
-    for j in range(len(torques)):
-        inside = min(max(torques[j], middle[j] - half[j]), middle[j] + half[j])
-        command[j] = inside + losses[j]
+    command = commanded(torques, middle, half, losses)
     return torques, accelerations, command, exceeded(torques, middle, half, loose)

@@ -12,6 +12,7 @@ from surefoot.estimation.foot_kinematics import place_feet
 from surefoot.kernels import borrowed, inline_kernel, kernel, window
 from surefoot.numerics.cholesky import cholesky, solve_lower, solve_upper
 from surefoot.numerics.points import point_velocity
+from surefoot.numerics.rotations import rotation_of
 from surefoot.spatial import GRAVITY
 
 DAMPING = 1e-3
@@ -48,7 +49,7 @@ def feel_feet(
     numbers, radii, rows, forces, velocities, points, local = detector_arrays(memory, n, nv)
     place_feet(twists, turns, places, tables, support, v[6:], feet)
     R = np.empty((3, 3))
-    _rotation(q[3], q[4], q[5], q[6], R)
+    rotation_of(q, R)
     _observe(
         twists, drifts, turns, places, momenta, masses, tables, feet[36 * n + 1 :], v, R[2], numbers, rows
     )
@@ -82,14 +83,6 @@ def detector_arrays(memory: FloatArray, n: int, nv: int) -> tuple[FloatArray, ..
         window(memory, at, n, 3), window(memory, at + 3 * n, n, 3), window(memory, at + 6 * n, n, 3),
         window(memory, at + 9 * n, n, 3),
     )  # fmt: skip
-
-
-@inline_kernel
-def _rotation(x: float, y: float, z: float, w: float, R: FloatArray) -> None:
-    """Fill R with the rotation of a quaternion of length 1."""
-    R[0, 0], R[0, 1], R[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
-    R[1, 0], R[1, 1], R[1, 2] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
-    R[2, 0], R[2, 1], R[2, 2] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
 
 
 @inline_kernel

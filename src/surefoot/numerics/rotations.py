@@ -9,6 +9,16 @@ from surefoot.kernels import inline_kernel
 
 
 @inline_kernel
+def rotation_of(q: FloatArray, out: FloatArray) -> None:
+    """Fill out (3, 3) with the rotation of the quaternion q[3:7] of a configuration (nq,), of any length."""
+    x, y, z, w = q[3], q[4], q[5], q[6]
+    s = 2.0 / (x * x + y * y + z * z + w * w)
+    out[0, 0], out[0, 1], out[0, 2] = 1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)
+    out[1, 0], out[1, 1], out[1, 2] = s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w)
+    out[2, 0], out[2, 1], out[2, 2] = s * (x * z - y * w), s * (y * z + x * w), 1.0 - s * (x * x + y * y)
+
+
+@inline_kernel
 def log_between(A: FloatArray, B: FloatArray, out: FloatArray) -> None:
     """Fill out (3,) with the rotation vector of A Bᵀ, rotations (3, 3), of length at most pi [rad]."""
     x = y = z = trace = 0.0

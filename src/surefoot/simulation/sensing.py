@@ -99,7 +99,6 @@ class EstimatedState(Sensing):
         self._actuators: Actuators | None = getattr(world, "actuators", None)
         self._foot = np.asarray(world.contact_foot)
         self._standing: BoolArray | None = None
-        self._none: BoolArray = np.zeros(len(robot.feet), dtype=bool)
         self._warm_up(robot.nominal)
         self._started = False
 
@@ -135,7 +134,7 @@ class EstimatedState(Sensing):
     def acted(self, command: Command, torques: FloatArray) -> None:
         """See `Sensing.acted`."""
         start = clock.perf_counter()
-        pushing = self._none.copy()
+        pushing = np.empty(len(self.sensors.robot.feet), dtype=bool)
         with_points(command.active, self._foot, pushing)
         planned = command.rows().get("planned", pushing)
         self._standing = pushing

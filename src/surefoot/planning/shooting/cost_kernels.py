@@ -12,7 +12,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.cholesky import product
-from surefoot.planning.shooting.state_space import rotation_of, turn_between
+from surefoot.numerics.rotations import rotation_of
+from surefoot.planning.shooting.state_space import turn_between
 
 StateTable = tuple[FloatArray, FloatArray, FloatArray]
 """Weights (N + 1, 2nv), and the wanted q (N + 1, nq) and v (N + 1, nv)."""
