@@ -1,7 +1,7 @@
 """Go2's trot with real motors: what speeds ask of them, and what late commands do.
 
-Run: python -m benchmarks.actuators [--quick] [--seeds N] [--part speeds|delays|robots]. MuJoCo, all links may
-touch, the state is estimated from ordinary sensors.
+Run: python -m benchmarks.actuators [--quick] [--seeds N] [--part speeds|delays|robots] [--json]. MuJoCo, all
+links may touch, the state is estimated from ordinary sensors.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.cli.command_options import Wiring
 from surefoot.control.actuators import actuators_of
@@ -85,14 +85,14 @@ def row(walk: Walk, seeds: int, duration: float) -> Iterator[str]:
     yield f"{sum(touched)} of {seeds}"
 
 
-def table(title: str, walks: dict[str, Walk], seeds: int, duration: float, console: Console) -> None:
-    """Print one row for every walk, as they come."""
+def table(title: str, walks: dict[str, Walk], seeds: int, duration: float) -> Table:
+    """Return one row for every walk."""
     out = Table(title=f"{title}; {duration:g} s, worst of {seeds} seeds")
     for column in ("walk", *COLUMNS):
         out.add_column(column, justify="left" if column == "walk" else "right")
     for name, walk in walks.items():
         out.add_row(name, *row(walk, seeds, duration))
-    console.print(out)
+    return out
 
 
 def speeds() -> dict[str, Walk]:
@@ -137,14 +137,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--duration", type=float, default=6.0)
     parser.add_argument("--only", default="", help="walks whose names hold this")
     parser.add_argument("--part", choices=tuple(PARTS), action="append")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
-    console = Console()
     if given.quick:
-        table("quick", {"0.5 m/s, real, targets": Walk(wired=TARGETS)}, 1, 1.0, console)
+        quick = table("quick", {"0.5 m/s, real, targets": Walk(wired=TARGETS)}, 1, 1.0)
+        show([quick], given.json)
         return
-    for part in given.part or PARTS:
-        walks = {name: walk for name, walk in PARTS[part]().items() if given.only in name}
-        table(part, walks, given.seeds, given.duration, console)
+    chosen = {
+        part: {name: walk for name, walk in PARTS[part]().items() if given.only in name}
+        for part in given.part or PARTS
+    }
+    show((table(part, walks, given.seeds, given.duration) for part, walks in chosen.items()), given.json)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
 """How many seeded faults an audit finds, and how often it cries wolf: the table of docs/audit.md.
 
-Run: python -m benchmarks.audit [--runs 8] [--clean 100] [--folder FOLDER]. A fault counts as found if the
-first symptom that the audit tells of it has the right name, the right foot, and begins and ends
+Run: python -m benchmarks.audit [--runs 8] [--clean 100] [--folder FOLDER] [--json]. A fault counts as
+found if the first symptom that the audit tells of it has the right name, the right foot, and begins and ends
 within 50 ms of it; a fault of the log itself (NaN, clock) if the log is not lawful, at the right time.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -116,9 +117,13 @@ def main() -> None:
     parser.add_argument("--clean", type=int, default=100)
     parser.add_argument("--folder", type=Path, default=None, help="keeps the clean runs")
     parser.add_argument("--only", nargs="*", default=None)
+    parser.add_argument("--json", action="store_true", help="print JSON")
     given = parser.parse_args()
     if given.folder is not None:
         given.folder.mkdir(parents=True, exist_ok=True)
+    if given.json:
+        print(json.dumps(_record(given.runs, given.clean, given.folder, given.only), ensure_ascii=False))
+        return
     heads = ("trials", "noticed", "foot", "time", "cause", "all")
     print(f"{'fault':12} {'amplitude':>14}" + "".join(f"{head:>8}" for head in heads))
     total = found = 0
@@ -137,6 +142,19 @@ def main() -> None:
     print(f"{len(alarms)} false alarms on {given.clean} clean runs")
     for line in alarms:
         print("    " + line[:250])
+
+
+def _record(runs: int, clean: int, folder: Path | None, only: Sequence[str] | None) -> dict[str, object]:
+    """Return what --json prints."""
+    faults = [
+        {
+            "name": s.fault.name, "title": s.fault.title, "amplitude": s.fault.amplitude,
+            "unit": s.fault.unit, "symptom": s.fault.symptom, "trials": s.trials, "noticed": s.unlawful,
+            "foot": s.foot, "time": s.time, "cause": s.cause, "found": s.found, "wrong": s.wrong,
+        }
+        for s in measure(runs, only, folder)
+    ]  # fmt: skip
+    return {"faults": faults, "clean": clean, "alarms": false_alarms(clean, folder)}
 
 
 if __name__ == "__main__":

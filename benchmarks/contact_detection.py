@@ -1,8 +1,8 @@
 """How late and how well contacts and friction are told without sensors in the feet: docs/estimation.md.
 
-Run: python -m benchmarks.contact_detection [--quick]. Runs are walked in their worlds; the detector then sees
-q, v and torques, exact and with noise, and its answers are held against the forces of the world. The tracker
-of friction sees walks onto ground that is more slippery than the controller was told.
+Run: python -m benchmarks.contact_detection [--quick] [--json]. Runs are walked in their worlds; the detector
+then sees q, v and torques, exact and with noise, and its answers are held against the forces of the world.
+The tracker of friction sees walks onto ground that is more slippery than the controller was told.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ import argparse
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.arrays import FloatArray
 from surefoot.audit.motion import touching
 from surefoot.control.walking import WalkingController, WalkSettings
@@ -119,11 +119,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one run for each table")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     cases = [(world, mu) for world in ("rigid", "mujoco") for mu in (0.15, 0.25)]
-    console = Console()
-    console.print(detection_table(WALKS[:1] if given.quick else WALKS))
-    console.print(friction_table(cases[1:2] if given.quick else cases))
+    detection = detection_table(WALKS[:1] if given.quick else WALKS)
+    show([detection, friction_table(cases[1:2] if given.quick else cases)], given.json)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """What the direct method finds, at what price, and how far off it is when run again: docs/direct-planning.md.
 
-Run: python -m benchmarks.direct_planning [--quick]. Every motion is planned with coarse knots, then with
-finer ones from there. A plan's torques are then replayed in the rigid world: by the same steps, and by
+Run: python -m benchmarks.direct_planning [--quick] [--json]. Every motion is planned with coarse knots, then
+with finer ones from there. A plan's torques are then replayed in the rigid world: by the same steps, and by
 its own, of second order and 1 ms.
 """
 
@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.audit import audit_log
 from surefoot.planning.direct import (
     DirectPlan,
@@ -155,14 +156,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.direct_planning", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="the hopper only")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
-    console = Console(width=230)
-    console.print(plan_table(cases(given.quick)))
-    firsts = (1.0, 1e-8) if given.quick else (1.0, 1e-2, 1e-4, 1e-8)
-    console.print(start_table(rest_to_rest(planar_hopper(), 0.3), firsts))
-    if not given.quick:
+    show(_tables(given.quick), given.json, Console(width=230))
+
+
+def _tables(quick: bool) -> Iterator[Table]:
+    yield plan_table(cases(quick))
+    firsts = (1.0, 1e-8) if quick else (1.0, 1e-2, 1e-4, 1e-8)
+    yield start_table(rest_to_rest(planar_hopper(), 0.3), firsts)
+    if not quick:
         jump = rest_to_rest(load_robot("go2"), 0.0, 0.12, knots=20)
-        console.print(friction_table(jump, (RoundCone(), Facets(4), Facets(8))))
+        yield friction_table(jump, (RoundCone(), Facets(4), Facets(8)))
 
 
 if __name__ == "__main__":

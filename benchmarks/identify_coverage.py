@@ -1,6 +1,7 @@
 """How often the 95 % intervals of `surefoot identify` hold the truth: the table of docs/identify.md.
 
-Run: python -m benchmarks.identify_coverage [--sets 100] [--tosses 64] [--first 1000] [--out FILE]. A set
+Run: python -m benchmarks.identify_coverage [--sets 100] [--tosses 64] [--first 1000] [--out FILE]
+[--json]. A set
 is made-up tosses with a good camera's noise on a tilted ground; with --out its row is written as soon as
 it is known, and a run that was interrupted goes on after the last one.
 """
@@ -17,6 +18,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.estimation import identify
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.problems.tosses import random_tosses
@@ -62,16 +64,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--tosses", type=int, default=64)
     parser.add_argument("--first", type=int, default=1000, help="seed of the first set")
     parser.add_argument("--out", type=Path, help="file of rows, gone on with where it exists")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     rows: list[dict[str, list[float]]] = []
     if given.out is not None and given.out.exists():
         rows = [json.loads(line) for line in given.out.read_text().splitlines()][: given.sets]
-    for seed in track(range(given.first + len(rows), given.first + given.sets), "sets"):
+    seeds = range(given.first + len(rows), given.first + given.sets)
+    for seed in track(seeds, "sets", console=Console(stderr=given.json)):
         rows.append(one_set(seed, given.tosses))
         if given.out is not None:
             with given.out.open("a") as file:
                 file.write(json.dumps(rows[-1]) + "\n")
-    Console().print(coverage(rows))
+    show([coverage(rows)], given.json)
 
 
 if __name__ == "__main__":

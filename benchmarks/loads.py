@@ -1,9 +1,9 @@
 """Loads and pulls that a walking robot was not told of: with the wrench observer, and without.
 
 Run: python -m benchmarks.loads [--quick] [--seeds N] [--only TEXT]
-[--part payloads|robots|disturbances|cost]. Trots in MuJoCo at 0.5 m/s. In the ideal world the state is the
-true one, motors are ideal and feet alone touch; in the hard one the state is estimated from ordinary sensors,
-motors are real and every link may touch.
+[--part payloads|robots|disturbances|cost] [--json]. Trots in MuJoCo at 0.5 m/s. In the ideal world the
+state is the true one, motors are ideal and feet alone touch; in the hard one the state is estimated from
+ordinary sensors, motors are real and every link may touch.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.arrays import FloatArray
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.control.actuators import actuators_of
@@ -168,15 +169,14 @@ def disturbances(quick: bool) -> Iterator[tuple[str, Walk]]:
 PARTS = {"payloads": payloads, "robots": robots, "disturbances": disturbances}
 
 
-def table(part: str, quick: bool, only: str, seeds: int, duration: float) -> None:
-    """Print what a part comes to, without and with the observer."""
+def table(part: str, quick: bool, only: str, seeds: int, duration: float) -> Table:
+    """Return what a part comes to, without and with the observer."""
     shown = Table(title=f"{part}: {seeds} seeds of {duration:g} s each, worst of them")
     for name in (
         "walk", "observer", "walked", "lawful", "lean [deg]", f"after {LATE:g} s", "velocity off [m/s]",
         "slip [mm]", "found [kg]", "at [m]",
     ):  # fmt: skip
         shown.add_column(name, justify="left" if name in ("walk", "observer") else "right")
-    console = Console(width=150)
     for title, walk in PARTS[part](quick):
         if only not in title:
             continue
@@ -188,7 +188,7 @@ def table(part: str, quick: bool, only: str, seeds: int, duration: float) -> Non
                 f"{r.lean:.2f}", f"{r.lean_late:.2f}", f"{r.missed:.3f}", f"{1e3 * r.slip:.1f}",
                 f"{r.mass:.2f}" if observed else "", at,
             )  # fmt: skip
-    console.print(shown)
+    return shown
 
 
 class Stopwatch(Controller):
@@ -210,8 +210,8 @@ class Stopwatch(Controller):
         return command
 
 
-def cost(quick: bool) -> None:
-    """Print the processor time of a controller's step in a trot, without and with the observer."""
+def cost(quick: bool) -> Table:
+    """Return the processor time of a controller's step in a trot, without and with the observer."""
     robot, duration = load_robot("go2"), 0.5 if quick else 4.0
     medians, means = [], []
     for load in (None, LoadSettings()):
@@ -220,11 +220,10 @@ def cost(quick: bool) -> None:
         run(MujocoWorld(robot, payload=2.0), watch, Scenario(duration, settings.mu, seed=0))
         medians.append(1e6 * float(np.median(watch.spent)))
         means.append(1e6 * float(np.mean(watch.spent)))
-    told = [
-        f"{title} {a:.1f} us without, {b:.1f} us with"
-        for title, (a, b) in (("median", medians), ("mean", means))
-    ]
-    print(f"processor time of a controller's step, the observer off and on: {'; '.join(told)}")
+    shown = Table("", "observer off", "on", title="processor time of a controller's step [us]")
+    for title, times in (("median", medians), ("mean", means)):
+        shown.add_row(title, *(f"{time:.1f}" for time in times))
+    return shown
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -235,13 +234,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--duration", type=float, default=5.0)
     parser.add_argument("--only", default="", help="walks whose names hold this")
     parser.add_argument("--part", choices=(*PARTS, "cost"), action="append")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     seeds, duration = (1, 1.0) if given.quick else (given.seeds, given.duration)
-    for part in given.part or (*PARTS, "cost"):
-        if part == "cost":
-            cost(given.quick)
-        else:
-            table(part, given.quick, given.only, seeds, duration)
+    tables = (
+        cost(given.quick) if part == "cost" else table(part, given.quick, given.only, seeds, duration)
+        for part in given.part or (*PARTS, "cost")
+    )
+    show(tables, given.json, Console(width=150))
 
 
 if __name__ == "__main__":

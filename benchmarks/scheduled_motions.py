@@ -1,15 +1,16 @@
 """Motions over given schedules: centroidal ones, and what they save the search of the whole body.
 
-Run: python -m benchmarks.scheduled_motions [--quick] [jump] [jump-up] [backflip]
+Run: python -m benchmarks.scheduled_motions [--quick] [--json] [jump] [jump-up] [backflip]
 
 Prints, for each motion of Go2, Ipopt's iterations and CPU time for the centroidal motion, and for the whole
 body from its reference and from the centroidal motion: until it stops, and until the motion keeps to all
 constraints at a cost within `NEAR` of its last one, since the last digits may take as long again or more.
-`--quick` leaves the whole body out.
+`--quick` leaves the whole body out, `--json` prints the rows as JSON.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Callable
@@ -115,6 +116,10 @@ def rows(name: str, quick: bool) -> list[Row]:
 def main(arguments: list[str]) -> list[Row]:
     """Print the table of the motions named, all without names."""
     names = [a for a in arguments if a in MOTIONS] or list(MOTIONS)
+    if "--json" in arguments:
+        table = [row for motion in names for row in rows(motion, "--quick" in arguments)]
+        print(json.dumps([row._asdict() for row in table]))
+        return table
     print("| motion | search | from | found | iterations until near | in all | CPU s | cost |")
     print("| --- | --- | --- | --- | ---: | ---: | ---: | ---: |")
     table = []

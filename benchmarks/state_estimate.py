@@ -1,6 +1,6 @@
 """How well a walking robot knows its state, and what that costs.
 
-Run: python -m benchmarks.state_estimate [--quick] [--seeds N]. Robots walk on what the contact-aided
+Run: python -m benchmarks.state_estimate [--quick] [--seeds N] [--json]. Robots walk on what the contact-aided
 invariant filter tells their controllers, from IMU, encoders and torques, with all their bodies' collision
 geometry in MuJoCo; errors are those against the truth.
 """
@@ -11,14 +11,14 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit import WalkSummary, summarise_walk
 from surefoot.control.walking import WalkingController, WalkSettings
@@ -181,14 +181,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one short run")
     parser.add_argument("--seeds", type=int, help="of every run; by default 20 of the first two, 3 of others")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
-    console = Console()
-    if given.quick:
-        console.print(error_table(WALKS[:1], 1, 2.0))
-        console.print(cost_table(("go2",), 300))
-    else:
-        console.print(error_table(WALKS, given.seeds, 10.0))
-        console.print(cost_table(("go2", "anymal_c", "g1")))
+    show(_tables(given.quick, given.seeds), given.json)
+
+
+def _tables(quick: bool, seeds: int | None) -> Iterator[Table]:
+    yield error_table(WALKS[:1], 1, 2.0) if quick else error_table(WALKS, seeds, 10.0)
+    yield cost_table(("go2",), 300) if quick else cost_table(("go2", "anymal_c", "g1"))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from surefoot.arrays import FloatArray
 from surefoot.audit import summarise_walk
 from surefoot.control.actuators import actuators_of
@@ -153,11 +154,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--knowledge", choices=KNOWLEDGE, action="append")
     parser.add_argument("--actuators", choices=("ideal", "real"), default="ideal")
     parser.add_argument("--truth", action="store_true", help="the controller is told the true state")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     tasks = given.task or (["ice", "slope"] if given.quick else list(TASKS))
     knowledge = given.knowledge or (["exact"] if given.quick else list(KNOWLEDGE))
     seeds = 1 if given.quick else given.seeds
-    Console(width=150).print(table(tasks, knowledge, seeds, given.actuators, given.truth))
+    found = table(tasks, knowledge, seeds, given.actuators, given.truth)
+    show([found], given.json, Console(width=150))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import Any
 
-Rows = list[list[str]]
+from docs.measured import Rows
+
 CLASSES = ("easy", "near-boundary", "infeasible-wrench")
 TRAJECTORIES = {
     "sliding": "sliding: slope of 20°, mu 0.5, pushed hard",

@@ -1,13 +1,13 @@
 """Print the tables and draw the picture of docs/gradients.md.
 
-Run: python -m benchmarks.gradients [--quick] [--out FOLDER].
+Run: python -m benchmarks.gradients [--quick] [--out FOLDER] [--json].
 """
 
 from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from benchmarks.gradients.landing import Landing
 from benchmarks.gradients.pictures import draw_landscapes
 from benchmarks.gradients.search import race
 from benchmarks.gradients.tasks import Ball, Block, Hopper, Slide
+from benchmarks.printing import show
 
 SMOOTHINGS, STIFFNESSES = np.array([1e-3, 1e-2, 1e-1]), np.array([1e3, 1e4])
 """[W] and [N/m]; the middle smoothing and the last stiffness are drawn."""
@@ -66,16 +67,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.gradients", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one task, few points")
     parser.add_argument("--out", type=Path, help="folder for the picture")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     chosen = tasks()[1:2] if given.quick else tasks()
     fine, points, starts, iterations = (25, 5, 2, 4) if given.quick else (151, 21, 4, 20)
-    console, grids = Console(), []
-    for task in chosen:
-        with Progress(console=console, transient=True) as progress:
-            bar = progress.add_task(task.name, total=fine)
-            grids.append(Grid(task, fine, partial(progress.advance, bar)))
-        console.print(bias_table(grids[-1], points))
-        console.print(search_table(grids[-1], starts, iterations))
+    console, grids = Console(stderr=given.json), list[Grid]()
+
+    def tables() -> Iterator[Table]:
+        for task in chosen:
+            with Progress(console=console, transient=True) as progress:
+                bar = progress.add_task(task.name, total=fine)
+                grids.append(Grid(task, fine, partial(progress.advance, bar)))
+            yield bias_table(grids[-1], points)
+            yield search_table(grids[-1], starts, iterations)
+
+    show(tables(), given.json, console)
     if given.out is not None:
         given.out.mkdir(parents=True, exist_ok=True)
         smoothing, stiffness = float(SMOOTHINGS[1]), float(STIFFNESSES[-1])

@@ -1,18 +1,19 @@
 """Print the tables of docs/three-roads.md.
 
-Run: python -m benchmarks.three_roads [--task hopper|go2] [--starts N] [--quick].
+Run: python -m benchmarks.three_roads [--task hopper|go2] [--starts N] [--quick] [--json].
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import show
 from benchmarks.three_roads.roads import ROADS, Outcome, travel
 from benchmarks.three_roads.task import IN_LESS_TIME, SHORT, TASKS, JumpTask
 
@@ -78,12 +79,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--task", choices=sorted(TASKS), default="hopper")
     parser.add_argument("--starts", type=int, default=10)
     parser.add_argument("--quick", action="store_true", help="two random starts, one change")
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
-    task, console = TASKS[given.task](), Console(width=160)
-    console.print(start_table(task, 2 if given.quick else given.starts))
-    console.print(change_table(task, 1 if given.quick else None))
-    if IN_LESS_TIME in task.variations and not given.quick:
-        console.print(schedule_table(task, SHORT))
+    show(_tables(TASKS[given.task](), given.starts, given.quick), given.json, Console(width=160))
+
+
+def _tables(task: JumpTask, starts: int, quick: bool) -> Iterator[Table]:
+    yield start_table(task, 2 if quick else starts)
+    yield change_table(task, 1 if quick else None)
+    if IN_LESS_TIME in task.variations and not quick:
+        yield schedule_table(task, SHORT)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,339 @@
+"""Measured tables of walking: stacks, speeds, motors, loads, estimates, faults, sweeps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from docs.measured import Rows, Table, printed
+
+
+def _stacks(told: Any, *beginnings: str, without: tuple[str, ...] = ()) -> Rows:
+    """Return a row per task of Surefoot's whose name begins with one of some words, all without any."""
+
+    def cell(value: float | None, digits: int, scale: float = 1.0) -> str:
+        return "-" if value is None else f"{scale * value:.{digits}f}"
+
+    rows = []
+    for row in told["rows"]:
+        name = row["task"]
+        if row["stack"] != "surefoot" or not name.startswith(beginnings or ("",)) or name.endswith(without):
+            continue
+        low, high = (100.0 * row["survival"][end] for end in ("low", "high"))
+        faults = "; ".join(f"{fault}: {count}" for fault, count in row["faults"].items())
+        rows.append(
+            [
+                f"`{name}`{'*' if row['must'] else ''}",
+                f"{row['survived']}/{row['trials']} ({low:.0f} to {high:.0f} %)",
+                str(row["held"]),
+                cell(row["forward"], 3),
+                cell(row["slip"], 1, 1e3),
+                cell(row["cost_of_transport"], 2),
+                cell(row["torque_use"], 2),
+                cell(row["speed_use"], 2),
+                f"{cell(row['step_us'], 0)}, {cell(row['step_p99_us'], 0)}",
+                cell(row["real_time"], 1),
+                faults.replace("|", "/"),
+            ]
+        )
+    return rows
+
+
+def _speeds(told: Any) -> Rows:
+    rows = []
+    for row in told:
+        vx, _, turn = row["wanted"]
+        name = f"{vx:g} m/s" if vx else f"turning at {turn:g} rad/s"
+        if row["wanted"] != row["commanded"]:
+            name += f", slowed to {row['commanded'][0]:.3g}"
+        rows.append(
+            [
+                name, str(row["good"]), str(row["lawful"]), f"{row['error']:.3f}", f"{1e3 * row['slip']:.1f}",
+                f"{row['speed_use']:.2f}", f"{row['torque_use']:.2f}",
+                f"{row['rate']:.1f}, {row['usual_rate']:.1f}",
+            ]
+        )  # fmt: skip
+    return rows
+
+
+def _motor_speeds(told: Any) -> Rows:
+    """Return a row per trot of `benchmarks.actuators`; its name is speed, motors and commands."""
+    rows, last = [], ""
+    for walk, *cells in printed(
+        told, "speeds", "walk", "laws and limits kept", "velocity [m/s]", "slip [mm]", "fastest joint [%]",
+        "beyond its speed [%]", "torque cut off [%]",
+    ):  # fmt: skip
+        speed, motors, commands = walk.split(", ")
+        rows.append(["" if speed == last else speed, f"{motors}, {commands}", *cells])
+        last = speed
+    return rows
+
+
+def _loads(told: Any, title: str) -> Rows:
+    """Return a row per walk of `benchmarks.loads`: without and with the observer."""
+    columns = (
+        "walk", "observer", "walked", "lawful", "lean [deg]", "after 2 s", "velocity off [m/s]", "slip [mm]",
+        "found [kg]", "at [m]",
+    )  # fmt: skip
+    rows: dict[str, dict[str, list[str]]] = {}
+    for walk, observer, *cells in printed(told, title, *columns):
+        rows.setdefault(walk, {})[observer] = cells
+    out = []
+    for walk, by in rows.items():
+        off, on = by["off"], by["on"]
+        both = [f"{a}, {b}" for a, b in zip(off[:6], on[:6], strict=True)]
+        out.append([walk, *both, f"{on[6]} kg at {on[7]}" if on[7] else f"{on[6]} kg"])
+    return out
+
+
+def _payloads(told: Any) -> Rows:
+    """Return the payloads of one seed and the one that was walked with many."""
+    few, many = told
+    found = {row[0]: row for row in _loads(few, "payloads")}
+    for row in _loads(many, "payloads"):
+        found[row[0]] = [f"{row[0]}, 20 seeds", *row[1:]]
+    return list(found.values())
+
+
+def _detections(told: Any) -> Rows:
+    """Return delays and errors of the contact detector, the contacts it missed of all."""
+    columns = ("run", "noise", "touchdown", "lift-off", "missed", "contacts", "false", "rows wrong")
+    return [
+        [run, noise, down, up, f"{missed} of {contacts}", false, wrong]
+        for run, noise, down, up, missed, contacts, false, wrong in printed(told, "contacts from", *columns)
+    ]
+
+
+def _faults(told: Any) -> Rows:
+    """Return the largest level of every fault that all seeds survived, and the next one."""
+    return [
+        [
+            f"{row['title']} [{row['unit']}]",
+            "none" if row["survived"] is None else f"{row['survived']:g}",
+            "(last level)" if row["next_level"] is None else f"{row['next_level']:g}",
+        ]
+        for row in told["faults"]
+    ]
+
+
+def _seeded_faults(told: Any) -> Rows:
+    """Return what is done to a log, what should be told, and how often it was told right."""
+    return [
+        [
+            f"`{row['name']}`", row["title"], f"{row['amplitude']:.3g} {row['unit']}".strip(),
+            row["symptom"] or "cannot tell", f"{row['noticed']} of {row['trials']}",
+            f"{row['found']} of {row['trials']}",
+        ]
+        for row in told["faults"]
+    ]  # fmt: skip
+
+
+def _alarms(told: Any) -> Rows:
+    """Return all faults together, and clean runs that were told not to be."""
+    found, noticed, trials = (
+        sum(row[key] for row in told["faults"]) for key in ("found", "noticed", "trials")
+    )
+    return [[f"{found} of {trials}", f"{noticed} of {trials}", f"{len(told['alarms'])} of {told['clean']}"]]
+
+
+def _walks(told: Any) -> Rows:
+    """Return a row per walk: what was wanted and came, in the largest component, slip and the laws."""
+    rows = []
+    for said, found in zip(WALKS, told, strict=True):
+        parts = {name: found["velocity"][name] for name in ("forward", "left", "turn")}
+        name, part = max(parts.items(), key=lambda item: abs(item[1]["commanded"]))
+        unit = {"forward": "m/s", "left": "m/s to the left", "turn": "rad/s"}[name]
+        slip = max(foot["slip"] for foot in found["feet"])
+        laws = "kept" if not found["laws_broken"] else "; ".join(found["laws_broken"])
+        climb = f", {abs(found['climb']):.1f} m {'up' if found['climb'] > 0.0 else 'down'}"
+        moved = f"{part['measured']:.3f} {unit}" + (climb if "slope" in said or "stairs" in said else "")
+        rows.append([f"`{said}`", moved, f"{1e3 * slip:.2g} mm", laws])
+    return rows
+
+
+def _bins(told: Any, parameter: str) -> Any:
+    return told["parameters"][parameter]
+
+
+def _worlds(told: Any) -> Rows:
+    """Return share and error of the sweep over MuJoCo's time constant."""
+    return [
+        [row["bin"], str(row["samples"]), f"{row['value']:.2f}", f"{1e3 * row['medians']['off']:.1f}"]
+        for row in _bins(told, "time_constant")
+    ]
+
+
+def _timid(told: Any) -> Rows:
+    """Return shares and median velocities of the narrow and the wide sweep over the commanded speed."""
+    return [
+        [
+            narrow["bin"],
+            *(f"{one['value']:.3f}" for one in (narrow, wide)),
+            *(f"{one['medians']['velocity']:.2f}" for one in (narrow, wide)),
+        ]
+        for narrow, wide in zip(*(_bins(one, "speed") for one in told), strict=True)
+    ]
+
+
+def _soft(told: Any) -> Rows:
+    """Return medians of the sweep over the ground's softness."""
+    scales = {
+        "sink": (1e3, ".2g"),
+        "ground_work": (1.0, ".2f"),
+        "slip": (1e3, ".2g"),
+        "laws_broken": (1.0, "g"),
+    }
+    return [
+        [row["bin"], *(f"{scale * row['medians'][name]:{form}}" for name, (scale, form) in scales.items())]
+        for row in _bins(told, "time_constant")
+    ]
+
+
+TASKS = "speed- turn-3 push- payload- ice slope- stairs- delay noise weak-joint robot- estimate real-time"
+EVERY_TASK = "surefoot bench stacks --stack surefoot --seeds 20"
+STACKS = " ".join([EVERY_TASK, *(f"--task {name}" for name in TASKS.split())])
+STACK_COLUMNS = (
+    "task", "survived", "held", "m/s", "slip [mm]", "CoT", "torque", "joint speed", "CPU, 99 % [µs]",
+    "x real", "what was wrong",
+)  # fmt: skip
+SPEED_COLUMNS = (
+    "velocity",
+    "good",
+    "lawful",
+    "error",
+    "slip [mm]",
+    "joint speed",
+    "torque",
+    "rate [N m/ms], 99.9 %",
+)
+WALKS = (
+    "go2 --velocity 0.5 --duration 20",
+    "go2 --velocity 1.0 --duration 20",
+    "go2 --velocity 0,0.3,0 --duration 20",
+    "go2 --velocity 0,0,0.8 --duration 20",
+    "go2 --velocity 0.4 --terrain slope:15 --duration 20",
+    "go2 --velocity 0.4 --terrain slope:-15 --duration 20",
+    "go2 --velocity 0.4 --terrain rough:1,0.04 --duration 15",
+    "go2 --velocity 0.3 --terrain stairs:0.08,0.3 --duration 15",
+    "go2 --push 3:0,100,0:0.1 --push 6:0,-100,0:0.1",
+    "go2 --ice 3:0.2 --ice 6:0.6",
+    "anymal",
+    "anymal_c",
+    "a1",
+    "go1",
+)
+"""Walks of docs/walking.md."""
+ALL_WALKS = "; ".join(
+    f"surefoot walk {walk} --seed 1 --estimator truth --no-video --no-report" for walk in WALKS
+)
+ACTUATORS = "python -m benchmarks.actuators --part"
+LOADS = "python -m benchmarks.loads"
+FEW = f"{LOADS} --seeds 1 --duration 4 --part"
+MANY = f"{LOADS} --seeds 20 --part payloads --only 'hard: 5 kg at (0.1'"
+STATE, DETECTION = "python -m benchmarks.state_estimate", "python -m benchmarks.contact_detection"
+AUDIT = "python -m benchmarks.audit"
+SWEEP = "surefoot sweep examples/sweeps"
+MOTOR_SPEEDS = (
+    "trot", "motors, commands", "laws and limits kept", "velocity [m/s]", "longest slip [mm]",
+    "fastest joint [%]", "beyond its speed [% of steps]", "torque cut off [% of steps]",
+)  # fmt: skip
+MOTORS = (
+    "walk", "walked", "laws and limits kept", "velocity [m/s]", "slip [mm]", "fastest joint [%]",
+    "links touched",
+)  # fmt: skip
+LOAD = (
+    "walk: without, with the observer", "walked", "lawful", "lean [deg]", "after 2 s", "velocity off [m/s]",
+    "slip [mm]", "found",
+)  # fmt: skip
+ERRORS = ("run", "walked", "v rms [mm/s]", "drift [%]", "tilt rms [deg]", "heading [deg]", "lawful")
+KNOWN = (
+    "task", "knowledge", "upright, on course", "95 %", "lawful too", "speed [m/s]", "worst slip [mm]",
+)  # fmt: skip
+
+TABLES = {
+    "stacks": Table(
+        STACKS, "stacks.md", STACK_COLUMNS,
+        lambda told: _stacks(told, without=("-map", "-blind")), long=True,
+    ),
+    "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),
+    "stairs": Table(
+        STACKS, "terrain-knowledge.md", STACK_COLUMNS, lambda told: _stacks(told, "stairs-", "ice"), long=True
+    ),
+    "speeds": Table("surefoot bench speeds --seeds 20", "speed-limits.md", SPEED_COLUMNS, _speeds, long=True),
+    "motor_speeds": Table(
+        f"{ACTUATORS} speeds --seeds 2 --duration 5", "actuators.md", MOTOR_SPEEDS, _motor_speeds, long=True
+    ),
+    "motor_robots": Table(
+        f"{ACTUATORS} robots --seeds 1 --duration 4", "actuators.md", MOTORS,
+        lambda told: printed(told, "robots", *MOTORS), long=True,
+    ),
+    "late_commands": Table(
+        f"{ACTUATORS} delays --only '5 ms' --seeds 20 --duration 4", "actuators.md", MOTORS,
+        lambda told: printed(told, "delays", *MOTORS), long=True,
+    ),
+    "payloads": Table(f"{FEW} payloads; {MANY}", "loads.md", LOAD, _payloads, long=True),
+    "loaded_robots": Table(
+        f"{FEW} robots", "loads.md", LOAD, lambda told: _loads(told, "robots"), long=True
+    ),
+    "disturbances": Table(
+        f"{FEW} disturbances", "loads.md", LOAD, lambda told: _loads(told, "disturbances"), long=True
+    ),
+    "state_errors": Table(
+        STATE, "estimation.md", ERRORS, lambda told: printed(told, "state estimate", *ERRORS), long=True
+    ),
+    "state_cost": Table(
+        STATE, "estimation.md", ("robot", "filter: predict", "filter: update", "forces", "contacts", "all"),
+        lambda told: printed(told, "CPU time"), long=True,
+    ),
+    "detection": Table(
+        DETECTION, "estimation.md",
+        ("run", "noise", "touchdown [ms]: median, worst", "lift-off", "missed", "false", "rows wrong"),
+        _detections,
+    ),
+    "slippery": Table(
+        DETECTION, "estimation.md",
+        ("world", "true mu", "first answer after the first slip [ms]", "all answers", "highest lower bound"),
+        lambda told: printed(told, "friction while"),
+    ),
+    "knowledge": Table(
+        "python -m benchmarks.terrain_knowledge --seeds 5 --task slope --task ice --task ice-unaware "
+        "--task patch", "terrain-knowledge.md", KNOWN,
+        lambda told: printed(told, "go2", *KNOWN), long=True,
+    ),
+    "walks": Table(
+        ALL_WALKS, "walking.md", ("`surefoot walk ...`", "measured", "slip", "laws"), _walks, long=True,
+        said="each line's command with `--seed 1 --estimator truth`",
+    ),
+    "faults": Table(
+        "surefoot bench faults --estimator truth --seeds 20 --duration 4", "walking.md",
+        ("fault", "survived", "not survived"), _faults, long=True,
+    ),
+    "seeded_faults": Table(
+        AUDIT, "audit.md", ("fault", "what is done", "amplitude", "told as", "noticed", "all right"),
+        _seeded_faults, long=True,
+    ),
+    "alarms": Table(
+        AUDIT, "audit.md", ("foot, time and cause right", "noticed", "false alarms on clean runs"), _alarms,
+        long=True,
+    ),
+    "timid": Table(
+        f"{SWEEP}/walk-narrow.yaml; {SWEEP}/walk-wide.yaml", "sweeps.md",
+        (
+            "commanded speed [m/s]", "narrow: share that walked as told", "wide",
+            "narrow: median velocity [m/s]", "wide",
+        ),
+        _timid, long=True,
+    ),
+    "off_worlds": Table(
+        f"{SWEEP}/worlds.yaml --over time_constant", "sweeps.md",
+        ("time constant [s]", "samples", "share that agrees", "off by [mm], median"), _worlds,
+    ),
+    "soft_ground": Table(
+        f"{SWEEP}/soft.yaml --over time_constant", "sweeps.md",
+        ("time constant [s]", "sink [mm]", "ground's work [J]", "slip [mm]", "laws broken"), _soft, long=True,
+    ),
+    "coverage": Table(
+        "python -m benchmarks.identify_coverage", "identify.md",
+        ("parameter", "truth", "hold it", "half-width (median)", "error (rms)"),
+        lambda told: printed(told, "95 % intervals"), long=True,
+    ),
+}  # fmt: skip

@@ -1,0 +1,35 @@
+"""Tables of benchmarks, for people and as JSON."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from rich.table import Table
+
+from benchmarks.printing import show
+
+
+def _table() -> Table:
+    table = Table("solver", "time [µs]", title="two solvers")
+    table.add_row("ours", "1.0")
+    table.add_row("theirs", "2.0")
+    return table
+
+
+def test_as_json_all_tables_are_one_list(capsys: pytest.CaptureFixture[str]) -> None:
+    show((_table() for _ in range(2)), as_json=True)
+    first, second = json.loads(capsys.readouterr().out)
+    assert first == second
+    assert first == {
+        "title": "two solvers",
+        "columns": ["solver", "time [µs]"],
+        "rows": [["ours", "1.0"], ["theirs", "2.0"]],
+    }
+
+
+def test_for_people_they_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    show([_table()])
+    said = capsys.readouterr().out
+    assert "two solvers" in said
+    assert "theirs" in said
