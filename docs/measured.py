@@ -51,7 +51,7 @@ def printed(told: Sequence[dict[str, Any]], title: str, *columns: str) -> Rows:
     """Return some columns of the printed table whose title has some words in it (`benchmarks.printing`)."""
     (table,) = (table for table in told if title in table["title"])
     places = [table["columns"].index(name) for name in columns or table["columns"]]
-    return [[row[k] for k in places] for row in table["rows"]]
+    return [[row[k].strip() for k in places] for row in table["rows"]]
 
 
 def words(text: str, *beginnings: str) -> Iterator[list[str]]:

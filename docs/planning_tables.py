@@ -89,8 +89,9 @@ def _without_gait(told: Any) -> Rows:
     rows = [
         row(f"{long['seconds']:.0f} s at 0.5 m/s", "yes" if long["done"] else "no", long),
         row("60 N for 0.1 s, four directions, three phases of the stride", count(pushes), *pushes),
-        row("friction, payload and two pushes by chance", count(drawn), *drawn),
     ]
+    if drawn:
+        rows.append(row("friction, payload and two pushes by chance", count(drawn), *drawn))
     named = found["variants"].items()
     return [*rows, *(row(name, "yes" if walk["done"] else "no", walk) for name, walk in named)]
 

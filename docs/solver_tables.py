@@ -167,7 +167,7 @@ def families(told: Any) -> Rows:
 
 def readme(told: Any) -> Rows:
     """Return what questions take here and elsewhere: forces, statics, contact and MPC."""
-    forces, statics, contacts, walk = told
+    forces, statics, contacts, walk, standing = told
     exact = {name: cells for name, *cells in speed_tables.allocation(forces)}
     short = {name: cells[0].split(" / ")[0] for name, cells in exact.items()}
     facets = {name: float(time) for name, time in short.items() if "8 facets" in name}
@@ -185,7 +185,7 @@ def readme(told: Any) -> Rows:
     rivals = "; ".join(
         f"{name} {ready}, {fresh} ({solved})"
         for name, (solved, ready, fresh) in by.items()
-        if "`" not in name
+        if name in NAMED_RIVALS
     )
     plans = {row[0]: row[1:] for row in speed_tables.horizons(walk)}
     mpc = [[plans[scene][k].split(" / ")[0] for scene in ("trot", "limit")] for k in range(3)]
@@ -208,6 +208,8 @@ def readme(told: Any) -> Rows:
         ],
         ["step of the walking controller, plans included; 99th percentile", step.replace(" / ", "; "), "",
          "`surefoot bench walk`"],
+        ["step of the standing controller", f"{standing['controller_step_us']['median']:.0f}", "",
+         "`surefoot stand`"],
     ]  # fmt: skip
 
 
@@ -226,6 +228,9 @@ def _momentum_in_plans(told: str) -> Rows:
 
 STATICS, FORCES = "surefoot bench statics", "surefoot bench forces"
 CONTACT, WALK = "surefoot bench contact", "surefoot bench walk"
+STAND = "surefoot stand go2 --no-video --no-report"
+NAMED_RIVALS = ("pinocchio pgs", "pinocchio admm", "pinocchio admm spectral anderson", "siconos nsgs")
+"""Those that the README compares with; docs/choosing-a-solver.md has all."""
 WARM = (
     "trajectory", "cones active in", "iterations", "cold", "warm", "ratio", "loop: cold", "loop: warm",
     "loop: ratio",
@@ -271,7 +276,6 @@ TABLES = {
     "warm": Table(FORCES, "force-distribution.md", WARM, speed_tables.warm_starts),
     "accuracy": Table(
         f"{FORCES} --instances 10000 --count 2 --no-stands", "force-distribution.md", WEIGHTS, _accuracy,
-        long=True,
     ),
     "horizons": Table(WALK, "mpc.md", SCENES, speed_tables.horizons),
     "steps": Table(WALK, "walking.md", ("robot", "call", "median / 99 % [µs]"), speed_tables.steps),
@@ -280,7 +284,7 @@ TABLES = {
         ("time constant [s]", "rest depth [mm]", "deepest [mm]", "peak load / weight"), _solref,
     ),
     "readme": Table(
-        "; ".join((FORCES, STATICS, CONTACT, WALK)), "../README.md",
+        "; ".join((FORCES, STATICS, CONTACT, WALK, STAND)), "../README.md",
         ("question", "Surefoot, exact cones, median [µs]", "rivals", "command"), readme,
     ),
 }  # fmt: skip

@@ -38,6 +38,7 @@ SHORT = 5.0
 
 def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     """Return a command as it is run here."""
+    words = tuple(word for word in words if word not in ("--no-video", "--no-report"))
     if words[0] == "bench":
         return words if "--quick" in words else (*words, "--quick")
     if words[0] == "lab":
@@ -47,8 +48,7 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return (*names, "--no-pictures")
     if words[0] == "plan":  # coarse: the knots of 10 ms are tests/planning's
         coarse = words[1] in ("jump", "backflip", "jump-up") and "--dt" not in words
-        out = [word for word in words if word not in ("--no-video", "--no-report")]
-        return (*out, *(("--dt", "0.02") if coarse else ()), "--no-video", "--no-report")
+        return (*words, *(("--dt", "0.02") if coarse else ()), "--no-video", "--no-report")
     if words[0] == "sweep":
         return (*_alone(words), "--samples", "4", "--backend", "serial")
     if words[0] not in ("stand", "walk"):
