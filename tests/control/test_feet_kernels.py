@@ -68,11 +68,14 @@ def test_ramps_rise_and_fall(seed: int) -> None:
     time, step, length = 1.0, 1e-3, 0.03
     phases = np.column_stack([some(rng), np.full(N, 0.8), time + 0.06 * rng.random(N)])
     carrying, carried, landed = some(rng), some(rng), time - 0.06 * rng.random(N)
+    felt, elapsed = rng.random(N) < 0.7, 1.5e-3
     shares, was, since = np.zeros(N), carried.copy(), landed.copy()
-    early = ramp_shares(phases, carrying, was, since, time, step, length, shares)
+    early = ramp_shares(phases, carrying, felt, was, since, time, elapsed, step, length, shares)
     assert (was == carrying).all()
     for k in range(N):
-        assert since[k] == (time if carrying[k] and not carried[k] else landed[k])
+        waits = not felt[k] and time - landed[k] + step < length
+        begun = time if not carried[k] else landed[k] + elapsed * waits
+        assert since[k] == (begun if carrying[k] else landed[k])
         assert bool(early >> k & 1) == bool(carrying[k] and not phases[k, 0])
         if not carrying[k]:
             assert shares[k] == 1.0
