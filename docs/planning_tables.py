@@ -127,11 +127,16 @@ def _executed(told: Any) -> Rows:
 
 def _slopes(told: Any, title: str, *columns: str) -> Rows:
     """Return a row per road and a column per task, the named cells of each together."""
+
+    def short(cell: str) -> str:
+        number = float(cell.removesuffix(" %"))
+        return f"{number:.0f}" if number >= 100.0 else f"{number:.2g}"
+
     cells: dict[str, list[str]] = {}
     for table in told:
         if title in table["title"]:
             for road, *found in printed([table], title, "road", *columns):
-                cells.setdefault(road, []).append(" / ".join(cell.removesuffix(" %") for cell in found))
+                cells.setdefault(road, []).append(" / ".join(map(short, found)))
     return [[road, *row] for road, row in cells.items()]
 
 
