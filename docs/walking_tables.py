@@ -260,29 +260,29 @@ TABLES = {
     ),
     "speeds": Table("surefoot bench speeds --seeds 20", "speed-limits.md", SPEED_COLUMNS, _speeds, long=True),
     "motor_speeds": Table(
-        f"{ACTUATORS} speeds --seeds 2 --duration 5", "actuators.md", MOTOR_SPEEDS, _motor_speeds, long=True
+        f"{ACTUATORS} speeds --seeds 2 --duration 5", "actuators.md", MOTOR_SPEEDS, _motor_speeds
     ),
     "motor_robots": Table(
         f"{ACTUATORS} robots --seeds 1 --duration 4", "actuators.md", MOTORS,
-        lambda told: printed(told, "robots", *MOTORS), long=True,
+        lambda told: printed(told, "robots", *MOTORS),
     ),
     "late_commands": Table(
         f"{ACTUATORS} delays --only '5 ms' --seeds 20 --duration 4", "actuators.md", MOTORS,
-        lambda told: printed(told, "delays", *MOTORS), long=True,
+        lambda told: printed(told, "delays", *MOTORS),
     ),
-    "payloads": Table(f"{FEW} payloads; {MANY}", "loads.md", LOAD, _payloads, long=True),
+    "payloads": Table(f"{FEW} payloads; {MANY}", "loads.md", LOAD, _payloads),
     "loaded_robots": Table(
-        f"{FEW} robots", "loads.md", LOAD, lambda told: _loads(told, "robots"), long=True
+        f"{FEW} robots", "loads.md", LOAD, lambda told: _loads(told, "robots")
     ),
     "disturbances": Table(
-        f"{FEW} disturbances", "loads.md", LOAD, lambda told: _loads(told, "disturbances"), long=True
+        f"{FEW} disturbances", "loads.md", LOAD, lambda told: _loads(told, "disturbances")
     ),
     "state_errors": Table(
-        STATE, "estimation.md", ERRORS, lambda told: printed(told, "state estimate", *ERRORS), long=True
+        STATE, "estimation.md", ERRORS, lambda told: printed(told, "state estimate", *ERRORS)
     ),
     "state_cost": Table(
         STATE, "estimation.md", ("robot", "filter: predict", "filter: update", "forces", "contacts", "all"),
-        lambda told: printed(told, "CPU time"), long=True,
+        lambda told: printed(told, "CPU time"),
     ),
     "detection": Table(
         DETECTION, "estimation.md",
@@ -297,10 +297,10 @@ TABLES = {
     "knowledge": Table(
         "python -m benchmarks.terrain_knowledge --seeds 5 --task slope --task ice --task ice-unaware "
         "--task patch", "terrain-knowledge.md", KNOWN,
-        lambda told: printed(told, "go2", *KNOWN), long=True,
+        lambda told: printed(told, "go2", *KNOWN),
     ),
     "walks": Table(
-        ALL_WALKS, "walking.md", ("`surefoot walk ...`", "measured", "slip", "laws"), _walks, long=True,
+        ALL_WALKS, "walking.md", ("`surefoot walk ...`", "measured", "slip", "laws"), _walks,
         said="each line's command with `--seed 1 --estimator truth`",
     ),
     "faults": Table(
@@ -329,7 +329,7 @@ TABLES = {
     ),
     "soft_ground": Table(
         f"{SWEEP}/soft.yaml --over time_constant", "sweeps.md",
-        ("time constant [s]", "sink [mm]", "ground's work [J]", "slip [mm]", "laws broken"), _soft, long=True,
+        ("time constant [s]", "sink [mm]", "ground's work [J]", "slip [mm]", "laws broken"), _soft,
     ),
     "coverage": Table(
         "python -m benchmarks.identify_coverage", "identify.md",
