@@ -118,6 +118,8 @@ def main() -> int:
         parser.error(f"no table {', '.join(unknown)}; there are {', '.join(TABLES)}")
     if given.told and not given.names:
         parser.error("--told needs the names of the tables that it is for")
+    if given.told and len({TABLES[name].command for name in given.names}) > 1:
+        parser.error("--told is for tables of one command")
     if not given.check:
         measure(given.names or [name for name, table in TABLES.items() if not table.long], given.told)
     wrong = 0
