@@ -22,6 +22,7 @@ import pytest
 
 import surefoot
 
+pytestmark = pytest.mark.xdist_group("docstrings")  # the files are read once
 SOURCE = Path(surefoot.__file__).parent
 KERNELS = {"kernel", "inline_kernel", "releasing_kernel"}
 ARRAYS = {"FloatArray", "IntArray", "BoolArray", "ArrayLike", "NDArray"}
@@ -121,6 +122,14 @@ def _fields(node: ast.ClassDef) -> Iterator[Item]:
         own = below.value if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant) else None
         said = entries.get(name, "" if entries else doc) + (str(own.value) if own else "")
         yield Item(name, _types(field.annotation), said)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _forgotten_afterwards() -> Iterator[None]:
+    """Let go of the trees, a million objects that would slow every later collection of garbage."""
+    yield
+    _modules.cache_clear()
+    _exported.cache_clear()
 
 
 @cache

@@ -79,7 +79,7 @@ def planned(task: str, quick: bool = False) -> Plan:
     robot = load_robot("go2")
     if task == "stand-up" and quick:
         model = MujocoWorld(robot, dt=2e-3, collision="full")
-        return StandUp(model=model).plan(Request(robot, 180.0, seed=1), lambda iteration: None)
+        return StandUp(model=model).plan(Request(robot, 180.0, dt=2e-3, seed=1), lambda iteration: None)
     return make_plan(robot, task, TASKS[task])
 
 
