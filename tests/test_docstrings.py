@@ -22,7 +22,6 @@ import pytest
 
 import surefoot
 
-pytestmark = pytest.mark.xdist_group("docstrings")  # the files are read once
 SOURCE = Path(surefoot.__file__).parent
 KERNELS = {"kernel", "inline_kernel", "releasing_kernel"}
 ARRAYS = {"FloatArray", "IntArray", "BoolArray", "ArrayLike", "NDArray"}

@@ -15,7 +15,6 @@ import pytest
 
 import surefoot
 
-pytestmark = pytest.mark.xdist_group("limits")  # the files are read once
 TESTS = Path(__file__).parent
 SOURCE = Path(surefoot.__file__).parent
 FILE_LINES, FUNCTION_LINES, PARAMETERS, KERNEL_PARAMETERS = 400, 60, 10, 14

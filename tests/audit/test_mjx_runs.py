@@ -11,7 +11,6 @@ from surefoot.problems.logged_runs import CleanRun
 
 pytest.importorskip("jax")
 pytest.importorskip("mujoco")
-pytestmark = pytest.mark.xdist_group("jax")
 
 
 @pytest.mark.skipif(find_spec("mujoco.mjx") is None, reason="MJX is not here")

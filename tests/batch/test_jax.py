@@ -15,7 +15,6 @@ from surefoot.errors import ProblemError
 jax = pytest.importorskip("jax", reason="JAX is not installed (extra jax)")
 jnp = jax.numpy
 sfj = pytest.importorskip("surefoot.batch.jax")
-pytestmark = pytest.mark.xdist_group("jax")
 ROADS = (sfj.solve, sfj.solve_on_host)
 
 

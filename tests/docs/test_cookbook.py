@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from packaging.requirements import Requirement
@@ -15,14 +13,7 @@ from docs.site.recipe import COOKBOOK, Recipe, read_recipe, recipes, run_recipe
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def in_groups() -> Iterator[Any]:
-    """Yield the recipes; those with JAX in one group of workers, see tests/conftest.py."""
-    for recipe in recipes():
-        group = [pytest.mark.xdist_group("jax")] if "jax" in recipe.needs else []
-        yield pytest.param(recipe, id=recipe.path.stem, marks=group)
-
-
-@pytest.mark.parametrize("recipe", list(in_groups()))
+@pytest.mark.parametrize("recipe", recipes(), ids=lambda recipe: recipe.path.stem)
 def test_a_recipe_prints_what_it_says(recipe: Recipe, tmp_path: Path) -> None:
     if recipe.missing:
         pytest.skip(f"needs {', '.join(recipe.missing)}")
