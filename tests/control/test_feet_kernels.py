@@ -68,11 +68,14 @@ def test_ramps_rise_and_fall(seed: int) -> None:
     time, step, length = 1.0, 1e-3, 0.03
     phases = np.column_stack([some(rng), np.full(N, 0.8), time + 0.06 * rng.random(N)])
     carrying, carried, landed = some(rng), some(rng), time - 0.06 * rng.random(N)
+    felt, elapsed = rng.random(N) < 0.7, 1.5e-3
     shares, was, since = np.zeros(N), carried.copy(), landed.copy()
-    early = ramp_shares(phases, carrying, was, since, time, step, length, shares)
+    early = ramp_shares(phases, carrying, felt, was, since, time, elapsed, step, length, shares)
     assert (was == carrying).all()
     for k in range(N):
-        assert since[k] == (time if carrying[k] and not carried[k] else landed[k])
+        waits = not felt[k] and time - landed[k] + step < length
+        begun = time if not carried[k] else landed[k] + elapsed * waits
+        assert since[k] == (begun if carrying[k] else landed[k])
         assert bool(early >> k & 1) == bool(carrying[k] and not phases[k, 0])
         if not carrying[k]:
             assert shares[k] == 1.0
@@ -112,10 +115,12 @@ def test_a_schedule_that_changes_is_asked_again() -> None:
     assert schedule.phases(0.5)[0].tolist() == [1.0, 0.0, 0.8]
 
 
+@pytest.mark.parametrize("speed_over", [1.0, 4.0])
 @pytest.mark.parametrize("seed", range(10))
-def test_a_body_goes_where_it_should(seed: int) -> None:
+def test_a_body_goes_where_it_should(seed: int, speed_over: float) -> None:
     rng = np.random.default_rng(seed)
     position, velocity, slope = rng.normal(size=3), rng.normal(size=3), 0.3 * rng.normal(size=2)
+    velocity *= speed_over
     com, command, dt, height = position + 0.2 * rng.normal(size=3), rng.normal(size=3), 0.01, 0.3
     yaw, ground, lowered, most, dip, lead, lowering = 0.4, 0.1, 0.3, 5.0, 0.2, 0.05, 0.3
     place, speed = position.copy(), velocity.copy()
@@ -128,7 +133,7 @@ def test_a_body_goes_where_it_should(seed: int) -> None:
     R = np.array([[math.cos(turned), -math.sin(turned)], [math.sin(turned), math.cos(turned)]])
     flow = R @ wanted[:2]
     ahead = position[:2] + dt * flow - com[:2]
-    reach = lead * math.sqrt(9.81 * height)
+    reach = lead * max(math.sqrt(9.81 * height), float(np.linalg.norm(flow)))
     ahead *= min(1.0, reach / np.linalg.norm(ahead))
     level, low = ground + slope @ flow * dt, lowered + (1.0 - lowered) * dt / lowering
     np.testing.assert_allclose(speed, wanted, atol=1e-13)

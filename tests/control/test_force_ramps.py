@@ -39,6 +39,18 @@ def test_a_foot_that_is_late_begins_its_ramp_when_it_touches() -> None:
     assert ramps.now(0.43, np.ones(4, dtype=bool))[0] == pytest.approx(11e-3 / LENGTH)
 
 
+def test_a_foot_that_feels_nothing_after_its_landing_waits_with_its_ramp() -> None:
+    ramps, on = walked(0.4), np.ones(4, dtype=bool)
+    off, felt = np.array([False, True, True, True]), np.array([False, True, True, True])
+    ramps.now(0.41, off)
+    first = ramps.now(0.42, on)[0]
+    for i in range(1, 8):
+        assert ramps.now(0.42 + 1e-3 * i, on, felt)[0] == pytest.approx(first)
+    assert ramps.now(0.43, on)[0] == pytest.approx(first + 3e-3 / LENGTH)
+    assert ramps.now(0.46, on)[0] == pytest.approx(1.0)
+    assert ramps.now(0.461, on, felt)[0] == pytest.approx(1.0)  # it has long stood: that is not its landing
+
+
 @pytest.mark.parametrize("time", [0.05, 0.21, 0.33, 0.4])
 def test_the_mean_ahead_is_that_of_what_comes(time: float) -> None:
     ramps, step, count = walked(time), 0.02, 12

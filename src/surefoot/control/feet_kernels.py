@@ -76,8 +76,8 @@ def set_timing(
 
 @kernel
 def ramp_shares(
-    phases: FloatArray, carrying: BoolArray, carried: BoolArray, landed: FloatArray, time: float,
-    step: float, length: float, shares: FloatArray,
+    phases: FloatArray, carrying: BoolArray, felt: BoolArray, carried: BoolArray, landed: FloatArray,
+    time: float, elapsed: float, step: float, length: float, shares: FloatArray,
 ) -> int:  # fmt: skip
     """Fill (n,) shares of the largest normal force; return as a sum of 2^k the feet that landed early.
 
@@ -85,10 +85,12 @@ def ramp_shares(
     ----------
     phases
         (n, 3) see `ContactSchedule.phases`.
-    carrying, carried, landed
-        (n,) which feet carry now, and did at the last step, and (n,) when they began to [s]: brought up.
-    time, step, length
-        Now, what is counted as carried already at a touchdown, and the length of a ramp [s].
+    carrying, felt
+        (n,) which feet carry now, and which feel the ground.
+    carried, landed
+        (n,) which feet carried at the last step, and (n,) when they began to [s]: brought up.
+    time, elapsed, step, length
+        Now, since the last step, what is counted as carried already at a touchdown, and a ramp's length [s].
     shares
         1 for feet that do not carry. Those of feet that landed early have no end yet.
     """
@@ -96,6 +98,8 @@ def ramp_shares(
     for k in range(shares.shape[0]):
         if carrying[k] and not carried[k]:
             landed[k] = time
+        elif carrying[k] and not felt[k] and time - landed[k] + step < length:
+            landed[k] += elapsed  # it may hang in the air still: more force would throw it at the ground
         carried[k] = carrying[k]
         shares[k] = 1.0
         if carrying[k]:

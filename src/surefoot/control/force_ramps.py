@@ -3,7 +3,8 @@
 A foot that carries its share of the weight from one millisecond to the next asks its motors for a step in
 torque, and drops the body when it leaves. So the most that a foot may push grows along a line from the moment
 it touches, and falls along one to the moment it is planned to lift; the predictive controller knows it and
-moves the load to the other feet in time.
+moves the load to the other feet in time. A foot that has been taken to stand for an instant and feels nothing
+any more waits with its ramp: pushed down in the air it would strike the ground.
 """
 
 from __future__ import annotations
@@ -39,16 +40,21 @@ class ForceRamps:
         self._landed = np.full(schedule.feet, -math.inf)
         self._carrying: BoolArray = np.ones(schedule.feet, dtype=bool)
         self._shares = np.ones(schedule.feet)
+        self._time = -math.inf
 
-    def now(self, time: float, carrying: BoolArray) -> FloatArray:
+    def now(self, time: float, carrying: BoolArray, felt: BoolArray | None = None) -> FloatArray:
         """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
 
-        To be called at every step: a foot's ramp begins when it first carries.
+        To be called at every step: a foot's ramp begins when it first carries, and goes on while the foot
+        feels the ground, (n,); None where that is not known, and all do.
         """
         shares, schedule = self._shares, self.schedule
+        elapsed = max(time - self._time, 0.0) if math.isfinite(self._time) else 0.0
+        self._time = time
         early = ramp_shares(
-            schedule.phases(time), carrying, self._carrying, self._landed, time, LANDED, self.length, shares
-        )
+            schedule.phases(time), carrying, carrying if felt is None else felt, self._carrying, self._landed,
+            time, elapsed, LANDED, self.length, shares,
+        )  # fmt: skip
         for k in range(len(shares)) if early else ():
             if early >> k & 1:
                 left = (self._lift_off(k, time) - time) / self.length

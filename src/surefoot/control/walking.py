@@ -250,7 +250,7 @@ class WalkingController(Controller):
         self.body.advance(self._wanted(clock), now.com, self.dt)
         self._load.pull(now, state.q[:3])
         low, high = self._normals
-        top = high * self.ramps.now(clock, feet.carrying)
+        top = high * self.ramps.now(clock, feet.carrying, sensed)
         self.whole_body.bound_normals(np.minimum(low, top), top)
         if changed or due:
             self.planner.set_up(time, clock, feet, self.body, self.ramps, self._stance_time)

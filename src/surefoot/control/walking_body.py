@@ -16,7 +16,8 @@ from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
 
 LEAD = 0.05
-"""The wanted place never runs further ahead of the body than it goes in this time at Froude speed 1 [s]."""
+"""The wanted place never runs further ahead of the body than it goes in this time [s], at Froude speed 1 or
+at the wanted one if that is higher: less, and a fast trot stays behind its command for good."""
 GROUND_TIME = 0.12
 """Time constant with which the ground's slope under the feet is followed [s]."""
 DIP = 0.25

@@ -101,7 +101,8 @@ def advance_body(
     yaw, ground, lowered, acceleration, dip
         See `BodyPlan`.
     lead, lowering
-        How far the wanted place may be ahead, as a share of sqrt(g h) [s]; time constant of `lowered` [s].
+        How far the wanted place may be ahead, over the larger of sqrt(g h) and the wanted speed [s]; time
+        constant of `lowered` [s].
     """
     limit = acceleration * dt
     for k in range(3):
@@ -112,7 +113,7 @@ def advance_body(
     vx, vy = c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]
     position[0] += vx * dt
     position[1] += vy * dt
-    reach = lead * math.sqrt(GRAVITY * height)
+    reach = lead * max(math.sqrt(GRAVITY * height), math.hypot(vx, vy))
     x, y = position[0] - com[0], position[1] - com[1]
     far = math.hypot(x, y)
     if far > reach:
