@@ -51,15 +51,12 @@ with contextlib.suppress(SurefootError):  # the tests that need it say so themse
 
 LONG = (
     "cli/test_shown_commands", "jax", "test_course", "planning/schedule/test_whole_body",
-    "adversary/test_contact_verdicts", "conformance/test_solver_table", "sweep/test_kill", "cli/test_identify",
-    "planning/tasks/test_stand_up", "batch/test_batch", "benchmarks/test_forces_bench", "sweep/test_driver",
+    "adversary/test_contact_verdicts", "conformance/test_solver_table", "sweep/test_kill",
+    "cli/test_identify", "planning/tasks/test_stand_up", "batch/test_batch", "benchmarks/test_forces_bench", "sweep/test_driver",
     "test_startup", "stepping/test_soft_world", "parity/test_soft_vs_mujoco", "simulation/test_walking",
 )  # fmt: skip
 """Files that take longest, which go first: begun last, one of them would leave the other worker idle."""
-TOGETHER = {
-    file: "jax"
-    for file in ("batch/test_jax", "docs/test_cookbook", "audit/test_mjx_runs", "simulation/test_mjx_world")
-}
+WITH_JAX = ("batch/test_jax", "docs/test_cookbook", "audit/test_mjx_runs", "simulation/test_mjx_world")
 """Files that one worker has to run: no two processes should write to one folder of compiled programs."""
 
 
@@ -71,7 +68,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     class WholeFiles(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file = nodeid.split("::")[0].removeprefix("tests/").removesuffix(".py")
-            return TOGETHER.get(file, file)
+            return "jax" if file in WITH_JAX else file
 
         def _assign_work_unit(self, node: Any) -> None:
             long = next((name for name in LONG if name in self.workqueue), None)
