@@ -53,7 +53,8 @@ LONG = (
     "cli/test_shown_commands", "jax", "test_course", "planning/schedule/test_whole_body",
     "adversary/test_contact_verdicts", "conformance/test_solver_table", "sweep/test_kill",
     "cli/test_identify", "planning/tasks/test_stand_up", "batch/test_batch", "benchmarks/test_forces_bench",
-    "sweep/test_driver", "test_startup", "stepping/test_soft_world", "parity/test_soft_vs_mujoco", "simulation/test_walking",
+    "sweep/test_driver", "test_startup", "stepping/test_soft_world", "parity/test_soft_vs_mujoco",
+    "simulation/test_walking",
 )  # fmt: skip
 """Files that take longest, which go first: begun last, one of them would leave the other worker idle."""
 WITH_JAX = ("batch/test_jax", "docs/test_cookbook", "audit/test_mjx_runs", "simulation/test_mjx_world")

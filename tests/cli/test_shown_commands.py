@@ -120,7 +120,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         text = text.replace(f'"{foot}"', f'"{name}"')
     (place / "my.urdf").write_text(text)
     for name, seed in (("tosses", 0), ("train", 1), ("test", 2)):
-        write_tosses(random_tosses(5, [0.2, 0.1, 0.05], seed=seed, frames=90), place / f"{name}.npz")
+        write_tosses(random_tosses(8, [0.2, 0.1, 0.05], seed=seed, frames=90), place / f"{name}.npz")
     (place / "example-robot-data").symlink_to(robots_folder().parent)
     CleanRun(duration=0.3).make().save(place / "log.npz")
     CleanRun(duration=0.3).make().save(place / "crate.npz")
