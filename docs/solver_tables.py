@@ -73,7 +73,9 @@ def _solref(told: Any) -> Rows:
 
 
 def _seconds(value: float) -> str:
-    return f"{1e6 * value:.1f} µs" if value < 1e-4 else f"{1e3 * value:.3g} ms"
+    """Return a time of three digits in the unit that fits."""
+    scale, unit = (1e6, "µs") if value < 1e-4 else (1e3, "ms") if value < 1.0 else (1.0, "s")
+    return f"{scale * value:.3g} {unit}"
 
 
 def _momentum(told: Any) -> Rows:
