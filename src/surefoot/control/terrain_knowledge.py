@@ -126,6 +126,11 @@ class GroundBelief(Terrain):
         stumble = STUMBLE_LIFT * self._height * min(2.0 * calm, 1.0)
         self.lift = min(max(rough, stumble), HIGHEST_LIFT * self._height)
 
+    @property
+    def slope(self) -> FloatArray:
+        """Slope along x and y of the plane through the last footholds (2,) [-]."""
+        return self._slope
+
     def stumbled(self, time: float) -> None:
         """Learn that a foot struck an edge at a time [s]."""
         self._stumbled = time

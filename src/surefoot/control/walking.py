@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array, real_number
 from surefoot.contact import Status
 from surefoot.control.adaptive_gait import AdaptiveGait
+from surefoot.control.believed_limits import BelievedLimits
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
@@ -189,6 +190,11 @@ class WalkingController(Controller):
             margin = 2.0 * float(self._radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
+        self._believed = (
+            None
+            if self._sense is None
+            else BelievedLimits(self._sense.belief, mu, self._height, self._radius, self.schedule, self.dt)
+        )
         self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.channels = (*type(self).channels, *self._load.channels)
         self._normals = low, high
@@ -207,6 +213,8 @@ class WalkingController(Controller):
         self._load.reset()
         if self._steps is not None:
             self._steps.reset()
+        if self._believed is not None:
+            self._believed.reset()
         self.feet: Feet | None = None
         if isinstance(self.schedule, AdaptiveGait):
             self.schedule.reset()
@@ -245,6 +253,8 @@ class WalkingController(Controller):
         changed = clock >= 0.0 and feet.update(clock, sensed, now.centres)
         if self._sense is not None:
             self._sense.learn(state, feet, now.centres)
+        if self._believed is not None:
+            self._believed.learn()
         if self._grip is not None:
             self._mind_friction(self._grip, state, now)
         self.body.advance(self._wanted(clock), now.com, self.dt)
@@ -306,9 +316,14 @@ class WalkingController(Controller):
         level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
         body.follow_plane(level, slope, elapsed)
 
+    def _asked(self, clock: float) -> FloatArray:
+        """Return the velocity of the command, slowed to what the ground allows as it is believed now."""
+        command = self.command.at(clock)
+        return command if self._believed is None else self._believed.limit(command)
+
     def _wanted(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins, none higher until it is fit for it."""
-        command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
+        command, now = self._asked(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
         waiting = self._steps is not None and self._steps.waiting
@@ -348,7 +363,7 @@ class WalkingController(Controller):
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
         assert self.feet is not None
-        command, own = self.command.at(max(clock, 0.0)), self.body.velocity
+        command, own = self._asked(max(clock, 0.0)), self.body.velocity
         if self._steps is not None:
             own = self._steps.unhurried(own, command)
         wanted = max(command, own, key=lambda v: float(v @ v))
