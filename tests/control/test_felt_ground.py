@@ -101,6 +101,16 @@ def test_a_strike_sideways_tells_of_no_riser_ahead() -> None:
     assert ground.flight is None
 
 
+def test_on_known_steps_only_what_is_higher_than_the_foot_is_struck() -> None:
+    ground, stands = begun()
+    strike(ground, 0.4 - RADIUS, 0.03, 0.1)
+    land(ground, stands, 0, (0.48, 0.12), 0.2)
+    strike(ground, 0.7 - RADIUS, 0.16, 0.6)
+    assert ground.may_strike(np.array([0.67, 0.1, 0.2]), FORTH)  # below the edge of the tread ahead
+    assert not ground.may_strike(np.array([0.67, 0.1, 0.25]), FORTH)  # above it
+    assert not ground.may_strike(np.array([0.5, 0.1, 0.12]), FORTH)  # on its tread, the next one far ahead
+
+
 def test_steps_that_nothing_fits_are_forgotten() -> None:
     ground, stands = begun()
     strike(ground, 0.4 - RADIUS, 0.03, 0.1)

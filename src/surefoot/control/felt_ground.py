@@ -25,7 +25,7 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
 from surefoot.control.stair_gait import LOW
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
-from surefoot.control.terrain_knowledge import FLIGHT_NOISE, SEEN_SPEED, TouchedGround
+from surefoot.control.terrain_knowledge import FLIGHT_NOISE, SEEN_SPEED, STRIKE_REACH, TouchedGround
 from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.estimation.felt_flight import FeltFlight
 
@@ -106,7 +106,14 @@ class FeltGround(TouchedGround):
         self.search_speed, self._felt_to = SEARCH_SPEED, -math.inf
 
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
-        """See `GroundBelief.may_strike`."""
+        """See `GroundBelief.may_strike`: of known steps only a riser that is higher than the foot."""
+        flight = self.flight
+        if flight is not None and flight.tread_known:
+            speed = max(math.hypot(velocity[0], velocity[1]), 1e-6)
+            ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
+            ahead = self.height(sole[:2] + ways * velocity[:2] / speed)
+            if float(ahead.max()) < sole[2] + 0.5 * self.radius:
+                return False
         self._struck = sole.copy(), velocity.copy()
         return True
 
