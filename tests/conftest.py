@@ -1,12 +1,42 @@
-"""Shared by all tests: fixed seeds for hypothesis, and MuJoCo loaded so that it can draw without a screen."""
+"""Shared by all tests: fixed seeds, MuJoCo that draws without a screen, and what makes them quick.
+
+XLA's compiled programs are kept in pytest's cache folder (`make clean` removes it), by the features of the
+processor that they were compiled for: tests with JAX spend four fifths of their time in the compiler.
+
+Several workers are given whole files, see `pytest_xdist_make_scheduler`: what the tests of a file share is
+made once. (The groups of pytest-xdist 3.8, `--dist loadgroup`, have no effect under pytest 9.2.)
+
+Garbage is collected less often, and what was there before the first test, a million objects of imported
+packages, is no longer looked through.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
+import zlib
+from pathlib import Path
+from typing import Any
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+
+def _processor() -> str:
+    """Return a number for the instructions that this machine's processor has."""
+    with contextlib.suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        told = sorted({line for line in lines if line.startswith(("flags", "Features", "model name"))})
+        return f"{zlib.crc32(' '.join(told).encode()):08x}"
+    return "here"
+
+
+_CACHE = Path(__file__).resolve().parents[1] / ".pytest_cache" / "d" / f"jax-{_processor()}"
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHE))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
+
+import pytest
 from hypothesis import settings
 
 from surefoot.errors import SurefootError
@@ -17,3 +47,47 @@ settings.load_profile("fixed")
 
 with contextlib.suppress(SurefootError):  # the tests that need it say so themselves
     import_mujoco()
+
+
+LONG = (
+    "cli/test_shown_commands", "jax", "test_course", "planning/schedule/test_whole_body",
+    "adversary/test_contact_verdicts", "conformance/test_solver_table", "sweep/test_kill",
+    "cli/test_identify", "planning/tasks/test_stand_up", "batch/test_batch", "benchmarks/test_forces_bench",
+    "sweep/test_driver", "test_startup", "stepping/test_soft_world", "parity/test_soft_vs_mujoco",
+    "simulation/test_walking",
+)  # fmt: skip
+"""Files that take longest, which go first: begun last, one of them would leave the other worker idle."""
+WITH_JAX = ("batch/test_jax", "docs/test_cookbook", "audit/test_mjx_runs", "simulation/test_mjx_world")
+"""Files that one worker has to run: no two processes should write to one folder of compiled programs."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Return what gives every worker whole files, those that take long first."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class WholeFiles(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.split("::")[0].removeprefix("tests/").removesuffix(".py")
+            return "jax" if file in WITH_JAX else file
+
+        def _assign_work_unit(self, node: Any) -> None:
+            long = next((name for name in LONG if name in self.workqueue), None)
+            if long is not None:
+                self.workqueue.move_to_end(long, last=False)
+            super()._assign_work_unit(node)
+
+    return WholeFiles(config, log) if config.getvalue("dist") == "loadgroup" else None
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let a file that a killed run left half written be compiled anew."""
+    for doing in ("reading", "writing"):
+        config.addinivalue_line("filterwarnings", f"ignore:Error {doing} persistent compilation cache")
+
+
+def pytest_collection_finish() -> None:
+    """Spare the collector what is there for good."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)

@@ -7,7 +7,7 @@ for stands in a table with its reason.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -49,10 +49,20 @@ def _files(folder: Path, prefix: str) -> Iterator[tuple[str, Path]]:
 
 
 @cache
-def _trees() -> dict[str, tuple[str, ast.Module]]:
-    files = [*_files(SOURCE, "surefoot"), *_files(TESTS, "tests")]
-    texts = {name: path.read_text(encoding="utf-8") for name, path in files}
-    return {name: (text, ast.parse(text)) for name, text in texts.items()}
+def _facts() -> tuple[frozenset[Offence], dict[str, set[str]], frozenset[tuple[str, str]]]:
+    """Return what breaks the limits on sizes, the bases of all classes, and (file, class) of every question.
+
+    The trees themselves, a million objects, are not kept: they would slow every later collection of garbage.
+    """
+    sizes, bases, asked = set[Offence](), dict[str, set[str]](), set[tuple[str, str]]()
+    for file, path in (*_files(SOURCE, "surefoot"), *_files(TESTS, "tests")):
+        text = path.read_text(encoding="utf-8")
+        nodes = list(ast.walk(ast.parse(text)))
+        sizes |= set(_sizes(file, text, nodes))
+        bases |= _bases(nodes)
+        if file.startswith("surefoot/"):
+            asked |= {(file, name) for name in _questions(nodes)}
+    return frozenset(sizes), bases, frozenset(asked)
 
 
 def _length(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
@@ -81,11 +91,11 @@ def _allowed(file: str, function: ast.FunctionDef | ast.AsyncFunctionDef) -> flo
     return float("inf") if command else PARAMETERS
 
 
-def _sizes(file: str, text: str, tree: ast.Module) -> Iterator[Offence]:
+def _sizes(file: str, text: str, nodes: Sequence[ast.AST]) -> Iterator[Offence]:
     """Yield what breaks the limits on sizes in a file."""
     if text.count("\n") > FILE_LINES:
         yield "file", file, Path(file).name
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             if _length(node) > FUNCTION_LINES:
                 yield "lines", file, node.name
@@ -93,15 +103,19 @@ def _sizes(file: str, text: str, tree: ast.Module) -> Iterator[Offence]:
                 yield "parameters", file, node.name
 
 
+def _bases(nodes: Sequence[ast.AST]) -> dict[str, set[str]]:
+    """Return the names of the bases of every class in a file."""
+    return {
+        node.name: {ast.unparse(base).split("[")[0].split(".")[-1] for base in node.bases}
+        for node in nodes
+        if isinstance(node, ast.ClassDef)
+    }
+
+
 @cache
 def _members() -> frozenset[str]:
     """Return the names of all classes of the families: their bases, and what inherits from them."""
-    bases = {
-        node.name: {ast.unparse(base).split("[")[0].split(".")[-1] for base in node.bases}
-        for _, tree in _trees().values()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ClassDef)
-    }
+    bases = _facts()[1]
     found = {name for name in bases if name.endswith(FAMILIES)}
     while True:
         heirs = {name for name, parents in bases.items() if parents & found} - found
@@ -110,21 +124,23 @@ def _members() -> frozenset[str]:
         found |= heirs
 
 
-def _ladders(file: str, tree: ast.Module) -> Iterator[Offence]:
+def _questions(nodes: Sequence[ast.AST]) -> Iterator[str]:
+    """Yield the names that a file's isinstance asks for."""
+    for node in nodes:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
+            for part in ast.walk(node.args[-1]):
+                yield part.id if isinstance(part, ast.Name) else getattr(part, "attr", "")
+
+
+def _ladders(file: str, names: Iterable[str]) -> Iterator[Offence]:
     """Yield where the package asks a member of a family for its class."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance" and len(node.args) == 2:
-            for part in ast.walk(node.args[1]):
-                name = part.id if isinstance(part, ast.Name) else getattr(part, "attr", "")
-                if name in _members():
-                    yield "isinstance", file, name
+    yield from (("isinstance", file, name) for name in names if name in _members())
 
 
 @cache
 def _offences() -> frozenset[Offence]:
-    found = {one for file, (text, tree) in _trees().items() for one in _sizes(file, text, tree)}
-    inside = ((file, tree) for file, (_, tree) in _trees().items() if file.startswith("surefoot/"))
-    return frozenset(found) | {one for file, tree in inside for one in _ladders(file, tree)}
+    sizes, _, asked = _facts()
+    return sizes | {one for file, name in asked for one in _ladders(file, [name])}
 
 
 def test_the_limits_hold_everywhere() -> None:
@@ -158,6 +174,6 @@ def test_the_families_are_found() -> None:
     ],
 )
 def test_the_counters_count(source: str, offences: list[str]) -> None:
-    tree = ast.parse(source)
-    found = [*_sizes("surefoot/x.py", source, tree), *_ladders("surefoot/x.py", tree)]
+    nodes = list(ast.walk(ast.parse(source)))
+    found = [*_sizes("surefoot/x.py", source, nodes), *_ladders("surefoot/x.py", _questions(nodes))]
     assert [limit for limit, _, _ in found] == offences

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 TASKS: dict[str, float | None] = {"jump": 0.4, "backflip": None, "stand-up": None}
 """Tasks and their numbers."""
+QUICK_STEP = 1e-3
+"""Length of a step of --quick [s]."""
 
 
 def execution(
@@ -55,7 +57,7 @@ def execution(
         for name in chosen:
             made = planned(name, quick)
             with progress_bar(not as_json, f"execute {name}", 1.0) as show:
-                rows += measure(made, name, seeds, tell=show)
+                rows += measure(made, name, seeds, tell=show, dt=QUICK_STEP if quick else None)
     if as_json:
         print(to_json([asdict(row) for row in rows]))
     else:
@@ -79,7 +81,7 @@ def planned(task: str, quick: bool = False) -> Plan:
     robot = load_robot("go2")
     if task == "stand-up" and quick:
         model = MujocoWorld(robot, dt=2e-3, collision="full")
-        return StandUp(model=model).plan(Request(robot, 180.0, seed=1), lambda iteration: None)
+        return StandUp(model=model).plan(Request(robot, 180.0, dt=2e-3), lambda iteration: None)
     return make_plan(robot, task, TASKS[task])
 
 

@@ -18,7 +18,7 @@ from surefoot.errors import MissingExtra
 
 WIDTH = 126
 """Columns that the table needs; a narrower terminal wraps its lines."""
-QUICK_COUNT, QUICK_INSTANCES, QUICK_STAND = 10, 6, 1.5
+QUICK_COUNT, QUICK_INSTANCES, QUICK_STAND = 4, 2, 1.0
 """Of --quick: allocations of each class, instances checked, length of the stand [s]."""
 WEIGHTS = (1e-1, 1e-2, 1e-4)
 """Force weights of the check against Clarabel."""

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from benchmarks.softening.race import Row
     from surefoot.planning.transcription.continuation import Answer
 
+QUICK_MOST = 500
+"""Most iterations of a start of --quick, over all stages."""
 WIDTH = 118
 """Columns that the tables need; a narrower terminal wraps their lines."""
 TITLES = {
@@ -36,7 +38,9 @@ def softening(
     few: Annotated[int, typer.Option(min=1, help="Random starts in the search for causes.")] = 5,
     problem: Annotated[list[str] | None, typer.Option(help="Only this problem; may be repeated.")] = None,
     table: Annotated[list[str] | None, typer.Option(help="Only this table; may be repeated.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="The ball and the point, one start.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="The ball and the point, one start, few iterations.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Compare relaxation, log-barrier, Fischer-Burmeister and penalty on a ball, a hopper, a push, a kick."""
@@ -46,10 +50,11 @@ def softening(
     check_out(out)
     extras.require(["casadi"], ["matplotlib"] if out is not None else [])
     problems = _among("problem", problem, list(PROBLEMS))
+    sets = {"race": race.RACE, "recommended": (race.RECOMMENDED,), "causes": race.CAUSES, "first": race.FIRST}
     if quick:
         starts, few = 1, 1
         problems = [name for name in problems if name in ("ball", "slide")] if problem is None else problems
-    sets = {"race": race.RACE, "recommended": (race.RECOMMENDED,), "causes": race.CAUSES, "first": race.FIRST}
+        sets = {name: tuple(race.limited(one, QUICK_MOST) for one in ways) for name, ways in sets.items()}
     found: dict[str, list[Row]] = {}
     answers: dict[str, Answer] = {}
     with plain_console(stderr=True).status("softening") as status:

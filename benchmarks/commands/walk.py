@@ -18,7 +18,7 @@ from surefoot.cli.progress import progress_bar
 if TYPE_CHECKING:
     from benchmarks.walk.race import MpcRow, WalkBench
 
-QUICK_SCENES, QUICK_CALLS = ("trot", "limit"), 10
+QUICK_SCENES, QUICK_CALLS = ("trot", "limit"), 4
 PAGE_WIDTH = 150
 """Width of tables that do not go to a terminal."""
 

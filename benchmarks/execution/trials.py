@@ -58,6 +58,7 @@ def measure(
     seeds: int,
     motors: tuple[str, ...] = MOTOR_MODELS,
     tell: Callable[[float], None] | None = None,
+    dt: float | None = None,
 ) -> list[Row]:
     """Execute a plan from every seed under every motor model.
 
@@ -71,12 +72,14 @@ def measure(
         Names of motor models.
     tell
         Called with the share that is done.
+    dt
+        Length of a step [s]; None for the usual one.
     """
     rows = []
     for number, model in enumerate(motors):
         runs = []
         for seed in range(seeds):
-            runs.append(execute(plan, "mujoco", model, seed))
+            runs.append(execute(plan, "mujoco", model, seed, dt=dt))
             if tell is not None:
                 tell((number + (seed + 1) / seeds) / len(motors))
         rows.append(_row(task, model, runs))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -56,6 +56,11 @@ class Variant:
             return Units()
         weight = float(np.abs(np.array(problem.system.bias(problem.q, 0.0 * problem.v))).max())
         return Units(length=0.01, impulse=weight * problem.dt, speed=GRAVITY * problem.dt)
+
+
+def limited(variant: Variant, most: int) -> Variant:
+    """Return the variant with at most so many iterations for a start."""
+    return replace(variant, settings=replace(variant.settings, total=min(variant.settings.total, most)))
 
 
 RACE = tuple(Variant(name, form) for name, form in FORMS.items())

@@ -10,6 +10,8 @@ from __future__ import annotations
 import runpy
 import shlex
 from collections.abc import Iterator
+from copy import deepcopy
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,12 +20,14 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.softening import race
 from surefoot.cli.extras import missing
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
 from surefoot.control.gait_files import write_gaits
 from surefoot.control.gait_library import named_gait
 from surefoot.estimation import write_tosses
+from surefoot.planning import planner
 from surefoot.problems.logged_runs import CleanRun
 from surefoot.problems.tosses import random_tosses
 from surefoot.robot.catalog import find, robots_folder
@@ -126,6 +130,33 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     log["forces"][100:200, 0] *= -1.0
     log.save(place / "fallen.npz")
     return place
+
+
+@pytest.fixture(scope="module", autouse=True)
+def searched_once() -> Iterator[None]:
+    """Let commands that ask for the same plan, or the same way through a small program, share the answer."""
+    plans, ways = dict[str, Any](), dict[Any, Any]()
+    make_plan, race_all = planner.plan, race.run
+
+    def plan(robot: Any, task: str, amount: float | None = None, *, tell: Any = None, **options: Any) -> Any:
+        key = f"{robot and robot.name} {task} {amount} {sorted(options.items())}"
+        if key not in plans:
+            plans[key] = make_plan(robot, task, amount, tell=tell, **options)
+        return deepcopy(plans[key])
+
+    def run(variants: Any, problems: Any, starts: int, note: Any) -> Iterator[Any]:
+        for name in problems:
+            for variant in variants:
+                key = name, starts, replace(variant, name="")
+                if key not in ways:
+                    (ways[key],) = race_all([variant], [name], starts, note)
+                row, answer = ways[key]
+                yield replace(row, variant=variant.name), answer
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(planner, "plan", plan)
+        patch.setattr(race, "run", run)
+        yield
 
 
 @pytest.fixture

@@ -100,11 +100,19 @@ def test_too_little_friction_stops_it() -> None:
     assert out.command.values[0].tolist() == [0.0, 0.0, 0.0]
 
 
-def test_steep_stairs_are_taken_slowly() -> None:
-    assert ground_left(StairsTerrain(0.12, 0.3), 0.54, HEIGHT).fastest > 0.4
-    assert ground_left(StairsTerrain(0.12, 0.25), 0.54, HEIGHT).fastest < 0.2
+def test_high_steps_are_taken_slowly_and_steep_stairs_not_at_all() -> None:
+    fastest = [ground_left(StairsTerrain(rise, 0.4), 0.54, HEIGHT).fastest for rise in (0.05, 0.12, 0.15)]
+    assert fastest == pytest.approx([0.629, 0.406, 0.363], abs=0.005)
+    assert ground_left(StairsTerrain(-0.12, 0.3), 0.54, HEIGHT).fastest == pytest.approx(fastest[1])
+    steep = [ground_left(StairsTerrain(0.12, tread), 0.54, HEIGHT).fastest for tread in (0.24, 0.233, 0.22)]
+    assert steep[0] == pytest.approx(fastest[1])
+    assert 0.0 < steep[1] < 0.7 * fastest[1]
+    assert steep[2] == 0.0
     out = limits(StairsTerrain(0.12, 0.25)).limit(VelocityCommand.constant(0.5))
-    assert "steepness" in out.notes[0]
+    assert "steps of 120 mm are taken at up to 0.41 m/s" in out.notes[0]
+    out = limits(StairsTerrain(0.12, 0.22)).limit(VelocityCommand.constant(0.5))
+    assert "steepness 0.55" in out.notes[0]
+    assert not out.command.values.any()
 
 
 def test_a_name_stays_a_plain_gait_until_it_must_hurry() -> None:

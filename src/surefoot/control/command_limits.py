@@ -30,8 +30,11 @@ FORCE_FACTOR = 1.1
 """Force of a foot in the middle of its stance over its mean: ramps at the ends, the body's motion."""
 SLOPE_SPEED = 0.75
 """Speed at which walking doubles the share of friction that a slope needs, as a share of sqrt(g h)."""
-STEEPEST_STAIRS = 0.53
-"""Rise over tread of stairs beyond which nothing is tried."""
+STEEP_STAIRS, STEEPEST_STAIRS = 0.5, 0.53
+"""Rise over tread of stairs up to which only the rise bounds the speed, and beyond which nothing is tried."""
+STEP_SPEED = 0.142
+"""Speed at which steps of the body's height are taken, as a share of sqrt(g h); it goes with the root of h
+over the rise."""
 HURRIED_PERIOD, HURRIED_DUTY, HURRIED_CLEARANCE = 0.7, 0.36, 0.4
 """A gait in the greatest hurry: period and clearance over its own, and its feet's time on the ground."""
 HURRIES = np.linspace(0.0, 1.0, 21)
@@ -244,17 +247,32 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
 
     Walking multiplies the force along a slope: the share tan(slope) of the normal force that standing
     needs grows by v / (`SLOPE_SPEED` sqrt(g h)) (fitted to Go2's walks on 15, 20 and 25 degrees), and may
-    not exceed mu. Stairs are held against `STEEPEST_STAIRS` in the same way: the body leans along them.
+    not exceed mu. Stairs are taken at up to `STEP_SPEED` h sqrt(g / rise) (fitted to Go2's walks on steps of
+    5 to 15 cm with treads of 20 to 50 cm): the body leans along them, and feet must be lifted in time.
     """
     steepness = terrain.steepness
-    most, what = (mu, "friction") if terrain.planar else (STEEPEST_STAIRS, "steepness")
     if steepness <= 1e-9:
         return Ground(np.array([0.0, 0.0, 1.0]), math.inf, "")
-    fastest = SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(most / steepness - 1.0, 0.0)
-    cosine = 1.0 / math.hypot(1.0, steepness)
-    lean = steepness * cosine if terrain.planar else 0.0
+    if not terrain.planar:
+        return Ground(np.array([0.0, 0.0, 1.0]), *_step_speed(terrain, height))
+    fastest = SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(mu / steepness - 1.0, 0.0)
+    lean = steepness / math.hypot(1.0, steepness)
+    left = 100.0 * max(1.0 - steepness / mu, 0.0)
     reason = (
-        f"the ground's slope of {steepness:.2f} leaves {100.0 * max(1.0 - steepness / most, 0.0):.0f} % of "
+        f"the ground's slope of {steepness:.2f} leaves {left:.0f} % of the friction {mu:.2f} that may be used"
     )
-    reason += f"the {what} {most:.2f} that may be used"
     return Ground(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)
+
+
+def _step_speed(terrain: Terrain, height: float) -> tuple[float, str]:
+    """Return how fast stairs may be taken [m/s], and why."""
+    rise, steepness = terrain.highest_step, terrain.steepness
+    fastest = STEP_SPEED * height * math.sqrt(GRAVITY / rise)
+    reason = f"steps of {1e3 * rise:.0f} mm are taken at up to {fastest:.2g} m/s"
+    if steepness <= STEEP_STAIRS:
+        return fastest, reason
+    left = max((STEEPEST_STAIRS - steepness) / (STEEPEST_STAIRS - STEEP_STAIRS), 0.0)
+    return (
+        left * fastest,
+        f"stairs of steepness {steepness:.2f} are too steep (up to {STEEP_STAIRS:g} is well)",
+    )

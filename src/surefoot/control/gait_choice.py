@@ -19,7 +19,7 @@ from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
 from surefoot.control.gait import ContactSchedule, Gait
 from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
-from surefoot.control.stair_gait import DUTY, OFFSETS, stair_gait
+from surefoot.control.stair_gait import DUTY, OFFSETS, speed_in_step, stair_gait
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
@@ -163,18 +163,26 @@ def choose_gait(body: Body, command: VelocityCommand, gait: str | ContactSchedul
 
 def _on_stairs(body: Body, command: VelocityCommand, own: Gait) -> Chosen | None:
     """Return the trot in step with stairs, None where a trot keeps to its own timing."""
-    told = body.terrain, command, body.height, own.period, len(body.robot.feet)
-    gait = stair_gait(*told)
+    limited = body.limits(_pace(body, GaitPattern(0.4, DUTY, ())), False).limit(command)
+    slowed, notes = _in_step(body, limited.command, own.period)
+    gait = stair_gait(body.terrain, slowed, body.height, own.period, len(body.robot.feet))
     if gait is None:
         return None
-    chosen = _fixed(body, command, gait)
-    if chosen.notes:  # slowed: in step with the speed that is left
-        slower = stair_gait(body.terrain, chosen.command, *told[2:])
-        if slower is not None:
-            chosen = replace(_fixed(body, chosen.command, slower), notes=chosen.notes)
-    period = chosen.shortest
-    said = f"in step with the stairs the trot's cycle takes {period:.2f} s, {own.period:.2f} s elsewhere"
-    return replace(chosen, notes=[*chosen.notes, said])
+    chosen = _fixed(body, slowed, gait)
+    said = f"in step with the stairs the trot's cycle takes {gait.period:.2f} s, {own.period:.2f} s elsewhere"
+    return replace(chosen, notes=[*limited.notes, *notes, *chosen.notes, said])
+
+
+def _in_step(body: Body, command: VelocityCommand, period: float) -> tuple[VelocityCommand, list[str]]:
+    """Return a command slowed to what suits the treads, and a note on it."""
+    speed = float(abs(command.values[:, 0]).max(initial=0.0))
+    most = speed_in_step(body.terrain, speed, body.height, period)
+    if most >= speed * (1.0 - 1e-9):
+        return command, []
+    note = (
+        f"slowed from {speed:.3g} to {most:.3g} m/s: in step with the stairs' treads that is the next speed"
+    )
+    return VelocityCommand(command.times, command.values * (most / speed)), [note]
 
 
 def _fixed(body: Body, command: VelocityCommand, schedule: ContactSchedule) -> Chosen:

@@ -28,7 +28,9 @@ seen: they come into view one after the other, and what is best should not chang
 PACE, CHANGE = 0.75, 0.15
 """Time in which the body takes up its place [s], and the largest share of its speed that this may cost."""
 IN_STEP = 0.1
-"""A stride that is so far from a tread, as a share of it, is out of step."""
+"""Strides of which a tread takes a whole number but for so much are in step."""
+MOST_STRIDES = 3
+"""So many strides for a tread that is known still find the same parts of it."""
 SET_OFF, LONGEST_WAIT = 0.01, 1.2
 """A body sets off when its feet would fall so near to their best places [m], or after so many cycles."""
 LAST = 0.2
@@ -190,11 +192,13 @@ class StepPhase:
         return self.share
 
     def _in_step(self, length: float) -> bool:
-        """Return whether a stride of a length [m] takes a tread: shorter ones find several parts of each."""
+        """Return whether strides of a length [m] take a tread, or a whole part of one that is known."""
         terrain = self.terrain
         if length < 1e-3 or terrain.highest_step <= 0.0 or terrain.steepness <= 0.0:
             return False
-        return abs(terrain.highest_step / (terrain.steepness * length) - 1.0) < IN_STEP
+        strides = terrain.highest_step / (terrain.steepness * length)
+        whole = min(max(round(strides), 1), 1 if terrain.learns else MOST_STRIDES)
+        return abs(strides - whole) < IN_STEP
 
     def _touchdown(self, k: int, clock: float) -> float:
         """Return the time to the next touchdown of foot k [s]."""
