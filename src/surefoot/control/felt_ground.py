@@ -69,7 +69,7 @@ def soft_way(known: float, most: float) -> float:
     Examples
     --------
     >>> [round(soft_way(known, 0.1), 3) for known in (0.0, 0.05)]
-    [0.044, 0.012]
+    [0.044, 0.01]
     """
     ways = known + np.linspace(0.0, FARTHEST, 101)
     fastest = np.interp(known / np.maximum(ways, 1e-9), GONE, FASTEST)
