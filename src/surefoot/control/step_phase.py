@@ -78,7 +78,7 @@ class StepPhase:
         self.stride: FloatArray | None = None
         self.waiting, self._off, self._waits_from = False, False, 0.0
 
-    def look(self, body: BodyPlan, clock: float) -> None:
+    def look(self, body: BodyPlan, clock: float, unsure: bool = False) -> None:
         """Look at where one foot, another each time, will be on its next treads.
 
         Parameters
@@ -87,9 +87,15 @@ class StepPhase:
             Where the body should be, and how it should move.
         clock
             Time of the schedule [s].
+        unsure
+            Whether it is not yet known where steps are: then there is nothing to take up, and what waits
+            has not begun to.
         """
         place, flow, period = body.position[:2], body.flow() / self.share, self.schedule.period
         self.stride = None
+        if unsure:
+            self.lead, self.waiting, self._off, self._waits_from = 0.0, False, False, clock
+            return
         self.waiting = self._should_wait(place, flow, clock)
         if (self.waiting or self._off) and isinstance(self.schedule, AdaptiveGait):
             # a body that gains speed falls behind one that has it

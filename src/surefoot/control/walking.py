@@ -31,6 +31,7 @@ from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.step_phase import StepPhase
+from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walking_body import ACCELERATION, DIP, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow
@@ -306,11 +307,16 @@ class WalkingController(Controller):
         self.body = BodyPlan(self._height, now.com.copy(), yaw, dip=0.0 if self.terrain.planar else DIP)
         self._follow_ground(math.inf)
 
+    @property
+    def _feeling(self) -> GroundBelief | None:
+        """The ground while feet feel for steps on it, else None."""
+        return self._sense.belief if self._sense is not None and self._sense.belief.unsure else None
+
     def _follow_ground(self, elapsed: float) -> None:
         """Let the body follow the ground, `elapsed` after the last time [s]."""
         feet, body = self.feet, self.body
         assert feet is not None
-        if self.terrain.planar:
+        if self.terrain.planar or self._feeling is not None:
             body.fit_ground(feet.ground, elapsed)
             return
         level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
@@ -327,7 +333,9 @@ class WalkingController(Controller):
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
         waiting = self._steps is not None and self._steps.waiting
-        if waiting or (isinstance(self.schedule, AdaptiveGait) and self.schedule.turning):
+        if self._feeling is not None:
+            command = self._feeling.pace * command
+        elif waiting or (isinstance(self.schedule, AdaptiveGait) and self.schedule.turning):
             command = APPROACH * command
         if self._steps is not None:
             pace = self._steps.pace(math.hypot(command[0], command[1]), self.dt)
@@ -350,7 +358,7 @@ class WalkingController(Controller):
         if isinstance(self.schedule, AdaptiveGait):
             self._pace(self.schedule, now, clock)
         if self._steps is not None and clock >= 0.0:
-            self._steps.look(self.body, clock)
+            self._steps.look(self.body, clock, self._feeling is not None)
             feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
@@ -358,6 +366,8 @@ class WalkingController(Controller):
                 now.com, now.com_velocity, self._offsets[k], self.body.yaw, self.body.velocity,
                 max(end - clock, 0.0), self._height, self._stance_time,
             )  # fmt: skip
+            if self._feeling is not None:
+                place = self._feeling.feel_ahead(place, feet.start[k], float(feet.duration[k]))
             feet.aim(k, place)
 
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
