@@ -145,15 +145,7 @@ class GroundBelief(Terrain):
         self._stumbled = time
 
     def feel_ahead(self, place: FloatArray, start: FloatArray, duration: float) -> FloatArray:
-        """Return where a foot comes down, (2,) [m], to feel for steps while it is `unsure` where they are.
-
-        Parameters
-        ----------
-        place, start
-            (2,) where it belongs, and (>= 2,) where it was lifted [m].
-        duration
-            Of its swing [s].
-        """
+        """Return where (2,) a foot lands to feel for steps [m], by its place (2,), start (>= 2,) and time."""
         return place
 
     def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:

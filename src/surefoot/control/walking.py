@@ -9,13 +9,11 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact import Status
 from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.believed_limits import BelievedLimits
 from surefoot.control.controller import Controller, RobotState
@@ -37,6 +35,7 @@ from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
+from surefoot.control.walking_settings import damping_command
 from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError
 from surefoot.log.channels import CHANNELS
@@ -285,16 +284,7 @@ class WalkingController(Controller):
 
     def _blind(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite."""
-        body, n = self.whole_body.damping(v), len(self.robot.feet)
-        on = np.ones(n, dtype=bool)
-        last = self._last or WalkCommand(
-            body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID, load=self._load.rows,
-        )  # fmt: skip
-        return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
-            accelerations=None,
-        )  # fmt: skip
+        return damping_command(self.whole_body.damping(v), self._last, len(self.robot.feet), self._load.rows)
 
     def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""
