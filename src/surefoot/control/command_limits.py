@@ -255,13 +255,20 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
         return Ground(np.array([0.0, 0.0, 1.0]), math.inf, "")
     if not terrain.planar:
         return Ground(np.array([0.0, 0.0, 1.0]), *_step_speed(terrain, height))
-    fastest = SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(mu / steepness - 1.0, 0.0)
+    fastest = slope_speed(steepness, mu, height)
     lean = steepness / math.hypot(1.0, steepness)
     left = 100.0 * max(1.0 - steepness / mu, 0.0)
     reason = (
         f"the ground's slope of {steepness:.2f} leaves {left:.0f} % of the friction {mu:.2f} that may be used"
     )
     return Ground(np.array([lean, 0.0, math.sqrt(1.0 - lean * lean)]), fastest, reason)
+
+
+def slope_speed(steepness: float, mu: float, height: float) -> float:
+    """Return how fast friction mu [-] lets a body of a height [m] walk on a slope: `ground_left` [m/s]."""
+    if steepness <= 1e-9:
+        return math.inf
+    return SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(mu / steepness - 1.0, 0.0)
 
 
 def _step_speed(terrain: Terrain, height: float) -> tuple[float, str]:

@@ -45,13 +45,14 @@ class GroundSense:
         self.belief, self.dt = belief, dt
         self._weight, self._height, self._clearance = weight, height, clearance
         self._longest = LONGEST_WAIT * math.sqrt(height / GRAVITY)
-        self._fastest = belief.search_speed * math.sqrt(GRAVITY * height)
+        self._root = math.sqrt(GRAVITY * height)
         self._waited = 0.0
 
     def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
         """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
         self._waited = 0.0
         self._landings = LandingWatch(len(radii), self.dt)
+        self.belief.radius = float(radii.mean())
         self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
 
     def feel(
@@ -70,7 +71,7 @@ class GroundSense:
         centres
             (n, 3) where the feet are [m].
         """
-        feet.fastest = self._fastest
+        feet.fastest = self.belief.search_speed * self._root
         x, y, z, w = state.q[3:7]
         c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
         feet.heading = np.array([c, s]) / math.hypot(c, s)

@@ -28,9 +28,7 @@ seen: they come into view one after the other, and what is best should not chang
 PACE, CHANGE = 0.75, 0.15
 """Time in which the body takes up its place [s], and the largest share of its speed that this may cost."""
 IN_STEP = 0.1
-"""Strides of which a tread takes a whole number but for so much are in step."""
-MOST_STRIDES = 3
-"""So many strides for a tread that is known still find the same parts of it."""
+"""A stride that is so far from a tread, as a share of it, is out of step."""
 SET_OFF, LONGEST_WAIT = 0.01, 1.2
 """A body sets off when its feet would fall so near to their best places [m], or after so many cycles."""
 LAST = 0.2
@@ -80,7 +78,7 @@ class StepPhase:
         self.stride: FloatArray | None = None
         self.waiting, self._off, self._waits_from = False, False, 0.0
 
-    def look(self, body: BodyPlan, clock: float) -> None:
+    def look(self, body: BodyPlan, clock: float, unsure: bool = False) -> None:
         """Look at where one foot, another each time, will be on its next treads.
 
         Parameters
@@ -89,9 +87,15 @@ class StepPhase:
             Where the body should be, and how it should move.
         clock
             Time of the schedule [s].
+        unsure
+            Whether it is not yet known where steps are: then there is nothing to take up, and what waits
+            has not begun to.
         """
         place, flow, period = body.position[:2], body.flow() / self.share, self.schedule.period
         self.stride = None
+        if unsure:
+            self.lead, self.waiting, self._off, self._waits_from = 0.0, False, False, clock
+            return
         self.waiting = self._should_wait(place, flow, clock)
         if (self.waiting or self._off) and isinstance(self.schedule, AdaptiveGait):
             # a body that gains speed falls behind one that has it
@@ -186,13 +190,11 @@ class StepPhase:
         return self.share
 
     def _in_step(self, length: float) -> bool:
-        """Return whether strides of a length [m] take a tread, or a whole part of one that is known."""
+        """Return whether a stride of a length [m] takes a tread: shorter ones find several parts of each."""
         terrain = self.terrain
         if length < 1e-3 or terrain.highest_step <= 0.0 or terrain.steepness <= 0.0:
             return False
-        strides = terrain.highest_step / (terrain.steepness * length)
-        whole = min(max(round(strides), 1), 1 if terrain.learns else MOST_STRIDES)
-        return abs(strides - whole) < IN_STEP
+        return abs(terrain.highest_step / (terrain.steepness * length) - 1.0) < IN_STEP
 
     def _touchdown(self, k: int, clock: float) -> float:
         """Return the time to the next touchdown of foot k [s]."""

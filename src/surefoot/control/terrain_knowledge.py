@@ -6,7 +6,7 @@ difference. All of it lives in the estimated frame, in which the robot knows its
 ========  =====================================================================================
 exact     the controller is given the true terrain
 map       `MappedGround`: a height map from a range sensor, corrected where feet stand
-blind     `TouchedGround`: a plane through the last footholds, and how far they were from it
+blind     `FeltGround`: a plane through the last footholds (`TouchedGround`), and steps that feet feel
 ========  =====================================================================================
 """
 
@@ -69,11 +69,20 @@ class GroundBelief(Terrain):
         Height by which feet should be lifted more than over known ground [m].
     search_speed
         Largest speed with which late feet are sent down, as a share of sqrt(g h).
+    radius
+        Of the feet [m].
+    unsure
+        Whether there are steps and it is not known where: feet feel ahead, and the body goes on slowly.
+    pace
+        The share of its speed then.
     """
 
     learns = True
     search_speed = SEARCH_SPEED
     lift: float = 0.0
+    radius: float = 0.0
+    unsure: bool = False
+    pace: float = 1.0
 
     def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
         """Start from where the robot stands.
@@ -126,9 +135,18 @@ class GroundBelief(Terrain):
         stumble = STUMBLE_LIFT * self._height * min(2.0 * calm, 1.0)
         self.lift = min(max(rough, stumble), HIGHEST_LIFT * self._height)
 
+    @property
+    def slope(self) -> FloatArray:
+        """Slope along x and y of the plane through the last footholds (2,) [-]."""
+        return self._slope
+
     def stumbled(self, time: float) -> None:
         """Learn that a foot struck an edge at a time [s]."""
         self._stumbled = time
+
+    def feel_ahead(self, place: FloatArray, start: FloatArray, duration: float) -> FloatArray:
+        """Return where (2,) a foot lands to feel for steps [m], by its place (2,), start (>= 2,) and time."""
+        return place
 
     def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
         """Return how far (n, 3) soles are above the ground, of those `asked`, over what may be noise: (n,).
@@ -170,7 +188,7 @@ class GroundBelief(Terrain):
 
 
 class TouchedGround(GroundBelief):
-    """The plane through the last footholds: what a blind robot believes.
+    """The plane through the last footholds, by touch alone.
 
     Examples
     --------
@@ -366,10 +384,14 @@ def believed_ground(knowledge: str, terrain: Terrain) -> Terrain:
     --------
     >>> from surefoot.terrain import FlatTerrain
     >>> believed_ground("blind", FlatTerrain())
-    TouchedGround()
+    FeltGround()
     """
     if knowledge not in KNOWLEDGE:
         raise ProblemError(unknown_name("terrain knowledge", knowledge, KNOWLEDGE))
     if knowledge == "exact":
         return terrain
-    return MappedGround() if knowledge == "map" else TouchedGround()
+    if knowledge == "map":
+        return MappedGround()
+    from surefoot.control.felt_ground import FeltGround  # which is built on what is above
+
+    return FeltGround()

@@ -9,14 +9,13 @@ leg length and foot places; nothing is tuned per robot.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact import Status
 from surefoot.control.adaptive_gait import AdaptiveGait
+from surefoot.control.believed_limits import BelievedLimits
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
@@ -30,11 +29,13 @@ from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.step_phase import StepPhase
+from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walking_body import ACCELERATION, DIP, BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
+from surefoot.control.walking_settings import damping_command
 from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
 from surefoot.errors import ModelError
 from surefoot.log.channels import CHANNELS
@@ -189,6 +190,11 @@ class WalkingController(Controller):
             margin = 2.0 * float(self._radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
         self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
+        self._believed = (
+            None
+            if self._sense is None
+            else BelievedLimits(self._sense.belief, mu, self._height, self._radius, self.schedule, self.dt)
+        )
         self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.channels = (*type(self).channels, *self._load.channels)
         self._normals = low, high
@@ -207,6 +213,8 @@ class WalkingController(Controller):
         self._load.reset()
         if self._steps is not None:
             self._steps.reset()
+        if self._believed is not None:
+            self._believed.reset()
         self.feet: Feet | None = None
         if isinstance(self.schedule, AdaptiveGait):
             self.schedule.reset()
@@ -245,6 +253,8 @@ class WalkingController(Controller):
         changed = clock >= 0.0 and feet.update(clock, sensed, now.centres)
         if self._sense is not None:
             self._sense.learn(state, feet, now.centres)
+        if self._believed is not None:
+            self._believed.learn()
         if self._grip is not None:
             self._mind_friction(self._grip, state, now)
         self.body.advance(self._wanted(clock), now.com, self.dt)
@@ -274,16 +284,7 @@ class WalkingController(Controller):
 
     def _blind(self, v: FloatArray) -> WalkCommand:
         """Return the command for a state that is not finite."""
-        body, n = self.whole_body.damping(v), len(self.robot.feet)
-        on = np.ones(n, dtype=bool)
-        last = self._last or WalkCommand(
-            body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (n, 1, 1)), np.zeros(3),
-            np.zeros((n, 3)), Status.INVALID, load=self._load.rows,
-        )  # fmt: skip
-        return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
-            accelerations=None,
-        )  # fmt: skip
+        return damping_command(self.whole_body.damping(v), self._last, len(self.robot.feet), self._load.rows)
 
     def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""
@@ -296,23 +297,35 @@ class WalkingController(Controller):
         self.body = BodyPlan(self._height, now.com.copy(), yaw, dip=0.0 if self.terrain.planar else DIP)
         self._follow_ground(math.inf)
 
+    @property
+    def _feeling(self) -> GroundBelief | None:
+        """The ground while feet feel for steps on it, else None."""
+        return self._sense.belief if self._sense is not None and self._sense.belief.unsure else None
+
     def _follow_ground(self, elapsed: float) -> None:
         """Let the body follow the ground, `elapsed` after the last time [s]."""
         feet, body = self.feet, self.body
         assert feet is not None
-        if self.terrain.planar:
+        if self.terrain.planar or self._feeling is not None:
             body.fit_ground(feet.ground, elapsed)
             return
         level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
         body.follow_plane(level, slope, elapsed)
 
+    def _asked(self, clock: float) -> FloatArray:
+        """Return the velocity of the command, slowed to what the ground allows as it is believed now."""
+        command = self.command.at(clock)
+        return command if self._believed is None else self._believed.limit(command)
+
     def _wanted(self, clock: float) -> FloatArray:
         """Return the wanted velocity: none before the gait begins, none higher until it is fit for it."""
-        command, now = self.command.at(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
+        command, now = self._asked(clock) if clock >= 0.0 else np.zeros(3), self.body.velocity
         if self._held and float(command @ command) > float(now @ now):
             command = now.copy()
         waiting = self._steps is not None and self._steps.waiting
-        if waiting or (isinstance(self.schedule, AdaptiveGait) and self.schedule.turning):
+        if self._feeling is not None:
+            command = self._feeling.pace * command
+        elif waiting or (isinstance(self.schedule, AdaptiveGait) and self.schedule.turning):
             command = APPROACH * command
         if self._steps is not None:
             pace = self._steps.pace(math.hypot(command[0], command[1]), self.dt)
@@ -335,7 +348,7 @@ class WalkingController(Controller):
         if isinstance(self.schedule, AdaptiveGait):
             self._pace(self.schedule, now, clock)
         if self._steps is not None and clock >= 0.0:
-            self._steps.look(self.body, clock)
+            self._steps.look(self.body, clock, self._feeling is not None)
             feet.stride = self._steps.stride
         for k in np.flatnonzero(~(feet.carrying | feet.planned)).tolist():
             _, _, end = self.schedule.phase(k, clock)
@@ -343,12 +356,14 @@ class WalkingController(Controller):
                 now.com, now.com_velocity, self._offsets[k], self.body.yaw, self.body.velocity,
                 max(end - clock, 0.0), self._height, self._stance_time,
             )  # fmt: skip
+            if self._feeling is not None:
+                place = self._feeling.feel_ahead(place, feet.start[k], float(feet.duration[k]))
             feet.aim(k, place)
 
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
         assert self.feet is not None
-        command, own = self.command.at(max(clock, 0.0)), self.body.velocity
+        command, own = self._asked(max(clock, 0.0)), self.body.velocity
         if self._steps is not None:
             own = self._steps.unhurried(own, command)
         wanted = max(command, own, key=lambda v: float(v @ v))

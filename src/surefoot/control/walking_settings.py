@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
+
+import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.contact import Status
@@ -12,7 +14,7 @@ from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command
 from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import Weights
+from surefoot.control.whole_body import Weights, WholeBodyCommand
 
 
 @dataclass(frozen=True)
@@ -98,3 +100,30 @@ class WalkCommand(Command):
     def rows(self) -> dict[str, Any]:
         """Return which feet are planned on the ground, the wanted velocity, what is observed of a load."""
         return {"planned": self.planned, "command": self.wanted, **self.load}
+
+
+def damping_command(
+    body: WholeBodyCommand, last: WalkCommand | None, feet: int, load: Mapping[str, FloatArray]
+) -> WalkCommand:
+    """Return the command for a state that is not finite: the joints slow down, the rest is the last one.
+
+    Parameters
+    ----------
+    body
+        What slows the joints.
+    last
+        The command before; None for none.
+    feet
+        Number of them.
+    load
+        See `WalkCommand`.
+    """
+    on = np.ones(feet, dtype=bool)
+    last = last or WalkCommand(
+        body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (feet, 1, 1)), np.zeros(3),
+        np.zeros((feet, 3)), Status.INVALID, load=load,
+    )  # fmt: skip
+    return replace(
+        last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
+        accelerations=None,
+    )  # fmt: skip
