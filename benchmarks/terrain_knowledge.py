@@ -115,7 +115,9 @@ def _rms(values: FloatArray) -> float:
 
 
 def _smooth(values: FloatArray, width: int = 20) -> FloatArray:
-    """Return means over 20 ms, so that impacts of feet do not hide how the body moves."""
+    """Return means over 20 ms, so that impacts of feet do not hide how the body moves; none of less."""
+    if len(values) < width:
+        return values[:0]
     return np.convolve(values, np.full(width, 1.0 / width), "valid")
 
 
