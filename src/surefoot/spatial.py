@@ -8,6 +8,8 @@ otherwise.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -137,6 +139,19 @@ def rotation_from_quaternion(quaternion: ArrayLike) -> FloatArray:
     q = q / np.linalg.norm(q, axis=-1, keepdims=True)
     s = skew(q[..., :3])
     return np.asarray(np.eye(3) + 2.0 * q[..., 3, None, None] * s + 2.0 * (s @ s))
+
+
+def heading_of(quaternion: FloatArray) -> FloatArray:
+    """Return where the x axis of a body points along the level, (2,), for a unit quaternion x, y, z, w (4,).
+
+    Examples
+    --------
+    >>> heading_of(np.array([0.0, 0.0, np.sin(0.25 * np.pi), np.cos(0.25 * np.pi)])).round(3) + 0.0
+    array([0., 1.])
+    """
+    x, y, z, w = quaternion
+    c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
+    return np.array([c, s]) / math.hypot(c, s)
 
 
 def quaternion_xyzw(wxyz: ArrayLike) -> FloatArray:

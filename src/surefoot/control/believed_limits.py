@@ -13,7 +13,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.adaptive_gait import AdaptiveGait
-from surefoot.control.command_limits import ground_left, slope_speed
+from surefoot.control.command_limits import slope_speed, step_speed
 from surefoot.control.gait import ContactSchedule
 from surefoot.control.gait_library import named_gait
 from surefoot.control.stair_gait import speed_in_step
@@ -72,7 +72,7 @@ class BelievedLimits:
         size = math.hypot(command[0], command[1]) + abs(command[2]) * self.radius
         steps = self.belief.highest_step > 0.0
         if steps:
-            fastest = SLACK * ground_left(self.belief, self.mu, self.height).fastest
+            fastest = SLACK * step_speed(self.belief, self.height)
         else:
             steepness = math.hypot(self._slope[0], self._slope[1])
             fastest = SLACK * slope_speed(steepness, self.mu, self.height)

@@ -254,7 +254,11 @@ def ground_left(terrain: Terrain, mu: float, height: float) -> Ground:
     if steepness <= 1e-9:
         return Ground(np.array([0.0, 0.0, 1.0]), math.inf, "")
     if not terrain.planar:
-        return Ground(np.array([0.0, 0.0, 1.0]), *_step_speed(terrain, height))
+        fastest = step_speed(terrain, height)
+        reason = f"steps of {1e3 * terrain.highest_step:.0f} mm are taken at up to {fastest:.2g} m/s"
+        if steepness > STEEP_STAIRS:
+            reason = f"stairs of steepness {steepness:.2f} are too steep (up to {STEEP_STAIRS:g} is well)"
+        return Ground(np.array([0.0, 0.0, 1.0]), fastest, reason)
     fastest = slope_speed(steepness, mu, height)
     lean = steepness / math.hypot(1.0, steepness)
     left = 100.0 * max(1.0 - steepness / mu, 0.0)
@@ -271,15 +275,8 @@ def slope_speed(steepness: float, mu: float, height: float) -> float:
     return SLOPE_SPEED * math.sqrt(GRAVITY * height) * max(mu / steepness - 1.0, 0.0)
 
 
-def _step_speed(terrain: Terrain, height: float) -> tuple[float, str]:
-    """Return how fast stairs may be taken [m/s], and why."""
-    rise, steepness = terrain.highest_step, terrain.steepness
-    fastest = STEP_SPEED * height * math.sqrt(GRAVITY / rise)
-    reason = f"steps of {1e3 * rise:.0f} mm are taken at up to {fastest:.2g} m/s"
-    if steepness <= STEEP_STAIRS:
-        return fastest, reason
-    left = max((STEEPEST_STAIRS - steepness) / (STEEPEST_STAIRS - STEEP_STAIRS), 0.0)
-    return (
-        left * fastest,
-        f"stairs of steepness {steepness:.2f} are too steep (up to {STEEP_STAIRS:g} is well)",
-    )
+def step_speed(terrain: Terrain, height: float) -> float:
+    """Return how fast a body of a height [m] may take the stairs of a ground, see `ground_left` [m/s]."""
+    fastest = STEP_SPEED * height * math.sqrt(GRAVITY / terrain.highest_step)
+    steep = (STEEPEST_STAIRS - terrain.steepness) / (STEEPEST_STAIRS - STEEP_STAIRS)
+    return fastest * min(max(steep, 0.0), 1.0)

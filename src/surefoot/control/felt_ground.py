@@ -25,9 +25,10 @@ from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
 from surefoot.control.stair_gait import LOW
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
-from surefoot.control.terrain_knowledge import FLIGHT_NOISE, SEEN_SPEED, STRIKE_REACH, TouchedGround
+from surefoot.control.terrain_knowledge import FLIGHT_NOISE, SEEN_SPEED, TouchedGround
 from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.estimation.felt_flight import FeltFlight
+from surefoot.spatial import heading_of
 
 GUESSED_RISE, GUESSED_TREAD = 0.45, 0.9
 """What a step and a tread are taken for before they have been felt, in heights of the centre of mass."""
@@ -109,9 +110,7 @@ class FeltGround(TouchedGround):
         """See `GroundBelief.may_strike`: of known steps only a riser that is higher than the foot."""
         flight = self.flight
         if flight is not None and flight.tread_known:
-            speed = max(math.hypot(velocity[0], velocity[1]), 1e-6)
-            ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
-            ahead = self.height(sole[:2] + ways * velocity[:2] / speed)
+            ahead = self.height(self._path_ahead(sole, velocity))
             if float(ahead.max()) < sole[2] + 0.5 * self.radius:
                 return False
         self._struck = sole.copy(), velocity.copy()
@@ -140,9 +139,7 @@ class FeltGround(TouchedGround):
         self, state: RobotState, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `GroundBelief.observe`."""
-        x, y, z, w = state.q[3:7]
-        c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
-        self._heading = np.array([c, s]) / math.hypot(c, s)
+        self._heading = heading_of(state.q[3:7])
         super().observe(state, ground, carrying, sought, soles)
         flight = self.flight
         if flight is not None:

@@ -40,7 +40,7 @@ class ForceRamps:
         self._landed = np.full(schedule.feet, -math.inf)
         self._carrying: BoolArray = np.ones(schedule.feet, dtype=bool)
         self._shares = np.ones(schedule.feet)
-        self._time = -math.inf
+        self._time = math.inf  # no time has passed before the first step
 
     def now(self, time: float, carrying: BoolArray, felt: BoolArray | None = None) -> FloatArray:
         """Return the shares at a time of the schedule [s] for (n,) feet that carry: (n,), 0 to 1.
@@ -49,7 +49,7 @@ class ForceRamps:
         feels the ground, (n,); None where that is not known, and all do.
         """
         shares, schedule = self._shares, self.schedule
-        elapsed = max(time - self._time, 0.0) if math.isfinite(self._time) else 0.0
+        elapsed = max(time - self._time, 0.0)
         self._time = time
         early = ramp_shares(
             schedule.phases(time), carrying, carrying if felt is None else felt, self._carrying, self._landed,

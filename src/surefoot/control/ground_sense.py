@@ -17,7 +17,7 @@ from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walking_feet import Feet
-from surefoot.spatial import GRAVITY
+from surefoot.spatial import GRAVITY, heading_of
 from surefoot.terrain import Terrain
 
 LONGEST_WAIT = 1.5
@@ -72,9 +72,7 @@ class GroundSense:
             (n, 3) where the feet are [m].
         """
         feet.fastest = self.belief.search_speed * self._root
-        x, y, z, w = state.q[3:7]
-        c, s = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
-        feet.heading = np.array([c, s]) / math.hypot(c, s)
+        feet.heading = heading_of(state.q[3:7])
         if state.forces is None:
             return sensed
         soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]

@@ -159,6 +159,11 @@ class GroundBelief(Terrain):
         """Return whether there may be an edge before a foot: (3,) sole [m] and velocity [m/s]."""
         return True
 
+    def _path_ahead(self, sole: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Return places (5, 2) before a foot whose sole (3,) moves at a velocity (>= 2,) [m], [m/s]."""
+        ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
+        return sole[:2] + ways * velocity[:2] / max(math.hypot(velocity[0], velocity[1]), 1e-6)
+
     def _fit(self) -> None:
         """Fit the plane under the feet."""
         places, weights = [], []
@@ -309,9 +314,7 @@ class MappedGround(GroundBelief):
 
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
         """See `GroundBelief.may_strike`: not where the ground before the foot is known to be low."""
-        speed = math.hypot(velocity[0], velocity[1])
-        ways = np.linspace(0.0, STRIKE_REACH * self._height, 5)[:, None]
-        path = sole[:2] + ways * velocity[:2] / max(speed, 1e-6)
+        path = self._path_ahead(sole, velocity)
         known = bool(self.map.known(path).all())
         return not known or float(self.height(path).max()) > sole[2] - STRIKE_NOISE * self.noise
 

@@ -14,10 +14,13 @@ References
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
+from surefoot.estimation.flight_fit import correct
 
 STRIKE, STAND = 0.006, 0.003
 """Standard deviations of an edge that a foot has struck, and of a height that one stands on [m]."""
@@ -120,7 +123,7 @@ class FeltFlight:
             number = 0
         if abs(along - self.edge(number)) > NEAR:
             return False
-        _correct(self._x, self._P, np.array([1.0, float(number)]), along, STRIKE)
+        correct(self._x, self._P, np.array([1.0, float(number)]), along, STRIKE**2, math.inf)
         return True
 
     def stand(self, along: float, height: float) -> None:
@@ -133,7 +136,7 @@ class FeltFlight:
         steps = (height - float(self.height(along))) / abs(self.rise)
         if abs(steps) < LIKE:
             self.misses = 0
-            _correct(self._z, self._Q, np.array([1.0, number]), height, STAND)
+            correct(self._z, self._Q, np.array([1.0, number]), height, STAND**2, math.inf)
             self._reach(int(number))
         elif abs(steps - 1.0) < LIKE and number == 1.0 and not self.tread_known:
             self.strike(along)  # the foot came down behind a riser that it passed above
@@ -146,11 +149,3 @@ class FeltFlight:
         """Believe that the flight goes on beyond a tread that has been reached."""
         if self.tread_known and not self.ended:
             self.last = max(self.last, number + ONWARD - 1)
-
-
-def _correct(x: FloatArray, P: FloatArray, row: FloatArray, told: float, deviation: float) -> None:
-    """Correct a state and its covariance in place by a number that a row of it should be."""
-    gain = P @ row / (float(row @ P @ row) + deviation * deviation)
-    x += gain * (told - float(row @ x))
-    P -= np.outer(gain, row @ P)
-    P[:] = 0.5 * (P + P.T)

@@ -173,7 +173,7 @@ class FlightFit:
                 if seen is None:
                     continue
                 row = np.array([1.0, float(number), seen[1]])
-                if _correct(self._x, self._P, row, seen[0], seen[2]):
+                if correct(self._x, self._P, row, seen[0], seen[2]):
                     self._times[number] = self._times.get(number, 0) + 1
         self._see_levels(begin, s, w, z)
 
@@ -181,7 +181,7 @@ class FlightFit:
         """Learn that a foot stands at a (3,) point [m]."""
         number = self._number(point)
         if number is not None:
-            _correct(self._z, self._Q, np.array([1.0, number, 0.0]), float(point[2]), TOUCH**2)
+            correct(self._z, self._Q, np.array([1.0, number, 0.0]), float(point[2]), TOUCH**2)
 
     def passed(self, place: FloatArray) -> float:
         """Return how far a (2,) place is from the flight, beyond its last edge or before its first [m]."""
@@ -255,7 +255,7 @@ class FlightFit:
                 continue
             far = float(np.abs(s[on] - begin[0]).mean())
             row = np.array([1.0, float(min(max(k, low), high)), far])
-            _correct(self._z, self._Q, row, float(np.median(z[on])), REPEATED * LEVEL**2)
+            correct(self._z, self._Q, row, float(np.median(z[on])), REPEATED * LEVEL**2)
 
 
 def parting(before: FloatArray, after: FloatArray) -> float:
@@ -278,10 +278,15 @@ def parting(before: FloatArray, after: FloatArray) -> float:
     return float(bounds[best].mean())
 
 
-def _correct(x: FloatArray, P: FloatArray, row: FloatArray, told: float, variance: float) -> bool:
-    """Correct a state and its covariance in place by a number that a row of it should be; False outside."""
+def correct(
+    x: FloatArray, P: FloatArray, row: FloatArray, told: float, variance: float, gate: float = GATE
+) -> bool:
+    """Correct a state (n,) and its covariance (n, n) in place by a number that a row (n,) of it should be.
+
+    Return False, and leave both, for a number that is more than `gate` standard deviations off.
+    """
     miss, spread = told - float(row @ x), float(row @ P @ row) + variance
-    if miss * miss > GATE * GATE * spread:
+    if miss * miss > gate * gate * spread:
         return False
     gain = P @ row / spread
     x += gain * miss
