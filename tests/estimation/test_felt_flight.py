@@ -86,3 +86,15 @@ def test_stands_that_fit_nothing_are_counted() -> None:
     assert flight.misses == 2
     flight.stand(0.45, 0.24)
     assert flight.misses == 0
+
+
+def test_a_rise_that_was_told_by_a_false_landing_is_told_anew() -> None:
+    flight = FeltFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
+    flight.stand(0.1, 0.145)  # a leg that braked in the air
+    flight.stand(0.12, 0.05)
+    assert flight.rise == pytest.approx(0.05)
+    flight.stand(0.15, 0.052)
+    assert flight.rise == pytest.approx(0.051, abs=1e-3)
+    flight.stand(0.2, 0.01)  # two have told it by now
+    assert flight.misses == 1
+    assert flight.rise == pytest.approx(0.051, abs=1e-3)

@@ -46,7 +46,7 @@ def robot_and_motors(
 
 def check(mjcf: Path | None, world: str, told: dict[str, Any]) -> None:
     """Refuse options of other worlds beside a file; `told` is of `world_settings`."""
-    others = sorted(set(told) - {"solref", "solimp"})
+    others = sorted(set(told) - {"solref", "solimp", "substeps"})
     if mjcf is not None and (world != "mujoco" or others):
         option = f"--{others[0]}" if others else f"--world {world}"
         raise ProblemError(f"--mjcf is a world of its own: it goes without {option}")
@@ -63,4 +63,7 @@ def file_world(
     """Return the world of a file, `payload` being mass and place."""
     from surefoot.simulation.mjcf_world import MjcfWorld
 
-    return MjcfWorld(robot, mjcf, terrain, mu, payload=payload[0], payload_position=payload[1], **told)
+    parts = told.pop("substeps", 1)
+    world = MjcfWorld(robot, mjcf, terrain, mu, payload=payload[0], payload_position=payload[1], **told)
+    world.divide(parts)
+    return world

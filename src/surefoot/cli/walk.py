@@ -76,6 +76,7 @@ def walk(
     actuators: worlds.Motors = "ideal",
     solref: worlds.Solref = None,
     solimp: worlds.Solimp = None,
+    substeps: worlds.Substeps = None,
     view: live.View = False,
     out: options.Out = Path("runs"),
     video: options.Video = True,
@@ -89,6 +90,7 @@ def walk(
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
     from surefoot.simulation.faults import Faults
+    from surefoot.simulation.mujoco_substeps import substeps_of
 
     console = plain_console(quiet=as_json)
     if view:
@@ -98,9 +100,11 @@ def walk(
     belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
+    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators, substeps)
     files.check(mjcf, world, told)
     ground = parsing.terrain(terrain)
+    if world == "mujoco" and mjcf is None:
+        told.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, velocity_file)
     wired = wires.wiring(commands, control_rate, latency, dropout)
     parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)

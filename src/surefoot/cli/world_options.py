@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, cast
 
 import typer
 from rich.console import Console
@@ -15,6 +15,7 @@ from surefoot.simulation.worlds import WORLDS
 if TYPE_CHECKING:
     from surefoot.laws import SoftLaw
     from surefoot.robot import Robot
+    from surefoot.simulation.mujoco import MujocoWorld
     from surefoot.simulation.world import World
     from surefoot.terrain import Terrain
 
@@ -44,6 +45,12 @@ Solref: TypeAlias = Annotated[
 ]
 Solimp: TypeAlias = Annotated[
     str | None, typer.Option(help="MuJoCo's DMIN,DMAX,WIDTH,MIDPOINT,POWER of the ground, or fewer.")
+]
+Substeps: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        help="Steps of MuJoCo in a millisecond; None: 16 where a blind robot may strike edges, else 1."
+    ),
 ]
 
 WHOLE = ("mujoco", "rigid")
@@ -105,6 +112,7 @@ def world_settings(
     solimp: str | None,
     collision: str = "feet",
     actuators: str = "ideal",
+    substeps: int | None = None,
 ) -> dict[str, Any]:
     """Return what the options say to the world, or raise for an option that it does not have."""
     from surefoot.cli import parsing
@@ -129,11 +137,21 @@ def world_settings(
         if world not in WHOLE:
             raise ProblemError(f"--{option} {given} is of --world {' or '.join(WHOLE)}, got --world {world}")
         told[option] = given
+    if substeps is not None:
+        if world != "mujoco":
+            raise ProblemError(f"--substeps is of --world mujoco, got --world {world}")
+        told["substeps"] = substeps
     if explicit:
         if law is None:
             raise ProblemError("--explicit goes with --law")
         told["integration"] = "explicit"
     return told
+
+
+def divide(world: World, parts: int) -> None:
+    """Have a world of MuJoCo make each step in so many parts; others are asked for one."""
+    if parts != 1:
+        cast("MujocoWorld", world).divide(parts)
 
 
 def build_world(
@@ -151,7 +169,9 @@ def build_world(
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always", StiffContactWarning)
         mass, place = payload
+        parts = told.pop("substeps", 1)
         at = {"payload_position": place} if any(place) else {}
         world = make_world(name, robot, terrain, mu, payload=mass, **at, **told)
+        divide(world, parts)
     say(console, *(str(warning.message) for warning in said))
     return world

@@ -56,7 +56,13 @@ class GroundSense:
         self.belief.begin(state, centres - np.outer(radii, [0.0, 0.0, 1.0]), self._height)
 
     def feel(
-        self, state: RobotState, feet: Feet, sensed: BoolArray, clock: float, centres: FloatArray
+        self,
+        state: RobotState,
+        feet: Feet,
+        sensed: BoolArray,
+        clock: float,
+        centres: FloatArray,
+        twists: FloatArray,
     ) -> BoolArray:
         """Return which feet feel the ground, (n,); those that have struck an edge begin their swing anew.
 
@@ -68,8 +74,8 @@ class GroundSense:
             (n,) which feet feel anything.
         clock
             On the schedule [s].
-        centres
-            (n, 3) where the feet are [m].
+        centres, twists
+            (n, 3), (n, 6) where the feet are and how they move, world axes [m], [m/s, rad/s].
         """
         feet.fastest = self.belief.search_speed * self._root
         feet.heading = heading_of(state.q[3:7])
@@ -79,7 +85,7 @@ class GroundSense:
         ground = sensed
         if not feet.carrying.all():
             speeds = feet.motions(clock)[:, 1]
-            ground, struck = sort_touches(feet, sensed, state.forces, speeds, self._weight)
+            ground, struck = sort_touches(feet, sensed, state.forces, speeds, twists[:, :3], self._weight)
             for k in np.flatnonzero(struck).tolist():
                 if self.belief.may_strike(soles[k], speeds[k]):
                     self.belief.stumbled(state.time)

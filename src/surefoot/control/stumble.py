@@ -1,7 +1,8 @@
 """Feet that strike an edge in the air: told from feet that land by the direction of the force on them.
 
 Ground pushes up, within its friction; an edge pushes back. A foot in the air that is pushed sideways more
-than upwards has struck something: it is not on the ground, and it is lifted over what it struck [1]_.
+than upwards, and does not get on, has struck something: it is not on the ground, and it is lifted over what
+it struck [1]_. A leg that brakes, or a jolt of the body, looks like a push, but its foot goes on.
 
 References
 ----------
@@ -23,12 +24,14 @@ STEEP = 1.0
 SENSED = 0.06
 """Force along the normal below which a foot in the air has not found the ground, likewise: what is estimated
 of the force on a leg that is braked in the air is not zero."""
+STOPPED = 0.5
+"""A foot that has struck something has less than this share of the speed that it should have, along it."""
 SOONEST, LATEST = 0.15, 1.0
 """Shares of its swing between which a foot can strike something: lift-off drags."""
 
 
 def sort_touches(
-    feet: Feet, sensed: BoolArray, forces: FloatArray, speeds: FloatArray, weight: float
+    feet: Feet, sensed: BoolArray, forces: FloatArray, speeds: FloatArray, moving: FloatArray, weight: float
 ) -> tuple[BoolArray, BoolArray]:
     """Return which feet feel the ground, and which have struck an edge in the air: (n,) each.
 
@@ -42,6 +45,8 @@ def sort_touches(
         (n, 3) on the feet, world axes [N].
     speeds
         (n, 3) of the feet, as wanted, world axes [m/s].
+    moving
+        (n, 3) of the feet, as they are, likewise.
     weight
         m g [N].
     """
@@ -51,6 +56,7 @@ def sort_touches(
     size = np.linalg.norm(sideways, axis=1)
     struck = ~feet.carrying & (size > STRUCK * weight) & (size > STEEP * along)
     against = (sideways[:, :2] * speeds[:, :2]).sum(axis=1) < 0.0
+    stopped = (moving[:, :2] * speeds[:, :2]).sum(axis=1) < STOPPED * (speeds[:, :2] ** 2).sum(axis=1)
     swinging = ~feet.late & ~feet.again & (feet.share > SOONEST) & (feet.share < LATEST)
     light = ~feet.carrying & (along < SENSED * weight)
-    return sensed & ~struck & ~light, struck & against & swinging
+    return sensed & ~struck & ~light, struck & against & stopped & swinging

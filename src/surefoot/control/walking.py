@@ -249,7 +249,7 @@ class WalkingController(Controller):
         feet, clock = self.feet, time - self.settings.start - self.feet.wait
         sensed = feet.planned.copy() if state.contact is None else state.contact
         if self._sense is not None:
-            sensed = self._sense.feel(state, feet, sensed, clock, now.centres)
+            sensed = self._sense.feel(state, feet, sensed, clock, now.centres, now.twists)
         changed = clock >= 0.0 and feet.update(clock, sensed, now.centres)
         if self._sense is not None:
             self._sense.learn(state, feet, now.centres)

@@ -77,7 +77,7 @@ class FeltFlight:
         self.along = np.array(along, dtype=np.float64)
         self._x, self._z = np.array([edge, tread]), np.array([level, rise])
         self._P, self._Q = np.diag([STRIKE, LIKELY_TREAD]) ** 2, np.diag([STAND, LIKELY_RISE]) ** 2
-        self.rise_known = self.tread_known = self.ended = False
+        self.rise_known = self.tread_known = self.ended = self._confirmed = False
         self.last = self.misses = 0
 
     @property
@@ -135,11 +135,13 @@ class FeltFlight:
             return
         steps = (height - float(self.height(along))) / abs(self.rise)
         if abs(steps) < LIKE:
-            self.misses = 0
+            self.misses, self._confirmed = 0, self._confirmed or number == 1.0
             correct(self._z, self._Q, np.array([1.0, number]), height, STAND**2, math.inf)
             self._reach(int(number))
         elif abs(steps - 1.0) < LIKE and number == 1.0 and not self.tread_known:
             self.strike(along)  # the foot came down behind a riser that it passed above
+        elif number == 1.0 and not self._confirmed:  # what told the rise was no stand
+            self._z[1], self._Q[1, 1] = height - self._z[0], 2.0 * STAND**2
         elif abs(steps + 1.0) < LIKE and number > 1.0 and not self.ended:
             self.last, self.ended = int(number) - 2, True
         else:

@@ -8,14 +8,12 @@ without friction or rotor inertia, and only the feet's spheres touch the ground.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
-from surefoot.contact.laws.soft import MujocoLaw
 from surefoot.control.actuators import Actuators
 from surefoot.errors import ModelError, SimulationError
 from surefoot.kernels import VECTOR, entry_point
@@ -23,13 +21,21 @@ from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.simulation.actuated import equipped
 from surefoot.simulation.mujoco_actuators import LOAD_TYPES, fit_actuators, load_joints, motor_figures
-from surefoot.simulation.mujoco_contacts import OWN_TYPES, read_contacts, to_pinocchio
+from surefoot.simulation.mujoco_contacts import (
+    FACE_TYPES,
+    OWN_TYPES,
+    face_principal,
+    read_contacts,
+    to_pinocchio,
+)
 from surefoot.simulation.mujoco_contacts import pinocchio_state as pinocchio_state
-from surefoot.simulation.mujoco_ground import add_shapes, set_point_friction
-from surefoot.simulation.mujoco_links import LinkContacts, add_links, owners
+from surefoot.simulation.mujoco_ground import CONTACT_TIME, set_point_friction, surface_of
+from surefoot.simulation.mujoco_ground import add_ground as add_ground
+from surefoot.simulation.mujoco_links import LinkContacts, add_links, generalised, owners
 from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
 from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
 from surefoot.simulation.mujoco_robot import robot_spec as robot_spec
+from surefoot.simulation.mujoco_substeps import checked_substeps, mean_reading
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.rigid import chosen_geometry
 from surefoot.simulation.world import ContactReading, ground_of
@@ -42,15 +48,6 @@ from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
 
-CONTACT_TIME = 0.003
-"""Time constant of MuJoCo's soft contact [s]: three steps of 1 ms, where it takes two at least."""
-IMPEDANCE = (0.9, 0.95, 0.001, 0.5, 2.0)
-"""MuJoCo's contact impedance (d_min, d_max, width, midpoint, power).
-
-Not closer to one: a foot that turns with its shank at a rate w leaves the ground by itself, since MuJoCo's
-constraint leaves out the acceleration w² r at which its surface turns away. The force presses it back by
-its share 1 - d: at d = 0.97 a fast foot hops every 20 ms, with 170 N after nothing.
-"""
 _FLOAT = np.dtype(np.float64)
 STOCK = 32
 """Arrays for the contacts of so many steps are made at a time."""
@@ -92,12 +89,17 @@ class MujocoWorld:
         (joints,) torques that the motors gave in the last step [N m].
     ground_geoms, base_body
         Numbers of the ground's geoms and of the base's body there; 0 for a base that is fixed.
+    substeps
+        Steps of MuJoCo in one of these; see `divide`.
 
     Raises
     ------
     ProblemError
         For numbers that MuJoCo would not take, or would silently replace.
     """
+
+    substeps = 1
+    _own_softness = False
 
     def __init__(
         self,
@@ -116,7 +118,7 @@ class MujocoWorld:
         mujoco = import_mujoco()
         robot, self.actuators = equipped(robot, actuators)
         self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
-        self.terrain = ground_of(terrain)
+        self.terrain, self._own_softness = ground_of(terrain), solref is None
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         self.payload_position = finite_array("payload_position", payload_position, (3,))
         spec = robot_spec(robot, self.payload, self.payload_position)
@@ -124,7 +126,7 @@ class MujocoWorld:
         add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         geometry = chosen_geometry(robot, collision)
         if geometry is not None:
-            add_links(mujoco, spec, robot, geometry, _surface(mu, solref, solimp))
+            add_links(mujoco, spec, robot, geometry, surface_of(mu, solref, solimp))
             spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         spec.option.timestep = self.dt
         self._mujoco = mujoco
@@ -176,6 +178,7 @@ class MujocoWorld:
         self._planar, self._contact = bool(self.terrain.planar), data.contact
         self._spare: list[tuple[FloatArray, ...]] = []
         self._read = entry_point(read_contacts, *OWN_TYPES)
+        self._face = entry_point(face_principal, *FACE_TYPES)
         self._load = entry_point(load_joints, *LOAD_TYPES)
         self._turn = entry_point(to_pinocchio, VECTOR, VECTOR)
         self._largest = entry_point(largest, VECTOR)
@@ -185,11 +188,30 @@ class MujocoWorld:
         """Simulated time [s]."""
         return float(self.data.time)
 
+    def divide(self, substeps: int) -> None:
+        """Make each step in so many of MuJoCo's, 1 to 64, on ground as many times as fast as the default.
+
+        Torques and pushes stay, of the contacts means are told. A foot that strikes a riser at 2 m/s is 2 mm
+        inside it after a step of 1 ms, a quarter of that after one of four. Softness that was chosen stays.
+
+        Raises
+        ------
+        ProblemError
+            For a number that is none of these.
+        """
+        self.substeps = checked_substeps(substeps)
+        self.model.opt.timestep = self.dt / self.substeps
+        if self._own_softness:
+            self.model.geom_solref[self.ground_geoms, 0] = CONTACT_TIME / self.substeps
+            self.model.pair_solref[:, 0] = CONTACT_TIME / self.substeps
+
     def reset(self, q: FloatArray, v: FloatArray | None = None) -> None:
         """Put the robot at (nq,) q [m, -, rad], (nv,) v [m/s, rad/s] in Pinocchio's order, at time 0."""
         q = self.robot.configuration(q)
         v = None if v is None else finite_array("v", v, (self.robot.model.nv,))
         self._mujoco.mj_resetData(self.model, self.data)
+        self._mean: ContactReading | None = None
+        self._touching: set[tuple[str, str]] = set()
         self.data.qpos[:] = q
         self.data.qvel[:] = 0.0 if v is None else v
         if self.robot.floating:
@@ -221,10 +243,28 @@ class MujocoWorld:
             self._pushed.fill(0.0)
         elif self.base_body:
             self._pushed[:] = finite_vector("push", push, 3)
-        self._mujoco.mj_step(self.model, self.data)
+        if self.substeps == 1:
+            self._mujoco.mj_step(self.model, self.data)
+        else:
+            self._finely()
         if not self._largest(self._qvel) < LARGEST:
             raise self._lost()
         self._driven()
+
+    def _finely(self) -> None:
+        """Advance in parts, and keep what the ground did and what touched in each."""
+        parts: list[ContactReading] = []
+        self._touching.clear()
+        for _ in range(self.substeps):
+            self._mujoco.mj_step(self.model, self.data)
+            parts.append(self._last_contacts())
+            self._touching.update(self._last_touching())
+        self._mean, rest = mean_reading(parts)
+        if rest.any() and self._mean.others is not None:
+            places = self._mean.positions
+            self._mean.others[:] += generalised(
+                self._mujoco, self.model, self.data, self._bodies, places, rest
+            )
 
     def _drive(self, torques: FloatArray) -> None:
         """Have the motors give (joints,) torques [N m] in the next step, if they can; keep the state."""
@@ -262,10 +302,29 @@ class MujocoWorld:
         return world_softness(self._mujoco, self.model, self.ground_geoms[0], self._bodies, log, load)
 
     def contacts(self) -> ContactReading:
-        """Return forces, gaps and velocities at the feet's spheres during the last step."""
+        """Return forces, gaps and velocities at the feet's spheres during the last step.
+
+        A foot that touches two surfaces, in a corner, tells of the one that bears more; what the other gives
+        is told with the forces on other links, in a world that has them.
+        """
+        return self._last_contacts() if self._mean is None else self._mean
+
+    def _last_contacts(self) -> ContactReading:
+        """Return what the ground did in MuJoCo's last step."""
         data, contact, links, normals = self.data, self._contact, self._links, self._normals
         points, forces, velocities, positions, gaps, others = self._blank()
         over = None if self._planar else self._ground_near(self._places[self._geoms])
+        if over is not None:
+            self._face(
+                *over,
+                contact.geom,
+                contact.efc_address,
+                contact.frame,
+                contact.dist,
+                data.efc_force,
+                self._owner,
+            )
+            surface_frames(over[1], self._frames)
         beside = self._read(
             self._places, self._twists, self._centres, contact.geom, contact.efc_address, contact.frame,
             data.efc_force, self._owner, self._spheres, self._sizes, self._frames, gaps, points,
@@ -275,7 +334,7 @@ class MujocoWorld:
         if links is None:
             return ContactReading(forces, gaps, velocities, positions, None, normals)
         if beside or data.nl:  # joints at their stops count, too
-            others = links.force(data)
+            others = links.force(data, links.addresses(data, self._frames))
         return ContactReading(forces, gaps, velocities, positions, others, normals)
 
     def _blank(self) -> tuple[FloatArray, ...]:
@@ -296,35 +355,8 @@ class MujocoWorld:
 
     def touching(self) -> list[tuple[str, str]]:
         """Return the names of links, feet or ground that touched in the last step, without feet on ground."""
+        return self._last_touching() if self._mean is None else list(self._touching)
+
+    def _last_touching(self) -> list[tuple[str, str]]:
+        """Return the same of MuJoCo's last step."""
         return [] if self._links is None else self._links.names(self.data, self.model)
-
-
-def add_ground(
-    spec: Any,
-    terrain: Terrain,
-    mu: float,
-    solref: Sequence[float] | None = None,
-    solimp: Sequence[float] | None = None,
-) -> None:
-    """Add the terrain to an MjSpec as geoms named ``ground...``; see `MujocoWorld` for the softness.
-
-    Raises
-    ------
-    ProblemError
-        If this world has no shape for the terrain, or for numbers that are no softness.
-    """
-    common = {"contype": 1, "conaffinity": 0, "condim": 3, "priority": 1, "rgba": [0.91, 0.89, 0.85, 1.0]}
-    add_shapes(import_mujoco(), spec, terrain, {**common, **_surface(mu, solref, solimp)})
-
-
-def _surface(mu: float, solref: Sequence[float] | None, solimp: Sequence[float] | None) -> dict[str, Any]:
-    """Return the attributes of a geom that say its friction and its softness."""
-    softness = MujocoLaw(
-        (CONTACT_TIME, 1.0) if solref is None else tuple(solref),  # type: ignore[arg-type]
-        IMPEDANCE if solimp is None else tuple(solimp),
-    )
-    return {
-        "friction": [max(mu, 1e-5), 0.0, 0.0],
-        "solref": list(softness.solref),
-        "solimp": list(softness.solimp),
-    }

@@ -13,6 +13,55 @@ OWN_TYPES = (
     INTEGER[::1], INTEGER[:, ::1], MATRIX, REAL[:, :, ::1], VECTOR, REAL[:, :, ::1],
 )  # fmt: skip
 """Types of what `read_contacts` is given of MuJoCo itself, whose contacts lie apart in memory."""
+FACE_TYPES = (
+    VECTOR, MATRIX, numba.int32[:, :], numba.int32[:], REAL[:, :], REAL[:], VECTOR, INTEGER[::1],
+)  # fmt: skip
+"""The same of `face_principal`."""
+SAME_FACE = 0.5
+"""Least cosine between normals of one surface: facets of a mesh are one, a floor and a riser are two."""
+
+
+@kernel
+def face_principal(
+    gaps: FloatArray,
+    normals: FloatArray,
+    pairs: IntArray,
+    addresses: IntArray,
+    contact_frames: FloatArray,
+    distances: FloatArray,
+    constraint_forces: FloatArray,
+    owner: IntArray,
+) -> None:
+    """Turn gaps and normals to the surface that bears most, of those that a foot touches.
+
+    A foot in a corner touches floor and riser. Which of the two is nearer changes from step to step by less
+    than a hair, which bears it does not.
+
+    Parameters
+    ----------
+    gaps, normals
+        (p,) [m] and (p, 3) of the nearest ground at each sphere; changed.
+    pairs, addresses, contact_frames, constraint_forces, owner
+        See `read_contacts`.
+    distances
+        (c,) of MuJoCo's contacts [m].
+    """
+    for k in range(len(gaps)):
+        best, most = -1, 0.0
+        for c in range(len(addresses)):
+            first, second = owner[pairs[c, 0]], owner[pairs[c, 1]]
+            if addresses[c] < 0 or min(first, second) != -1 or max(first, second) != k:
+                continue
+            if constraint_forces[addresses[c]] > most:
+                best, most = c, constraint_forces[addresses[c]]
+        if best < 0:
+            continue
+        sign, frame = (1.0 if owner[pairs[best, 1]] >= 0 else -1.0), contact_frames[best]
+        along = sign * (frame[0] * normals[k, 0] + frame[1] * normals[k, 1] + frame[2] * normals[k, 2])
+        if along < SAME_FACE:
+            gaps[k] = distances[best]
+            for i in range(3):
+                normals[k, i] = sign * frame[i]
 
 
 @kernel
@@ -35,7 +84,8 @@ def read_contacts(
 
     A force's normal part is that along MuJoCo's own contact normals, its tangential part what is left,
     turned into the terrain's tangents: on curved ground MuJoCo's normal is a facet's, a degree or so off
-    the terrain's, which would otherwise look like a broken cone.
+    the terrain's, which would otherwise look like a broken cone. A contact whose normal is far from the
+    frame's is one with another surface (a foot in a corner has two), and counts among the others.
 
     Parameters
     ----------
@@ -73,6 +123,12 @@ def read_contacts(
             continue
         # MuJoCo's frame points from the first geom to the second
         k, sign = max(first, second), (1.0 if second >= 0 else -1.0)
+        along = 0.0
+        for i in range(3):
+            along += sign * contact_frames[c, i] * frames[k, i, 2]
+        if along < SAME_FACE:
+            beside = beside or constraint_forces[at] > 0.0
+            continue
         forces[k, 2] += constraint_forces[at]
         for i in range(1, 3):
             for j in range(3):

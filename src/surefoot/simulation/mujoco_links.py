@@ -11,6 +11,7 @@ from surefoot.collision import Geometry
 from surefoot.collision.shapes import Box, Capsule, Shape
 from surefoot.kernels import kernel
 from surefoot.robot import Robot
+from surefoot.simulation.mujoco_contacts import SAME_FACE
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz, rotation_from_quaternion
 
 LINK, FOOT = "link:", "foot:"
@@ -149,13 +150,24 @@ class LinkContacts:
         self._stop = int(kinds.mjCNSTR_LIMIT_JOINT)
         self._role = np.zeros(model.ngeom, dtype=np.int64)
         self._role[feet], self._role[ground] = 1, 2
+        self._sphere = owners(model.ngeom, feet, ground)
         self._still = np.zeros(self._nv)
 
-    def addresses(self, data: Any) -> IntArray:
-        """Return the first constraint row of the contacts of feet on the ground (c,), -1 for all others."""
+    def addresses(self, data: Any, frames: FloatArray | None = None) -> IntArray:
+        """Return the first constraint row of the contacts of feet on the ground (c,), -1 for all others.
+
+        With (p, 3, 3) `frames` those of feet with another surface than that of their frame are others, too.
+        """
         contact = data.contact
         rows = contact.efc_address.copy()
         feet_on_ground(contact.geom, self._role, rows)
+        if frames is None:
+            return np.asarray(rows)
+        for c in np.flatnonzero(rows >= 0).tolist():
+            first, second = self._sphere[contact.geom[c]].tolist()
+            along = float(contact.frame[c, :3] @ frames[max(first, second), :, 2])
+            if (along if second >= 0 else -along) < SAME_FACE:
+                rows[c] = -1
         return np.asarray(rows)
 
     def others(self, data: Any) -> IntArray:
@@ -178,16 +190,32 @@ class LinkContacts:
         if not len(rows):
             return self._still.copy()
         jacobian = np.asarray(data.efc_J).reshape(-1, self._nv)
-        out = np.asarray(jacobian[rows].T @ data.efc_force[rows])
-        w, x, y, z = data.qpos[3:7].tolist()
-        out[:3] = rotation_from_quaternion(np.array([x, y, z, w])).T @ out[:3]
-        return out
+        return _in_base_axes(data, np.asarray(jacobian[rows].T @ data.efc_force[rows]))
 
     def names(self, data: Any, model: Any) -> list[tuple[str, str]]:
         """Return the names of what touches, pair by pair, without their kind."""
         pairs = data.contact.geom[self.others(data)].tolist()
         first, second = ([_title(model, pair[k]) for pair in pairs] for k in (0, 1))
         return list(zip(first, second, strict=True))
+
+
+def generalised(
+    mujoco: Any, model: Any, data: Any, bodies: IntArray, places: FloatArray, forces: FloatArray
+) -> FloatArray:
+    """Return the generalised force (nv,) of forces (p, 3) [N] at places (p, 3) of bodies, base axes."""
+    out, jacobian = np.zeros(model.nv), np.zeros((3, model.nv))
+    for body, place, force in zip(bodies.tolist(), places, forces, strict=True):
+        if force.any():
+            mujoco.mj_jac(model, data, jacobian, None, place, body)
+            out += jacobian.T @ force
+    return _in_base_axes(data, out)
+
+
+def _in_base_axes(data: Any, force: FloatArray) -> FloatArray:
+    """Turn the first three of MuJoCo's generalised force (nv,) into the base's axes, and return it."""
+    w, x, y, z = data.qpos[3:7].tolist()
+    force[:3] = rotation_from_quaternion(np.array([x, y, z, w])).T @ force[:3]
+    return force
 
 
 def _title(model: Any, geom: int) -> str:

@@ -16,11 +16,14 @@ from surefoot.simulation.world import World
 
 
 def told_by(world: World) -> dict[str, Any]:
-    """Return the facts of a world that are known before the run: terrain, mass, payload and motors."""
+    """Return the facts of a world that are known before the run: terrain, mass, payload, motors, substeps."""
     payload = float(getattr(world, "payload", 0.0))
     out: dict[str, Any] = {"mass": world.robot.mass + payload, "payload": payload, **facts_of(world)}
     if payload > 0.0:
         out["payload_position"] = np.array(getattr(world, "payload_position", np.zeros(3)))
+    parts = int(getattr(world, "substeps", 1))
+    if parts > 1:  # of the engine, in each row
+        out["substeps"] = parts
     if world.terrain.text:
         out["terrain"] = world.terrain.text
     return out
