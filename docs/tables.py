@@ -80,7 +80,8 @@ def machine() -> str:
     """Return the processor's name and how many cores this process may use."""
     info = Path("/proc/cpuinfo")
     found = re.search(r"model name\s*:\s*(.+)", info.read_text()) if info.exists() else None
-    return f"{found[1] if found else platform.machine()}, {len(os.sched_getaffinity(0))} cores"
+    cores = len(os.sched_getaffinity(0))
+    return f"{found[1] if found else platform.machine()}, {cores} core{'s' if cores > 1 else ''}"
 
 
 def markdown(name: str) -> str:

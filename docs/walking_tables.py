@@ -182,8 +182,12 @@ def _soft(told: Any) -> Rows:
         "slip": (1e3, ".2g"),
         "laws_broken": (1.0, "g"),
     }
+
+    def cell(value: float, form: str) -> str:
+        return f"{float(f'{value:{form}}'):g}" if form.endswith("g") else f"{value:{form}}"
+
     return [
-        [row["bin"], *(f"{scale * row['medians'][name]:{form}}" for name, (scale, form) in scales.items())]
+        [row["bin"], *(cell(scale * row["medians"][name], form) for name, (scale, form) in scales.items())]
         for row in _bins(told, "time_constant")
     ]
 

@@ -30,7 +30,7 @@ from surefoot.control.look_ahead import LookAhead
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.terrain_knowledge import GroundBelief
-from surefoot.control.walking_body import ACCELERATION, DIP, BodyPlan, VelocityCommand
+from surefoot.control.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
@@ -294,7 +294,8 @@ class WalkingController(Controller):
         descent = DESCENT * math.sqrt(GRAVITY * self._height)
         self.feet = Feet(self.schedule, self.terrain, self._radii, clearance, descent, now.centres.copy())
         yaw = math.atan2(now.rotation[1, 0], now.rotation[0, 0])
-        self.body = BodyPlan(self._height, now.com.copy(), yaw, dip=0.0 if self.terrain.planar else DIP)
+        dip = 0.0 if self.terrain.planar else DIP
+        self.body = BodyPlan(self._height, now.com.copy(), yaw, dip=dip, stance=first_stance(self.schedule))
         self._follow_ground(math.inf)
 
     @property
@@ -337,7 +338,7 @@ class WalkingController(Controller):
         assert self.feet is not None
         mu = grip.update(state.forces, now, self.feet.frames, self.feet.carrying)
         self.whole_body.set_friction(self.settings.friction_share * mu)
-        self.body.acceleration = min(ACCELERATION * GRAVITY, grip.acceleration)
+        self.body.acceleration = min(self.body.change, grip.acceleration)
 
     def _aim(self, now: Kinematics, clock: float, time: float) -> None:
         """Follow the ground, and choose the footholds of feet in the air."""

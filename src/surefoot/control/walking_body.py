@@ -11,6 +11,7 @@ import numpy as np
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
 from surefoot.control.foothold import fit_plane
+from surefoot.control.gait import ContactSchedule
 from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY
@@ -26,6 +27,9 @@ LOWERING = 0.3
 """Time constant with which the body comes down to the height that suits a slope [s]."""
 ACCELERATION = 0.12
 """Largest change of the wanted velocity, as a share of g."""
+LONG_STANCE = 2.5
+"""Feet that stand for longer than this many sqrt(h / g) stay behind a body that changes its speed as fast: it
+then changes as slowly as keeps what it gains in a stance."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,20 @@ class VelocityCommand:
         return np.asarray(self.values[max(k, 0)])
 
 
+def first_stance(schedule: ContactSchedule) -> float:
+    """Return the longest time from the beginning of a schedule until a foot lifts first [s].
+
+    Examples
+    --------
+    >>> from surefoot.control.gait_library import named_gait
+    >>> [round(first_stance(named_gait(name, 4)), 3) for name in ("trot", "walk", "stand")]
+    [0.22, 0.624, 0.0]
+    """
+    phases = schedule.phases(0.0)
+    ends = phases[phases[:, 0] > 0.0, 2]
+    return float(ends[np.isfinite(ends)].max(initial=0.0))
+
+
 @dataclass
 class BodyPlan:
     """Follows the command: integrates the wanted place and heading, and fits the ground under the feet.
@@ -114,12 +132,14 @@ class BodyPlan:
         (2,) slope of the ground along world x and y, smoothed.
     ground
         Height of the ground below the wanted place [m], smoothed.
-    acceleration
-        Largest change of the wanted velocity [m/s²].
+    acceleration, change
+        Largest change of the wanted velocity, now and on ground that holds any [m/s²].
     lowered
         How far the body has come down to the height that suits the slope, from 0 at the start to 1.
     dip
         Share of the height that it comes down by over the slope that it descends [-].
+    stance
+        Longest time that a foot stands [s].
     """
 
     height: float
@@ -128,9 +148,16 @@ class BodyPlan:
     velocity: FloatArray = field(default_factory=lambda: np.zeros(3))
     slope: FloatArray = field(default_factory=lambda: np.zeros(2))
     ground: float = 0.0
-    acceleration: float = ACCELERATION * GRAVITY
     lowered: float = 0.0
     dip: float = 0.0
+    stance: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.change = ACCELERATION * GRAVITY
+        longest = LONG_STANCE * math.sqrt(self.height / GRAVITY)
+        if self.stance > longest:
+            self.change *= (longest / self.stance) ** 2
+        self.acceleration = self.change
 
     def advance(self, command: FloatArray, com: FloatArray, dt: float) -> None:
         """Move the wanted pose by one step.
