@@ -61,11 +61,12 @@ class BelievedLimits:
 
     def reset(self) -> None:
         """Forget what has been learned."""
-        self._slope = np.zeros(2)
+        self._slope, self._begun = np.zeros(2), False
 
     def learn(self) -> None:
-        """Follow the slope that the feet have found."""
-        self._slope += self._share * (self.belief.slope - self._slope)
+        """Follow the slope that the feet have found, from that of the stance at the start."""
+        self._slope += (self._share if self._begun else 1.0) * (self.belief.slope - self._slope)
+        self._begun = True
 
     def limit(self, command: FloatArray) -> FloatArray:
         """Return a (3,) velocity (forward, left [m/s], turn rate [rad/s]) slowed to what is possible now."""

@@ -36,6 +36,10 @@ SAME_TREAD = 2.0
 PATH_SAMPLES = 7
 CHOSEN = 0.1
 """After this share of the swing a foot keeps to the tread that it is on its way to."""
+FAST, EVEN, EVEN_UNTIL = 0.7, 0.5, 0.05
+"""A swing over learned ground is as one over even ground if its speed, as a share of sqrt(g h), and its slope
+come to more than this, and the ground is off a line by no more than its noise and this share of a radius; it
+is decided up to this share of the swing."""
 DOWN_NOISY, NOISY, RAISE = 0.85, 0.012, 0.7
 """On ground of this noise [m], the share of a swing after which a foot only sinks, and how much higher than
 believed the ground is taken for, over its noise: so that it is met gently where it is higher, too."""
@@ -212,6 +216,7 @@ class Feet:
     def _lift(self, k: int, begin: float, duration: float, centre: FloatArray) -> None:
         self.carrying[k] = self.again[k] = False
         self._lifted[k], self.duration[k] = begin, duration
+        self._lift_first[k] = -1.0 if self._plane else LIFT_FIRST
         self.start[k] = centre
 
     def _land(self, k: int, centre: FloatArray) -> None:
@@ -249,11 +254,28 @@ class Feet:
         else:
             path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
             ground = self.terrain.height(path) + self.radii[k]
+            if self._even(k, ground, noise):
+                self._lift_first[k] = -1.0
+                self.target[k, 2] -= RAISE * noise  # a late foot costs more than an early one
+                self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
+                return
             self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
             self._lift_first[k] = clear_lift(
                 self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
                 0.5 * float(self.radii[k]),
             )  # fmt: skip
+
+    def _even(self, k: int, ground: FloatArray, noise: float) -> bool:
+        """Return whether a fast swing goes over even ground, by (PATH_SAMPLES,) heights and their noise [m].
+
+        A leg that trails behind a fast body is stretched if its foot has to lift first.
+        """
+        if self.share[k] > EVEN_UNTIL or not self.terrain.learns:
+            return bool(self._lift_first[k] < 0.0)
+        way = max(float(np.linalg.norm(self.target[k, :2] - self.start[k, :2])), 1e-9)
+        line = np.linspace(self.start[k, 2], self.target[k, 2], PATH_SAMPLES)
+        hurry = way / (self.descent / DESCENT * self.duration[k]) + abs(line[-1] - line[0]) / way
+        return bool(hurry > FAST and np.abs(ground - line).max() < EVEN * self.radii[k] + noise)
 
     def accelerations(
         self, time: float, centres: FloatArray, twists: FloatArray, gain: tuple[float, float]
