@@ -173,6 +173,26 @@ class Feet:
         else:
             self.carrying[k], self.target[k] = False, self._aimed[k]
 
+    def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
+        """Let late feet go down at another speed from now on, without a jump.
+
+        Parameters
+        ----------
+        time
+            As for `update` [s].
+        fastest
+            See `fastest`.
+        ahead
+            (2,) how much farther along x and y of the world they come down than before [m].
+        """
+        search, before = self._search_down()
+        for k in np.flatnonzero(self.late & ~self.carrying).tolist():
+            late = time + self.wait - float(self._late_from[k])
+            rush, was = (min(late, speed / search) for speed in (fastest, before))
+            self.target[k, 2] += search * (rush * (late - 0.5 * rush) - was * (late - 0.5 * was))
+            self.target[k, :2] += ahead
+        self.fastest = fastest
+
     def _again(self, k: int, time: float, sensed: bool, centre: FloatArray) -> bool:
         """Go on with a swing that has begun anew; return whether there is one."""
         begin, end = self._retry[k]
