@@ -168,3 +168,17 @@ def test_a_late_foot_slows_down_on_its_way_to_the_ground_without_a_jump(feet: Fe
     assert min(speeds) == pytest.approx(-0.8, abs=1e-6)
     assert speeds[-1] == pytest.approx(-0.15, abs=1e-6)
     assert (np.diff(speeds)[100:] >= -1e-9).all()
+
+
+def test_a_foot_that_is_late_still_when_it_should_lift_swings_from_where_it_is(feet: Feet) -> None:
+    feet.careful = True
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    for t in np.arange(0.01, 0.4, 0.01).tolist():
+        feet.update(t, UP, CENTRES)
+    assert feet.late[1]
+    low = CENTRES - [0.0, 0.0, 0.05]
+    feet.update(0.41, UP, low)
+    assert not feet.late[1]
+    assert feet.start[1].tolist() == low[1].tolist()
+    assert feet.duration[1] == pytest.approx(0.2)

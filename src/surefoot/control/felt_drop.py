@@ -163,12 +163,14 @@ class FeltDrop:
         place, flow
             (2,) of the body [m], and its velocity [m/s], world axes.
         feet
-            (n, >= 2) where feet stand [m].
+            (n, 3) where feet stand [m].
         carrying
             (n,) which of them do.
         asked
             Whether what is left of the command leads anywhere.
         """
+        if len(feet) != len(self._stepped):
+            return  # which feet step together, and which carry then, is known of four
         s, stands = float(place @ self.along), feet[:, :2] @ self.along
         beyond = stands > self.edge
         self.astride, last = bool(beyond.any()), int(beyond.sum()) == 1
@@ -181,16 +183,14 @@ class FeltDrop:
             ready = math.hypot(*self._excess) < NEAR * self._height and speed < QUIET
             self.standing = not (carrying.all() and ready and (asked or skew > SKEW * self._height))
             self._stepped &= self.standing
-        elif self._stood and asked:
+        elif self._stood:
             off = bool(self._stepped.all()) and ahead > AHEAD * self._height
-            self.standing, self._halted = off or (last and not self._halted), last
-        elif not carrying.all():
-            return
-        elif not self._stood:
+            square = bool(carrying.all()) and skew < 0.5 * SKEW * self._height and speed < 2.0 * QUIET
+            self.standing = off or (last and not self._halted) or (square and not asked)
+            self._halted = last
+        elif carrying.all():
             rest = s + float(flow @ self.along) * math.sqrt(self._height / GRAVITY)
             self._stood = self.standing = rest < float(np.sort(stands)[-2:].mean())
-        else:
-            self.standing = skew < 0.5 * SKEW * self._height and speed < 2.0 * QUIET
 
     def _lines(self, place: FloatArray, feet: FloatArray) -> float:
         """Find where the body should go when it stands; return how far apart the diagonals are [m]."""
@@ -214,7 +214,7 @@ class FeltDrop:
         return np.asarray(self._shift / SHIFT_TIME * min(1.0, FASTEST_SHIFT / max(speed, 1e-9)))
 
     def left(self, feet: FloatArray) -> bool:
-        """Return whether all feet at (n, >= 2) places [m] have gone back from the drop."""
+        """Return whether all feet have gone back from the drop: they stand at (n, 3) `feet` [m]."""
         return bool((feet[:, :2] @ self.along).max() < self.edge - AWAY * self._height)
 
     def note(self, time: float) -> str:

@@ -7,6 +7,8 @@ tells how deep the treads are [1]_. From then on the steps are known as seen one
 its gait is in step with them, every stand and every strike corrects where they are, and a foot that finds
 the ground one step too low has found their end.
 
+A foot that finds no ground where it should be, down to below steps that matter, stops the walk (`FeltDrop`).
+
 References
 ----------
 .. [1] M. Focchi et al., "Heuristic planning for rough terrain locomotion in presence of external disturbances
@@ -166,7 +168,7 @@ class FeltGround(TouchedGround):
     ) -> None:
         """See `GroundBelief.observe`."""
         self._heading = heading_of(state.q[3:7])
-        if self.flight is None:
+        if self.flight is None and (self._expected or sought.any()):
             flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
             self._look_down(flow, ground, carrying, sought, soles)
         super().observe(state, ground, carrying, sought, soles)

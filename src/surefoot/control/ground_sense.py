@@ -85,7 +85,7 @@ class GroundSense:
             self._lead += min(max(self.belief.lead - self._lead, -change), change)
             flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
             feet.slow_search(clock, slower, self._lead * self.dt * flow[:2])
-        feet.heading = heading_of(state.q[3:7])
+        feet.heading, feet.careful = heading_of(state.q[3:7]), self.belief.careful
         if isinstance(feet.schedule, AdaptiveGait):
             if not self.belief.standing:
                 feet.schedule.held, feet.schedule.leading = False, self.belief.leading

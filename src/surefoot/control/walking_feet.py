@@ -69,6 +69,8 @@ class Feet:
         Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
     heading
         (2,) along which feet are moved off edges; None for each one's own way.
+    careful
+        Whether feet that are still late when their next swing begins lift from where they are then.
     stride
         (2,) from one stand to the next in step with stairs: it chooses the tread [m]; None elsewhere.
     """
@@ -83,6 +85,7 @@ class Feet:
     fastest: float | None = None
     heading: FloatArray | None = None
     stride: FloatArray | None = None
+    careful: bool = False
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -133,6 +136,10 @@ class Feet:
             (n, 3) where the feet are.
         """
         phases = self.schedule.phases(time)
+        for k in np.flatnonzero(self.late & ~self.carrying).tolist() if self.careful else ():
+            on, begin, end = phases[k].tolist()
+            if not on and begin > self._lifted[k]:
+                self._lift(k, begin, end - begin, centres[k])
         events = follow_phases(
             phases, time, self.wait, sensed, EARLY, LOST_TIME, self.carrying, self.planned, self.late,
             self.share, self._sensed, self._retry, self._lifted,
