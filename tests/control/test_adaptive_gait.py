@@ -119,3 +119,24 @@ def test_into_step_with_the_ground_and_out_two_feet_carry_nearly_always(seen: fl
     assert gait.fits(np.array([9.0, 0.0, 0.0]))  # whatever the speed: no body waits for it
     steady = on[(times > done + 1.0) & (times < 9.0)]
     assert steady.mean(axis=0) == pytest.approx(0.6, abs=0.05)
+
+
+@pytest.mark.parametrize("at", [1.0, 1.1, 1.234, 1.3])
+def test_a_gait_that_is_held_lets_feet_land_and_lifts_none(at: float) -> None:
+    gait = AdaptiveGait("trot", stride, stride(np.array([0.5, 0.0, 0.0]), "trot"))
+    for t in np.arange(0.0, at, 0.01).tolist():
+        gait.update(t, np.array([0.5, 0.0, 0.0]))
+    before = [gait.phase(k, at) for k in range(4)]
+    gait.hold(at)
+    for k, (on, _, end) in enumerate(before):
+        assert gait.contacts(np.linspace(at, at + 3.0, 301))[0, k] == on
+        assert gait.phase(k, (at if on else end) + 3.0)[0]
+        if not on:
+            assert gait.phase(k, at)[2] == end  # it lands when it was to
+    gait.update(at + 3.0, np.array([0.5, 0.0, 0.0]))
+    assert gait.contacts(np.linspace(at + 1.0, at + 5.0, 401)).all()
+    gait.held = False
+    gait.update(at + 5.0, np.array([0.5, 0.0, 0.0]))
+    after = gait.contacts(np.linspace(at + 5.0, at + 7.0, 401))
+    assert after[0].all()
+    assert not after.all(axis=0).any()  # every foot steps again

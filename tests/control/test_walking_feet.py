@@ -147,3 +147,38 @@ def test_with_a_heading_feet_move_off_edges_along_it() -> None:
     feet.aim(1, np.array([0.38, -0.2]))  # back and aside, 8 cm beyond the edge that it came down over
     assert feet.target[1, 0] - 0.3 == pytest.approx(SHIN, abs=0.01)
     assert feet.target[1, 1] == pytest.approx(-0.2)
+
+
+def test_a_late_foot_slows_down_on_its_way_to_the_ground_without_a_jump(feet: Feet) -> None:
+    feet.fastest = 0.7
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    places, speeds, fastest = [], [], 0.7
+    for t in np.arange(0.201, 0.399, 1e-3).tolist():
+        if t > 0.3:
+            fastest = max(fastest - 0.01, 0.05)
+            feet.slow_search(t, fastest, np.array([5e-4, 0.0]))
+        feet.update(t, UP, CENTRES)
+        path = feet.motions(t)[1]
+        places.append(path[0])
+        speeds.append(path[1, 2])
+    moved = 1e3 * np.diff(places, axis=0)
+    assert moved[:, 2] == pytest.approx(0.5 * (np.array(speeds[1:]) + speeds[:-1]), abs=0.02)
+    assert moved[-20:, 0] == pytest.approx(0.5, abs=1e-6)
+    assert min(speeds) == pytest.approx(-0.8, abs=1e-6)
+    assert speeds[-1] == pytest.approx(-0.15, abs=1e-6)
+    assert (np.diff(speeds)[100:] >= -1e-9).all()
+
+
+def test_a_foot_that_is_late_still_when_it_should_lift_swings_from_where_it_is(feet: Feet) -> None:
+    feet.careful = True
+    feet.update(0.0, DOWN, CENTRES)
+    feet.aim(1, CENTRES[1, :2])
+    for t in np.arange(0.01, 0.4, 0.01).tolist():
+        feet.update(t, UP, CENTRES)
+    assert feet.late[1]
+    low = CENTRES - [0.0, 0.0, 0.05]
+    feet.update(0.41, UP, low)
+    assert not feet.late[1]
+    assert feet.start[1].tolist() == low[1].tolist()
+    assert feet.duration[1] == pytest.approx(0.2)

@@ -34,6 +34,8 @@ AHEAD = 0.6
 """Stances are remembered that ended less than this ago [s]."""
 FIRST_LIFT = 0.02
 """A foot at rest lifts no sooner than this after a walk is wanted again [s]."""
+EARLIER = 0.25
+"""Feet that would lift so much earlier than a leading one wait for a cycle, as a share of it."""
 LEAST_AIR = 0.95
 """Least time in the air between two cycles, as a share of that of the later one."""
 
@@ -81,6 +83,10 @@ class AdaptiveGait(ContactSchedule):
 
     Attributes
     ----------
+    held
+        Whether the feet stay on the ground, see `hold`.
+    leading
+        A foot that is to be among the first to lift when a walk begins again.
     stride, wanted
         The newest cycle's, and the one that suits the velocity that is `asked` for, (3,) [m/s, m/s, rad/s].
     """
@@ -98,7 +104,7 @@ class AdaptiveGait(ContactSchedule):
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
         self.asked = np.zeros(3)
         self._next = 0.0
-        self._resting = True
+        self._resting, self.held, self.leading = True, False, 0
         if self._first.moving:
             self._begin(0.0)
 
@@ -121,11 +127,26 @@ class AdaptiveGait(ContactSchedule):
         """Follow a (3,) velocity [m/s, m/s, rad/s] at a time [s]: cycles that are not made yet fit it."""
         self._phases.forget()
         self.wanted, self.asked = self._choose(velocity, self.wanted.name), velocity
-        if self._resting and self.wanted.moving:
+        if self._resting and self.wanted.moving and not self.held:
             self._begin(time)
         for stances in self._stances:
             while len(stances) > 1 and stances[0][1] < time - AHEAD:
                 del stances[0]
+
+    def hold(self, time: float) -> None:
+        """Let no foot lift from a time [s] on, whatever is asked for; until `held` is taken back.
+
+        Stances that have been handed out last on; feet in the air land as they were to.
+        """
+        if self.held:
+            return
+        self._make(time + SAME_TIME)
+        self._phases.forget()
+        self.held = self._resting = True
+        for stances in self._stances:
+            coming = next(k for k, (_, end) in enumerate(stances) if end > time + SAME_TIME)
+            del stances[coming + 1 :]
+            stances[coming][1] = math.inf
 
     @property
     def turning(self) -> bool:
@@ -190,13 +211,16 @@ class AdaptiveGait(ContactSchedule):
         air = pace.period - pace.stance_time
         lifts = [max(time + FIRST_LIFT, s[-1][0] + pace.stance_time) for s in self._stances]
         shares = [float(o) for o in stride.offset]
+        others = [o < shares[self.leading] - EARLIER for o in shares]  # lift a cycle later
+        shares = [o + other for o, other in zip(shares, others, strict=True)]
         self._next = max(lift + air - o * pace.period for lift, o in zip(lifts, shares, strict=True))
         for stances, o in zip(self._stances, shares, strict=True):
             stances[-1][1] = self._next + o * pace.period - air
-        self._cycle(first=True)
+        self._cycle(others)
 
-    def _cycle(self, first: bool = False) -> None:
-        """Add the next cycle's stances."""
+    def _cycle(self, others: list[bool] | None = None) -> None:
+        """Add the next cycle's stances; of a first one, but for the `others` that stand through it."""
+        first = others is not None
         if not first:
             self.stride = _between(self.stride, self.wanted)
         pace, shares = self.stride.pace, self.stride.offset.tolist()
@@ -205,9 +229,10 @@ class AdaptiveGait(ContactSchedule):
         # a shorter cycle waits until the feet that lifted last have had their time in the air
         ready = [lift + air - o * pace.period for lift, o in zip(lifts, shares, strict=True)]
         start = self._next if first else max(self._next, *ready)
-        for stances, o in zip(self._stances, shares, strict=True):
-            begin = start + o * pace.period
-            stances.append([begin, begin + pace.stance_time])
+        for k, (stances, o) in enumerate(zip(self._stances, shares, strict=True)):
+            if others is None or not others[k]:
+                begin = start + o * pace.period
+                stances.append([begin, begin + pace.stance_time])
         self._next = start + pace.period
 
 

@@ -70,6 +70,7 @@ class BelievedLimits:
 
     def limit(self, command: FloatArray) -> FloatArray:
         """Return a (3,) velocity (forward, left [m/s], turn rate [rad/s]) slowed to what is possible now."""
+        command = self.belief.allowed(command)
         size = math.hypot(command[0], command[1]) + abs(command[2]) * self.radius
         steps = self.belief.highest_step > 0.0
         if steps:

@@ -7,6 +7,8 @@ tells how deep the treads are [1]_. From then on the steps are known as seen one
 its gait is in step with them, every stand and every strike corrects where they are, and a foot that finds
 the ground one step too low has found their end.
 
+A foot that finds no ground where it should be, down to below steps that matter, stops the walk (`FeltDrop`).
+
 References
 ----------
 .. [1] M. Focchi et al., "Heuristic planning for rough terrain locomotion in presence of external disturbances
@@ -23,12 +25,13 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
+from surefoot.control.felt_drop import FeltDrop
 from surefoot.control.stair_gait import LOW
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
 from surefoot.control.terrain_knowledge import FLIGHT_NOISE, SEEN_SPEED, TouchedGround
 from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.estimation.felt_flight import FeltFlight
-from surefoot.spatial import heading_of
+from surefoot.spatial import heading_of, rotation_from_quaternion
 
 GUESSED_RISE, GUESSED_TREAD = 0.45, 0.9
 """What a step and a tread are taken for before they have been felt, in heights of the centre of mass."""
@@ -43,6 +46,16 @@ FORWARD = 0.7
 FEELING, CATCHING_UP, BEHIND = 0.1, 0.3, 1.15
 """Shares of its speed with which the body goes on while feet feel for steps: as long as it is so near behind
 the farthest foot, in heights of the centre of mass, and farther behind."""
+RETREAT = 0.3
+"""Share of its speed with which the body leaves a drop."""
+UNMOVED = 0.1
+"""A slower body does not tell which way a drop lies [m/s]."""
+LEAD = 1.8
+"""`lead` of a foot that falls into a drop."""
+GENTLE_SPEED = 0.03
+"""`search_speed` at a drop."""
+DROP_NOISE = 0.02
+"""By how much the ground about a drop may be off [m]."""
 SOFT = 0.42
 """Speed at which a foot may strike what it feels for [m/s]: in a millisecond it goes half of what counts as
 touching."""
@@ -83,12 +96,16 @@ class FeltGround(TouchedGround):
     Attributes
     ----------
     flight
-        The steps, None where there are none.
+        The steps up, None where there are none.
+    drop
+        The edge at which the ground falls off, None where there is none.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.flight: FeltFlight | None = None
+        self.drop: FeltDrop | None = None
+        self._said: str | None = None
 
     def __repr__(self) -> str:
         return "FeltGround()"
@@ -99,17 +116,25 @@ class FeltGround(TouchedGround):
         self._heading, self._time = np.array([1.0, 0.0]), state.time
         self._struck: tuple[FloatArray, FloatArray] | None = None
         self._ignored_until = -math.inf
+        self._expected: dict[int, float] = {}
+        self._slid: set[int] = set()
+        self._asked = False
+        if self._said in self.notes:
+            self.notes.remove(self._said)
+        self._said = None
         super().begin(state, ground, height)
 
     def _forget(self) -> None:
         """Believe in a plane again."""
-        self.flight, self.unsure, self.pace = None, False, 1.0
+        self.flight, self.drop, self.unsure, self.pace = None, None, False, 1.0
         self.search_speed, self._felt_to = SEARCH_SPEED, -math.inf
+        self.careful = self.standing = False
+        self.leading = 0
 
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
         """See `GroundBelief.may_strike`: of known steps only a riser that is higher than the foot."""
         flight = self.flight
-        if flight is not None and flight.tread_known:
+        if self.drop is not None or (flight is not None and flight.tread_known):
             ahead = self.height(self._path_ahead(sole, velocity))
             if float(ahead.max()) < sole[2] + 0.5 * self.radius:
                 return False
@@ -123,6 +148,9 @@ class FeltGround(TouchedGround):
         if struck is None or time < self._ignored_until:
             return
         sole, velocity = struck
+        if self.drop is not None:
+            self.drop.struck(float(sole[:2] @ self.drop.along))
+            return
         if self.flight is None:
             way = float(velocity[:2] @ self._heading)
             if abs(way) < FORWARD * math.hypot(velocity[0], velocity[1]):
@@ -140,7 +168,12 @@ class FeltGround(TouchedGround):
     ) -> None:
         """See `GroundBelief.observe`."""
         self._heading = heading_of(state.q[3:7])
+        if self.flight is None and (self._expected or sought.any()):
+            flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
+            self._look_down(flow, ground, carrying, sought, soles)
         super().observe(state, ground, carrying, sought, soles)
+        if self.drop is not None:
+            self._mind(self.drop, state, ground, carrying)
         flight = self.flight
         if flight is not None:
             self.lift = 0.0  # feet are lifted over edges that are known
@@ -152,8 +185,70 @@ class FeltGround(TouchedGround):
                 self._forget()
         self._time = state.time
 
+    def _look_down(
+        self, flow: FloatArray, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+    ) -> None:
+        """Learn from feet that go on down where the ground should be.
+
+        `flow` (3,) is the body's velocity [m/s], the rest as for `observe`.
+        """
+        late = np.flatnonzero(sought).tolist()
+        self._expected = {k: self._expected.get(k, float(self.height(soles[k, :2]))) for k in late}
+        self._slid = {k for k in late if self._stood[k] or k in self._slid}
+        for k in late:
+            sole, level = soles[k], self._expected[k]
+            if self.drop is not None:
+                self.drop.deeper(float(sole[:2] @ self.drop.along), float(sole[2]))
+            elif FeltDrop.begins(level - sole[2], self._height):
+                moved = flow[:2] if math.hypot(flow[0], flow[1]) > UNMOVED else sole[:2] - ground[k, :2]
+                along = self._way(moved)
+                before = float((ground[carrying, :2] @ along).max(initial=-math.inf))
+                last, beyond = float(ground[k, :2] @ along), float(sole[:2] @ along)
+                if k in self._slid:  # off the edge: it stood on it
+                    last, beyond = last - self.radius, last
+                told = max(before, last), beyond, level, level - float(sole[2])
+                self.drop = FeltDrop(along, *told, self._height, self.radius)
+                self.unsure = True
+
+    def _way(self, moved: FloatArray) -> FloatArray:
+        """Return the body's axis (2,) nearest to a way (2,) [m]."""
+        left = np.array([-self._heading[1], self._heading[0]])
+        axis = max((self._heading, left), key=lambda a: abs(float(moved @ a)))
+        return np.asarray(math.copysign(1.0, float(moved @ axis)) * axis)
+
+    def _mind(self, drop: FeltDrop, state: RobotState, ground: FloatArray, carrying: BoolArray) -> None:
+        """Say why the body stops before a drop, and forget it once it is shallow or far."""
+        if drop.left(ground) or (carrying.all() and not drop.found):
+            self._forget()
+            return
+        self.pace, self.lift = RETREAT, 0.0
+        self.search_speed, self.careful = GENTLE_SPEED, True
+        self.lead = 0.0 if drop.found else LEAD
+        flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
+        drop.rest(state.q[:2], flow[:2], ground, carrying, self._asked)
+        self.standing, self.leading = drop.standing, drop.leading
+        if drop.told and self._said is None:
+            self._said = drop.note(state.time)
+            self.notes.append(self._said)
+
+    def allowed(self, command: FloatArray) -> FloatArray:
+        """See `GroundBelief.allowed`: nothing leads on towards a drop."""
+        if self.drop is None:
+            return command
+        turned = np.array([self._heading, [-self._heading[1], self._heading[0]]])
+        slowed, turn = self.drop.slowed(command[:2] @ turned), 0.0 if self.drop.astride else command[2]
+        self._asked = bool(slowed.any() or turn != 0.0)
+        if self.drop.standing:
+            slowed, turn = self.drop.shift() / self.pace, 0.0
+        return np.array([*(turned @ slowed), turn])
+
     def _touched(self, point: FloatArray) -> None:
         """Learn where a foot stands."""
+        if self.drop is not None:
+            self.drop.stand(float(point[:2] @ self.drop.along), float(point[2]))
+            if not self.drop.shallow:
+                return
+            self._forget()
         flight = self.flight
         if flight is None:
             super()._touched(point)
@@ -172,7 +267,10 @@ class FeltGround(TouchedGround):
 
     def feel_ahead(self, place: FloatArray, start: FloatArray, duration: float) -> FloatArray:
         """See `GroundBelief.feel_ahead`: onto the first tread, and from there on to the next riser."""
-        flight = self.flight
+        flight, drop = self.flight, self.drop
+        if drop is not None:
+            s = float(place @ drop.along)
+            return np.asarray(place + (drop.nearest(s, float(start[:2] @ drop.along)) - s) * drop.along)
         if flight is None or not self.unsure or not flight.rise_known:
             return place
         s, begun = float(place @ flight.along), float(start[:2] @ flight.along)
@@ -187,11 +285,15 @@ class FeltGround(TouchedGround):
     @property
     def steepness(self) -> float:
         """Rise over tread of the steps [-]."""
+        if self.drop is not None:
+            return self.drop.depth / (GUESSED_TREAD * self._height)
         return 0.0 if self.flight is None else self.flight.rise / self.flight.tread
 
     @property
     def highest_step(self) -> float:
         """Height of the steps [m]."""
+        if self.drop is not None:
+            return self.drop.depth
         return 0.0 if self.flight is None else self.flight.rise
 
     def steps_until(self, place: FloatArray, along: FloatArray) -> float:
@@ -204,14 +306,19 @@ class FeltGround(TouchedGround):
 
     def noise_at(self, xy: FloatArray) -> float:
         """See `Terrain.noise_at`."""
+        if self.drop is not None:
+            return DROP_NOISE
         return 0.0 if self.flight is None else FLIGHT_NOISE
 
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the expected height under (..., 2) places [m]: (...)."""
+        if self.drop is not None:
+            return self.drop.height(np.asarray(xy, dtype=np.float64) @ self.drop.along)
         if self.flight is None:
             return super().height(xy)
         return self.flight.height(np.asarray(xy, dtype=np.float64) @ self.flight.along)
 
     def gradient(self, xy: ArrayLike) -> FloatArray:
         """Return the slope [-] at (..., 2) places [m]: (..., 2)."""
-        return super().gradient(xy) if self.flight is None else np.zeros(np.shape(xy))
+        plane = self.flight is None and self.drop is None
+        return super().gradient(xy) if plane else np.zeros(np.shape(xy))

@@ -12,16 +12,21 @@ from typing import cast
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.controller import RobotState
 from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walking_feet import Feet
-from surefoot.spatial import GRAVITY, heading_of
+from surefoot.spatial import GRAVITY, heading_of, rotation_from_quaternion
 from surefoot.terrain import Terrain
 
-LONGEST_WAIT = 1.5
-"""Longest time that the gait waits for a foot, over sqrt(h / g)."""
+LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
+"""Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
+SLOWING = 1.3
+"""Deceleration of late feet that should go on more slowly, as a share of g."""
+LEAD_TIME = 0.03
+"""Time in which such feet gain the body's speed [s]."""
 
 
 class GroundSense:
@@ -44,9 +49,9 @@ class GroundSense:
     ) -> None:
         self.belief, self.dt = belief, dt
         self._weight, self._height, self._clearance = weight, height, clearance
-        self._longest = LONGEST_WAIT * math.sqrt(height / GRAVITY)
+        self._fall = math.sqrt(height / GRAVITY)
         self._root = math.sqrt(GRAVITY * height)
-        self._waited = 0.0
+        self._waited = self._lead = 0.0
 
     def begin(self, state: RobotState, centres: FloatArray, radii: FloatArray) -> None:
         """Start a walk with feet of `radii` (n,) at (n, 3) `centres` [m]."""
@@ -77,8 +82,21 @@ class GroundSense:
         centres, twists
             (n, 3), (n, 6) where the feet are and how they move, world axes [m], [m/s, rad/s].
         """
-        feet.fastest = self.belief.search_speed * self._root
-        feet.heading = heading_of(state.q[3:7])
+        fastest = self.belief.search_speed * self._root
+        if feet.fastest is None or not self.belief.careful:
+            feet.fastest, self._lead = fastest, 0.0
+        else:
+            slower = max(fastest, feet.fastest - SLOWING * GRAVITY * self.dt)
+            change = self.dt / LEAD_TIME
+            self._lead += min(max(self.belief.lead - self._lead, -change), change)
+            flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
+            feet.slow_search(clock, slower, self._lead * self.dt * flow[:2])
+        feet.heading, feet.careful = heading_of(state.q[3:7]), self.belief.careful
+        if isinstance(feet.schedule, AdaptiveGait):
+            if not self.belief.standing:
+                feet.schedule.held, feet.schedule.leading = False, self.belief.leading
+            elif clock >= 0.0:
+                feet.schedule.hold(clock)
         if state.forces is None:
             return sensed
         soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]
@@ -102,20 +120,32 @@ class GroundSense:
         `centres` (n, 3) is where the feet are [m].
         """
         soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]
-        self.belief.observe(state, feet.ground, feet.carrying, feet.late & ~feet.carrying, soles)
+        sought = feet.late & ~feet.carrying
+        self.belief.observe(state, feet.ground, feet.carrying, sought, soles)
+        if self.belief.careful:  # the body comes down with its feet
+            feet.ground[sought] = soles[sought]
         feet.clearance = self._clearance + self.belief.lift
         overdue = feet.overdue()
         if not overdue.any():
             self._waited = 0.0
-        elif self._waited < self._longest and (feet.carrying | overdue).all():
+        elif self._waited < self._longest() and (feet.carrying | overdue).all():
             self._waited += self.dt
             feet.wait += self.dt
 
+    def _longest(self) -> float:
+        """Return the longest time that the gait waits for a foot [s]."""
+        return self._fall * (LONGEST_WAIT if not self.belief.careful else WAIT_CAREFUL)
+
 
 def ground_sense(
-    terrain: Terrain, weight: float, height: float, clearance: float, dt: float
+    terrain: Terrain, weight: float, height: float, clearance: float, dt: float, notes: list[str]
 ) -> GroundSense | None:
-    """Return what feeds a terrain that learns, None for one that is known; parameters of `GroundSense`."""
+    """Return what feeds a terrain that learns, None for one that is known; parameters of `GroundSense`.
+
+    What the belief has to say of the command goes to `notes`.
+    """
     if not terrain.learns:
         return None
-    return GroundSense(cast(GroundBelief, terrain), weight, height, clearance, dt)
+    belief = cast(GroundBelief, terrain)
+    belief.notes = notes
+    return GroundSense(belief, weight, height, clearance, dt)

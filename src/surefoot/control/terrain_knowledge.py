@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.caution import Caution
 from surefoot.control.controller import RobotState
 from surefoot.control.step_detection import StepWatch
-from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.estimation.elevation_kernels import flight_heights
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
@@ -60,29 +60,20 @@ STUMBLE_LIFT = 0.2
 """By how much they are lifted more after a stumble, likewise."""
 
 
-class GroundBelief(Terrain):
+class GroundBelief(Caution, Terrain):
     """A terrain that learns from what the robot senses.
 
     Attributes
     ----------
     lift
         Height by which feet should be lifted more than over known ground [m].
-    search_speed
-        Largest speed with which late feet are sent down, as a share of sqrt(g h).
     radius
         Of the feet [m].
-    unsure
-        Whether there are steps and it is not known where: feet feel ahead, and the body goes on slowly.
-    pace
-        The share of its speed then.
     """
 
     learns = True
-    search_speed = SEARCH_SPEED
     lift: float = 0.0
     radius: float = 0.0
-    unsure: bool = False
-    pace: float = 1.0
 
     def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
         """Start from where the robot stands.
@@ -185,7 +176,6 @@ class GroundBelief(Terrain):
 
     def _touched(self, point: FloatArray) -> None:
         """Learn that a foot has landed at a (3,) point [m]."""
-        return
 
     @abstractmethod
     def _fitted(self) -> None:
@@ -205,6 +195,7 @@ class TouchedGround(GroundBelief):
     """
 
     def __init__(self) -> None:
+        super().__init__()
         self._about, self._level, self._slope = np.zeros(2), 0.0, np.zeros(2)
         self._bias = 0.0
 
@@ -256,13 +247,12 @@ class MappedGround(GroundBelief):
     search_speed = SEEN_SPEED
 
     def __init__(self, settings: MapSettings | None = None) -> None:
+        super().__init__()
         self.map = ElevationMap(settings)
         self.noise = self.map.noise
         self._poses: deque[tuple[float, FloatArray]] = deque()
         self.watch = StepWatch()
-        self.map.see(
-            np.zeros((1, 3)), np.ones(1)
-        )  # compiled or loaded now, not in the first step with a scan
+        self.map.see(np.zeros((1, 3)), np.ones(1))  # compiled now, not in the first step with a scan
 
     def __repr__(self) -> str:
         return f"MappedGround({self.map!r})"
@@ -353,10 +343,8 @@ class MappedGround(GroundBelief):
         places = np.asarray(xy, dtype=np.float64)
         if self.watch.flight is None:
             return self.map.gradient(places)
-        own = self._read(places)[1]
-        return (
-            np.zeros(places.shape) if own.all() else np.where(own[..., None], 0.0, self.map.gradient(places))
-        )
+        own = self._read(places)[1][..., None]
+        return np.zeros(places.shape) if own.all() else np.where(own, 0.0, self.map.gradient(places))
 
     def _read(self, places: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return heights (...) at (..., 2) places [m], and where they are those of stairs that are known."""

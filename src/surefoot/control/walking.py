@@ -179,7 +179,7 @@ class WalkingController(Controller):
         self._swing_gain = (s.swing_stiffness * self._pendulum) ** 2, 2.0 * s.swing_stiffness * self._pendulum
         self.facts = {
             "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
-            "gait": getattr(self.schedule, "name", "schedule"), "notes": list(self.notes),
+            "gait": getattr(self.schedule, "name", "schedule"), "notes": self.notes,
         }  # fmt: skip
         self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
         self._look_ahead = LookAhead(self._height)
@@ -189,7 +189,7 @@ class WalkingController(Controller):
         if isinstance(self.schedule, (Gait, AdaptiveGait)) and seen:
             margin = 2.0 * float(self._radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
-        self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt)
+        self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt, self.notes)
         self._believed = (
             None
             if self._sense is None

@@ -73,6 +73,8 @@ class Feet:
         Largest speed with which a late foot is sent down on unknown ground [m/s]; None on known ground.
     heading
         (2,) along which feet are moved off edges; None for each one's own way.
+    careful
+        Whether feet that are still late when their next swing begins lift from where they are then.
     stride
         (2,) from one stand to the next in step with stairs: it chooses the tread [m]; None elsewhere.
     """
@@ -87,6 +89,7 @@ class Feet:
     fastest: float | None = None
     heading: FloatArray | None = None
     stride: FloatArray | None = None
+    careful: bool = False
 
     def __post_init__(self) -> None:
         n = len(self.radii)
@@ -137,6 +140,10 @@ class Feet:
             (n, 3) where the feet are.
         """
         phases = self.schedule.phases(time)
+        for k in np.flatnonzero(self.late & ~self.carrying).tolist() if self.careful else ():
+            on, begin, end = phases[k].tolist()
+            if not on and begin > self._lifted[k]:
+                self._lift(k, begin, end - begin, centres[k])
         events = follow_phases(
             phases, time, self.wait, sensed, EARLY, LOST_TIME, self.carrying, self.planned, self.late,
             self.share, self._sensed, self._retry, self._lifted,
@@ -176,6 +183,26 @@ class Feet:
             self._sensed[k] = -np.inf
         else:
             self.carrying[k], self.target[k] = False, self._aimed[k]
+
+    def slow_search(self, time: float, fastest: float, ahead: FloatArray) -> None:
+        """Let late feet go down at another speed from now on, without a jump.
+
+        Parameters
+        ----------
+        time
+            As for `update` [s].
+        fastest
+            See `fastest`.
+        ahead
+            (2,) how much farther along x and y of the world they come down than before [m].
+        """
+        search, before = self._search_down()
+        for k in np.flatnonzero(self.late & ~self.carrying).tolist():
+            late = time + self.wait - float(self._late_from[k])
+            rush, was = (min(late, speed / search) for speed in (fastest, before))
+            self.target[k, 2] += search * (rush * (late - 0.5 * rush) - was * (late - 0.5 * was))
+            self.target[k, :2] += ahead
+        self.fastest = fastest
 
     def _again(self, k: int, time: float, sensed: bool, centre: FloatArray) -> bool:
         """Go on with a swing that has begun anew; return whether there is one."""

@@ -124,6 +124,8 @@ class Recorder:
         says what went wrong; a large one ends with the last row that could be written.
         """
         facts = {**self._facts, **facts}
+        # a controller's lists may go on with its next run
+        facts = {name: list(told) if isinstance(told, list) else told for name, told in facts.items()}
         if self._parts is None:
             arrays = {n: a[: self.count].copy() for n, a in self.arrays.items()}
             return Log(arrays, facts, channels=self._channels)
