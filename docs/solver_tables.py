@@ -185,9 +185,9 @@ def readme(told: Any) -> Rows:
     by = {row[0]: row[1:] for row in contact(contacts)}
     auto = next(row for name, row in by.items() if name.startswith("`auto`"))
     rivals = "; ".join(
-        f"{name} {ready}, {fresh} ({solved})"
-        for name, (solved, ready, fresh) in by.items()
-        if name in NAMED_RIVALS
+        f"{said} {by[name][1]}, {by[name][2]} µs ({by[name][0]})"
+        for name, said in NAMED_RIVALS.items()
+        if name in by
     )
     plans = {row[0]: row[1:] for row in speed_tables.horizons(walk)}
     mpc = [[plans[scene][k].split(" / ")[0] for scene in ("trot", "limit")] for k in range(3)]
@@ -205,8 +205,8 @@ def readme(told: Any) -> Rows:
         ],
         [
             "plan ten steps of a trot; at its friction limit (MPC)", "; ".join(mpc[0]),
-            f"the solve alone: fastest QP with facets {'; '.join(mpc[1])}; Clarabel, exact, "
-            f"{'; '.join(mpc[2])}", "`surefoot bench walk`",
+            f"the solve alone: fastest QP with facets {', '.join(mpc[1])} µs; Clarabel, exact, "
+            f"{', '.join(mpc[2])} µs", "`surefoot bench walk`",
         ],
         ["step of the walking controller, plans included; 99th percentile", step.replace(" / ", "; "), "",
          "`surefoot bench walk`"],
@@ -231,7 +231,12 @@ def _momentum_in_plans(told: str) -> Rows:
 STATICS, FORCES = "surefoot bench statics", "surefoot bench forces"
 CONTACT, WALK = "surefoot bench contact", "surefoot bench walk"
 STAND = "surefoot stand go2 --no-video --no-report"
-NAMED_RIVALS = ("pinocchio pgs", "pinocchio admm", "pinocchio admm spectral anderson", "siconos nsgs")
+NAMED_RIVALS = {
+    "pinocchio pgs": "Pinocchio's PGS",
+    "pinocchio admm": "its ADMM",
+    "pinocchio admm spectral anderson": "with Anderson acceleration",
+    "siconos nsgs": "Siconos' NSGS",
+}
 """Those that the README compares with; docs/choosing-a-solver.md has all."""
 WARM = (
     "trajectory", "cones active in", "iterations", "cold", "warm", "ratio", "loop: cold", "loop: warm",
