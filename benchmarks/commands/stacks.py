@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -51,7 +52,7 @@ def stacks(
     collision: Annotated[str | None, typer.Option(help="full or feet.")] = None,
     go2_convex_mpc: Checkout = None,
     quadruped_pympc: Checkout = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Two tasks, one seed.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Two tasks, one seed, no longer than 6 s.")] = False,
     resume: Annotated[Path | None, typer.Option(help="Folder of an interrupted bench to go on with.")] = None,
     out: Annotated[Path | None, typer.Option(help="Keep every trial in a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
@@ -64,7 +65,7 @@ def stacks(
     from benchmarks.stacks.setting import HARD, IDEAL, Setting
     from benchmarks.stacks.stacks import choose_stacks
     from benchmarks.stacks.table import fastest_held, rows
-    from benchmarks.stacks.tasks import QUICK, choose_tasks
+    from benchmarks.stacks.tasks import QUICK, QUICK_TIME, choose_tasks
 
     check_out(out)
     extras.require((*extras.robot_packages("go2"), "mujoco"))
@@ -72,7 +73,8 @@ def stacks(
     setting = Setting(estimator or base.estimator, actuators or base.actuators, collision or base.collision)
     tasks = choose_tasks(task)
     if quick:
-        tasks, seeds = choose_tasks(task or QUICK)[:2], 1
+        few = choose_tasks(task or QUICK)[:2]
+        tasks, seeds = tuple(replace(t, duration=min(t.duration, QUICK_TIME)) for t in few), 1
     chosen = choose_stacks(stack, {"go2-convex-mpc": go2_convex_mpc, "quadruped-pympc": quadruped_pympc})
     bench = Bench(chosen.stacks, tasks, seeds, setting)
     folder = _folder(out, resume)
