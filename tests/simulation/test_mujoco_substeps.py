@@ -133,8 +133,13 @@ def test_a_foot_in_a_corner_tells_of_what_bears_more() -> None:
     for forces, wanted in (((20.0, 60.0), ([0, 0, 1], -2e-4)), ((60.0, 20.0), ([-1, 0, 0], -3e-4))):
         efc = np.array([forces[0], 1.0, 1.0, forces[1], 1.0, 1.0])
         gaps, normals = np.array([-3e-4]), np.array([[-1.0, 0.0, 0.0]])
-        face_principal(gaps, normals, pairs, at, frames, np.array([-3e-4, -2e-4]), efc, owner)
+        face_principal(gaps, normals, pairs, at, frames, np.array([-3e-4, -2e-4]), efc, owner, False)
         assert normals[0].tolist() == wanted[0]
+        assert gaps[0] == wanted[1]
+        gaps[0] = 1.0
+        face_principal(gaps, normals, pairs, at, frames, np.array([-3e-4, -2e-4]), efc, owner, False)
+        assert gaps[0] == 1.0  # it faces that surface already
+        face_principal(gaps, normals, pairs, at, frames, np.array([-3e-4, -2e-4]), efc, owner, True)
         assert gaps[0] == wanted[1]
     assert 0.0 < SAME_FACE < 1.0
 

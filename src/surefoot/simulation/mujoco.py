@@ -257,8 +257,9 @@ class MujocoWorld:
         self._touching.clear()
         for _ in range(self.substeps):
             self._mujoco.mj_step(self.model, self.data)
-            parts.append(self._last_contacts())
-            self._touching.update(self._last_touching())
+            parts.append(self._last_contacts(parts[-1] if parts else None))
+            if self._beside:
+                self._touching.update(self._last_touching())
         self._mean, rest = mean_reading(parts)
         if rest.any() and self._mean.others is not None:
             places = self._mean.positions
@@ -309,11 +310,18 @@ class MujocoWorld:
         """
         return self._last_contacts() if self._mean is None else self._mean
 
-    def _last_contacts(self) -> ContactReading:
-        """Return what the ground did in MuJoCo's last step."""
+    def _last_contacts(self, before: ContactReading | None = None) -> ContactReading:
+        """Return what the ground did in MuJoCo's last step.
+
+        The ground that was near in the step `before`, a part of a millisecond ago, is near still.
+        """
         data, contact, links, normals = self.data, self._contact, self._links, self._normals
         points, forces, velocities, positions, gaps, others = self._blank()
-        over = None if self._planar else self._ground_near(self._places[self._geoms])
+        over = None
+        if before is not None and before.normals is not None and not self._planar:
+            over = before.gaps.copy(), before.normals.copy()
+        elif not self._planar:
+            over = self._ground_near(self._places[self._geoms])
         if over is not None:
             self._face(
                 *over,
@@ -323,9 +331,10 @@ class MujocoWorld:
                 contact.dist,
                 data.efc_force,
                 self._owner,
+                before is not None,
             )
             surface_frames(over[1], self._frames)
-        beside = self._read(
+        self._beside = beside = self._read(
             self._places, self._twists, self._centres, contact.geom, contact.efc_address, contact.frame,
             data.efc_force, self._owner, self._spheres, self._sizes, self._frames, gaps, points,
         )  # fmt: skip

@@ -15,6 +15,7 @@ OWN_TYPES = (
 """Types of what `read_contacts` is given of MuJoCo itself, whose contacts lie apart in memory."""
 FACE_TYPES = (
     VECTOR, MATRIX, numba.int32[:, :], numba.int32[:], REAL[:, :], REAL[:], VECTOR, INTEGER[::1],
+    numba.boolean,
 )  # fmt: skip
 """The same of `face_principal`."""
 SAME_FACE = 0.5
@@ -31,6 +32,7 @@ def face_principal(
     distances: FloatArray,
     constraint_forces: FloatArray,
     owner: IntArray,
+    moved: bool,
 ) -> None:
     """Turn gaps and normals to the surface that bears most, of those that a foot touches.
 
@@ -45,6 +47,8 @@ def face_principal(
         See `read_contacts`.
     distances
         (c,) of MuJoCo's contacts [m].
+    moved
+        Whether the spheres have moved since gaps were found: those of spheres that touch are MuJoCo's then.
     """
     for k in range(len(gaps)):
         best, most = -1, 0.0
@@ -58,8 +62,9 @@ def face_principal(
             continue
         sign, frame = (1.0 if owner[pairs[best, 1]] >= 0 else -1.0), contact_frames[best]
         along = sign * (frame[0] * normals[k, 0] + frame[1] * normals[k, 1] + frame[2] * normals[k, 2])
-        if along < SAME_FACE:
+        if moved or along < SAME_FACE:
             gaps[k] = distances[best]
+        if along < SAME_FACE:
             for i in range(3):
                 normals[k, i] = sign * frame[i]
 
