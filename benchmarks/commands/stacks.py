@@ -71,10 +71,9 @@ def stacks(
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     base = IDEAL if ideal else HARD
     setting = Setting(estimator or base.estimator, actuators or base.actuators, collision or base.collision)
-    tasks = choose_tasks(task)
+    tasks = choose_tasks(task or (QUICK if quick else None))
     if quick:
-        few = choose_tasks(task or QUICK)[:2]
-        tasks, seeds = tuple(replace(t, duration=min(t.duration, QUICK_TIME)) for t in few), 1
+        tasks, seeds = tuple(replace(t, duration=min(t.duration, QUICK_TIME)) for t in tasks[:2]), 1
     chosen = choose_stacks(stack, {"go2-convex-mpc": go2_convex_mpc, "quadruped-pympc": quadruped_pympc})
     bench = Bench(chosen.stacks, tasks, seeds, setting)
     folder = _folder(out, resume)

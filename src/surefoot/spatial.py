@@ -141,6 +141,15 @@ def rotation_from_quaternion(quaternion: ArrayLike) -> FloatArray:
     return np.asarray(np.eye(3) + 2.0 * q[..., 3, None, None] * s + 2.0 * (s @ s))
 
 
+def base_velocity(q: FloatArray, v: FloatArray) -> FloatArray:
+    """Return the linear velocity (3,) of a floating base in world axes [m/s], by Pinocchio's q and v.
+
+    >>> base_velocity(np.array([0.0, 0.0, 0.3, 0.0, 0.0, 1.0, 0.0]), np.array([0.5, 0.0, 0.1, 0.0, 0.0, 0.0]))
+    array([-0.5,  0. ,  0.1])
+    """
+    return np.asarray(rotation_from_quaternion(q[3:7]) @ v[:3])
+
+
 def heading_of(quaternion: FloatArray) -> FloatArray:
     """Return where the x axis of a body points along the level, (2,), for a unit quaternion x, y, z, w (4,).
 

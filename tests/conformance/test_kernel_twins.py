@@ -251,6 +251,7 @@ planning.shooting.state_space retract planning/shooting/test_costs.py::test_diff
 planning.shooting.state_space turn_between planning/shooting/test_costs.py::test_differences_and_retractions_are_inverse_and_pinocchios_to_first_order by difference
 simulation.mujoco_actuators load_joints       simulation/test_run_kernels.py::test_joints_are_loaded_with_what_motors_give
 simulation.mujoco_contacts face_principal     simulation/test_mujoco_substeps.py::test_a_foot_in_a_corner_tells_of_what_bears_more
+simulation.mujoco_contacts toward             simulation/test_mujoco_substeps.py::test_a_foot_in_a_corner_tells_of_what_bears_more by face_principal
 simulation.mujoco_contacts read_contacts      simulation/test_mujoco.py::test_contact_forces_are_mujocos_own by contacts
 simulation.mujoco_contacts to_pinocchio       simulation/test_mujoco.py::test_state_survives_the_round_trip by state
 simulation.mujoco_links  feet_on_ground       simulation/test_mujoco_links.py::test_rows_are_sorted_as_by_plain_numpy

@@ -148,12 +148,6 @@ def world_settings(
     return told
 
 
-def divide(world: World, parts: int) -> None:
-    """Have a world of MuJoCo make each step in so many parts; others are asked for one."""
-    if parts != 1:
-        cast("MujocoWorld", world).divide(parts)
-
-
 def build_world(
     name: str,
     robot: Robot,
@@ -172,6 +166,7 @@ def build_world(
         parts = told.pop("substeps", 1)
         at = {"payload_position": place} if any(place) else {}
         world = make_world(name, robot, terrain, mu, payload=mass, **at, **told)
-        divide(world, parts)
+        if parts != 1:  # only MuJoCo's is asked
+            cast("MujocoWorld", world).divide(parts)
     say(console, *(str(warning.message) for warning in said))
     return world

@@ -31,7 +31,7 @@ from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
 from surefoot.control.terrain_knowledge import FLIGHT_NOISE, SEEN_SPEED, TouchedGround
 from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.estimation.felt_flight import FeltFlight
-from surefoot.spatial import heading_of, rotation_from_quaternion
+from surefoot.spatial import base_velocity, heading_of
 
 GUESSED_RISE, GUESSED_TREAD = 0.45, 0.9
 """What a step and a tread are taken for before they have been felt, in heights of the centre of mass."""
@@ -168,12 +168,13 @@ class FeltGround(TouchedGround):
     ) -> None:
         """See `GroundBelief.observe`."""
         self._heading = heading_of(state.q[3:7])
-        if self.flight is None and (self._expected or sought.any()):
-            flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
+        falling = self.flight is None and (self._expected or sought.any())
+        flow = base_velocity(state.q, state.v) if falling or self.drop is not None else np.zeros(3)
+        if falling:
             self._look_down(flow, ground, carrying, sought, soles)
         super().observe(state, ground, carrying, sought, soles)
         if self.drop is not None:
-            self._mind(self.drop, state, ground, carrying)
+            self._mind(self.drop, state, flow, ground, carrying)
         flight = self.flight
         if flight is not None:
             self.lift = 0.0  # feet are lifted over edges that are known
@@ -210,13 +211,18 @@ class FeltGround(TouchedGround):
                 self.drop = FeltDrop(along, *told, self._height, self.radius)
                 self.unsure = True
 
+    def _axes(self) -> FloatArray:
+        """Return the body's axes forward and left in the ground's plane, (2, 2) by rows."""
+        return np.array([self._heading, [-self._heading[1], self._heading[0]]])
+
     def _way(self, moved: FloatArray) -> FloatArray:
         """Return the body's axis (2,) nearest to a way (2,) [m]."""
-        left = np.array([-self._heading[1], self._heading[0]])
-        axis = max((self._heading, left), key=lambda a: abs(float(moved @ a)))
+        axis = max(self._axes(), key=lambda a: abs(float(moved @ a)))
         return np.asarray(math.copysign(1.0, float(moved @ axis)) * axis)
 
-    def _mind(self, drop: FeltDrop, state: RobotState, ground: FloatArray, carrying: BoolArray) -> None:
+    def _mind(
+        self, drop: FeltDrop, state: RobotState, flow: FloatArray, ground: FloatArray, carrying: BoolArray
+    ) -> None:
         """Say why the body stops before a drop, and forget it once it is shallow or far."""
         if drop.left(ground) or (carrying.all() and not drop.found):
             self._forget()
@@ -224,7 +230,6 @@ class FeltGround(TouchedGround):
         self.pace, self.lift = RETREAT, 0.0
         self.search_speed, self.careful = GENTLE_SPEED, True
         self.lead = 0.0 if drop.found else LEAD
-        flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
         drop.rest(state.q[:2], flow[:2], ground, carrying, self._asked)
         self.standing, self.leading = drop.standing, drop.leading
         if drop.told and self._said is None:
@@ -235,7 +240,7 @@ class FeltGround(TouchedGround):
         """See `GroundBelief.allowed`: nothing leads on towards a drop."""
         if self.drop is None:
             return command
-        turned = np.array([self._heading, [-self._heading[1], self._heading[0]]])
+        turned = self._axes()
         slowed, turn = self.drop.slowed(command[:2] @ turned), 0.0 if self.drop.astride else command[2]
         self._asked = bool(slowed.any() or turn != 0.0)
         if self.drop.standing:

@@ -18,7 +18,7 @@ from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walking_feet import Feet
-from surefoot.spatial import GRAVITY, heading_of, rotation_from_quaternion
+from surefoot.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.terrain import Terrain
 
 LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
@@ -89,7 +89,7 @@ class GroundSense:
             slower = max(fastest, feet.fastest - SLOWING * GRAVITY * self.dt)
             change = self.dt / LEAD_TIME
             self._lead += min(max(self.belief.lead - self._lead, -change), change)
-            flow = rotation_from_quaternion(state.q[3:7]) @ state.v[:3]
+            flow = base_velocity(state.q, state.v)
             feet.slow_search(clock, slower, self._lead * self.dt * flow[:2])
         feet.heading, feet.careful = heading_of(state.q[3:7]), self.belief.careful
         if isinstance(feet.schedule, AdaptiveGait):

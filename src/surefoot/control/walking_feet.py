@@ -276,24 +276,26 @@ class Feet:
         self.target[k, 2] = float(self.terrain.height(xy)) + above
         if not self._plane:
             self.frames[k] = self.terrain.frame(xy)
-        if self._plane:  # the bump is put on the line between both ends, which is as steep as the plane
+        if self._plane or self._even(k, noise):
+            self._lift_first[k] = -1.0
+            self.target[k, 2] -= RAISE * noise  # a late foot costs more than an early one
+            # the bump is put on the line between both ends, which is as steep as the plane
             self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
         else:
-            path = self.start[k, :2] + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * (xy - self.start[k, :2])
-            ground = self.terrain.height(path) + self.radii[k]
-            if self._even(k, ground, noise):
-                self._lift_first[k] = -1.0
-                self.target[k, 2] -= RAISE * noise  # a late foot costs more than an early one
-                self.apex[k] = 0.5 * float(self.start[k, 2] + self.target[k, 2]) + self.clearance
-                return
-            self.apex[k] = apex_height(self.start[k], self.target[k], ground, self.clearance)
+            self.apex[k] = apex_height(self.start[k], self.target[k], self._below(k), self.clearance)
             self._lift_first[k] = clear_lift(
                 self.start[k], self.target[k], float(self.apex[k]), self.terrain, float(self.radii[k]),
                 0.5 * float(self.radii[k]),
             )  # fmt: skip
 
-    def _even(self, k: int, ground: FloatArray, noise: float) -> bool:
-        """Return whether a fast swing goes over even ground, by (PATH_SAMPLES,) heights and their noise [m].
+    def _below(self, k: int) -> FloatArray:
+        """Return the least heights of a foot over the ground on its way: (PATH_SAMPLES,) [m]."""
+        start, way = self.start[k, :2], self.target[k, :2] - self.start[k, :2]
+        path = start + np.linspace(0.0, 1.0, PATH_SAMPLES)[:, None] * way
+        return np.asarray(self.terrain.height(path) + self.radii[k])
+
+    def _even(self, k: int, noise: float) -> bool:
+        """Return whether a fast swing goes over ground that is even but for some noise [m].
 
         A leg that trails behind a fast body is stretched if its foot has to lift first.
         """
@@ -302,7 +304,7 @@ class Feet:
         way = max(float(np.linalg.norm(self.target[k, :2] - self.start[k, :2])), 1e-9)
         line = np.linspace(self.start[k, 2], self.target[k, 2], PATH_SAMPLES)
         hurry = way / (self.descent / DESCENT * self.duration[k]) + abs(line[-1] - line[0]) / way
-        return bool(hurry > FAST and np.abs(ground - line).max() < EVEN * self.radii[k] + noise)
+        return bool(hurry > FAST and np.abs(self._below(k) - line).max() < EVEN * self.radii[k] + noise)
 
     def accelerations(
         self, time: float, centres: FloatArray, twists: FloatArray, gain: tuple[float, float]

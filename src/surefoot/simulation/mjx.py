@@ -23,6 +23,7 @@ from surefoot.simulation.mujoco_contacts import read_contacts
 from surefoot.simulation.world import ContactReading
 from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
+from surefoot.terrain.frames import surface_frames
 
 
 def import_mjx() -> Any:
@@ -143,6 +144,8 @@ class MjxWorld(MujocoWorld):
         points, forces, velocities, positions, gaps, _ = self._blank()
         normals = self._normals
         over = None if self._planar else self._ground_near(read["geom_xpos"][self._geoms])
+        if over is not None:
+            surface_frames(over[1], self._frames)
         read_contacts(
             read["geom_xpos"], read["cvel"], read["subtree_com"], read["geom"].astype(np.int32),
             read["efc_address"].astype(np.int32), read["frame"].reshape(-1, 9), read["efc_force"],

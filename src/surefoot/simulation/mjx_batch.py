@@ -20,7 +20,7 @@ from surefoot.robot import Robot
 from surefoot.simulation.batch import per_robot, rows_per_robot
 from surefoot.simulation.mjx import STATE, MjxWorld, import_mjx, left_behind
 from surefoot.simulation.mujoco import LARGEST
-from surefoot.spatial import quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion
+from surefoot.spatial import base_velocity, quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion
 from surefoot.terrain import Terrain
 
 SLIPPERIEST = 1e-5
@@ -176,7 +176,7 @@ class MjxBatch:
         """Return a state in MuJoCo's order."""
         qpos, qvel = q.copy(), v.copy()
         if self.robot.floating:
-            qpos[3:7], qvel[:3] = quaternion_wxyz(q[3:7]), rotation_from_quaternion(q[3:7]) @ v[:3]
+            qpos[3:7], qvel[:3] = quaternion_wxyz(q[3:7]), base_velocity(q, v)
         return qpos, qvel
 
 

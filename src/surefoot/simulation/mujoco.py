@@ -39,10 +39,7 @@ from surefoot.simulation.mujoco_substeps import checked_substeps, mean_reading
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.rigid import chosen_geometry
 from surefoot.simulation.world import ContactReading, ground_of
-from surefoot.spatial import (
-    quaternion_wxyz,
-    rotation_from_quaternion,
-)
+from surefoot.spatial import base_velocity, quaternion_wxyz
 from surefoot.stepping.arithmetic import largest
 from surefoot.stepping.bodies import finite_vector
 from surefoot.terrain import Terrain
@@ -155,14 +152,14 @@ class MujocoWorld:
         self._geoms = feet  # numbered along the tree
         self._bodies = np.array(self.model.geom_bodyid)[feet]
         self.base_body = base
-        self._links = LinkContacts(mujoco, self.model, feet, self.ground_geoms) if links else None
+        self._owner = owners(self.model.ngeom, feet, self.ground_geoms)
+        self._links = LinkContacts(mujoco, self.model, self._owner) if links else None
         self._frames = np.array([self.terrain.frame([0.0, 0.0])] * len(feet)).reshape(-1, 3, 3)
         self._normals = np.ascontiguousarray(self._frames[:, :, 2])  # all that a plane needs, with its offset
         offset = float(self._frames[0, 2, 2] * self.terrain.height([0.0, 0.0])) if len(feet) else 0.0
         roots = np.array(self.model.body_rootid)[self._bodies]
         self._spheres = np.stack([feet, self._bodies, roots], axis=1).astype(np.int64)
         self._sizes = np.stack([points.radii, np.full(len(feet), offset)], axis=1)
-        self._owner = owners(self.model.ngeom, feet, self.ground_geoms)
         self._look_at_data(feet)
         self.reset(robot.nominal)
 
@@ -217,7 +214,7 @@ class MujocoWorld:
         if self.robot.floating:
             self.data.qpos[3:7] = quaternion_wxyz(q[3:7])
             if v is not None:
-                self.data.qvel[:3] = rotation_from_quaternion(q[3:7]) @ v[:3]
+                self.data.qvel[:3] = base_velocity(q, v)
         self._mujoco.mj_forward(self.model, self.data)
 
     def state(self) -> tuple[FloatArray, FloatArray]:
@@ -357,9 +354,8 @@ class MujocoWorld:
         return self._spare.pop()
 
     def _ground_near(self, centres: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres; set their frames."""
+        """Return the gaps (p,) [m] and the ground's normals (p, 3) of (p, 3) spheres."""
         distances, normals = self.terrain.nearest(centres)
-        surface_frames(normals, self._frames)
         return distances - self._sizes[:, 0], normals
 
     def touching(self) -> list[tuple[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.kernels import INTEGER, MATRIX, REAL, VECTOR, kernel
+from surefoot.kernels import INTEGER, MATRIX, REAL, VECTOR, inline_kernel, kernel
 from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
 
 OWN_TYPES = (
@@ -20,6 +20,13 @@ FACE_TYPES = (
 """The same of `face_principal`."""
 SAME_FACE = 0.5
 """Least cosine between normals of one surface: facets of a mesh are one, a floor and a riser are two."""
+
+
+@inline_kernel
+def toward(frame: FloatArray, sign: float, normal: FloatArray) -> float:
+    """Return the cosine between a contact's normal, (9,) frame and sign, and a surface's (3,)."""
+    along: float = frame[0] * normal[0] + frame[1] * normal[1] + frame[2] * normal[2]
+    return sign * along
 
 
 @kernel
@@ -61,10 +68,10 @@ def face_principal(
         if best < 0:
             continue
         sign, frame = (1.0 if owner[pairs[best, 1]] >= 0 else -1.0), contact_frames[best]
-        along = sign * (frame[0] * normals[k, 0] + frame[1] * normals[k, 1] + frame[2] * normals[k, 2])
-        if moved or along < SAME_FACE:
+        other = toward(frame, sign, normals[k]) < SAME_FACE
+        if moved or other:
             gaps[k] = distances[best]
-        if along < SAME_FACE:
+        if other:
             for i in range(3):
                 normals[k, i] = sign * frame[i]
 
@@ -128,10 +135,7 @@ def read_contacts(
             continue
         # MuJoCo's frame points from the first geom to the second
         k, sign = max(first, second), (1.0 if second >= 0 else -1.0)
-        along = 0.0
-        for i in range(3):
-            along += sign * contact_frames[c, i] * frames[k, i, 2]
-        if along < SAME_FACE:
+        if toward(contact_frames[c], sign, frames[k, :, 2]) < SAME_FACE:
             beside = beside or constraint_forces[at] > 0.0
             continue
         forces[k, 2] += constraint_forces[at]

@@ -138,19 +138,18 @@ class LinkContacts:
     ----------
     mujoco, model
         The module and the compiled model.
-    feet, ground
-        Geoms of the feet's spheres and of the ground.
+    owner
+        See `owners`.
     """
 
-    def __init__(self, mujoco: Any, model: Any, feet: IntArray, ground: list[int]) -> None:
+    def __init__(self, mujoco: Any, model: Any, owner: IntArray) -> None:
         self._nv = int(model.nv)
         kinds = mujoco.mjtConstraint
         contacts = (kinds.mjCNSTR_CONTACT_FRICTIONLESS, kinds.mjCNSTR_CONTACT_PYRAMIDAL)
         self._kinds = np.array([int(kind) for kind in (*contacts, kinds.mjCNSTR_CONTACT_ELLIPTIC)])
         self._stop = int(kinds.mjCNSTR_LIMIT_JOINT)
-        self._role = np.zeros(model.ngeom, dtype=np.int64)
-        self._role[feet], self._role[ground] = 1, 2
-        self._sphere = owners(model.ngeom, feet, ground)
+        self._owner = owner
+        self._role = np.select([owner >= 0, owner == -1], [1, 2], 0)
         self._still = np.zeros(self._nv)
 
     def addresses(self, data: Any, frames: FloatArray | None = None) -> IntArray:
@@ -164,7 +163,7 @@ class LinkContacts:
         if frames is None:
             return np.asarray(rows)
         for c in np.flatnonzero(rows >= 0).tolist():
-            first, second = self._sphere[contact.geom[c]].tolist()
+            first, second = self._owner[contact.geom[c]].tolist()
             along = float(contact.frame[c, :3] @ frames[max(first, second), :, 2])
             if (along if second >= 0 else -along) < SAME_FACE:
                 rows[c] = -1
