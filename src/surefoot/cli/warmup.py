@@ -224,7 +224,7 @@ def _command(*arguments: str) -> Callable[[], None]:
     return task
 
 
-RUN = ("--no-video", "--json", "--duration")
+RUN = ("--no-video", "--no-report", "--json", "--duration")
 TASKS: dict[str, Callable[[], None]] = {
     "cones": _cones,
     "solve": _solve,
