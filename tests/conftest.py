@@ -9,6 +9,9 @@ made once. (The groups of pytest-xdist 3.8, `--dist loadgroup`, have no effect u
 Typer puts the tree of commands together again at every call of `main`, forty of them in 65 ms; a process of
 a user does so once, and so do the tests.
 
+The meshes of a robot are read once: a process of a user loads a robot or two, the tests load hundreds, and a
+G1's meshes take half a second.
+
 Garbage is collected less often, and what was there before the first test, a million objects of imported
 packages, is no longer looked through.
 """
@@ -20,6 +23,7 @@ import functools
 import gc
 import os
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +59,25 @@ typer.main.get_command = functools.cache(typer.main.get_command)
 with contextlib.suppress(SurefootError):  # the tests that need it say so themselves
     import_mujoco()
 
+
+def _shapes_read_once(build: Callable[..., Any]) -> Callable[..., Any]:
+    """Return Pinocchio's reader of a URDF's shapes, which reads each once and returns copies."""
+    read: dict[Any, Any] = {}
+
+    def shapes(model: Any, path: str, kind: Any, *, package_dirs: list[str]) -> Any:
+        frames = tuple((frame.name, frame.parentJoint) for frame in model.frames)
+        key = path, os.stat(path).st_mtime_ns, str(kind), tuple(package_dirs), frames
+        if key not in read:
+            read[key] = build(model, path, kind, package_dirs=package_dirs)
+        return read[key].copy()
+
+    return shapes
+
+
+with contextlib.suppress(ImportError):  # the tests that need it say so themselves
+    import pinocchio
+
+    pinocchio.buildGeomFromUrdf = _shapes_read_once(pinocchio.buildGeomFromUrdf)
 
 LONG = (
     "cli/test_shown_commands", "jax", "test_course", "planning/schedule/test_whole_body",
