@@ -36,7 +36,7 @@ def test_a_dropped_ball(solref, solimp):
         q[2] += 0.02
         world.reset(q)
         path = []
-        for _ in range(15000):
+        for _ in range(7500):
             world.step(np.zeros(0))
             path.append(world.state()[0][2] - 0.1)
         paths.append(np.array(path))

@@ -68,7 +68,7 @@ def dropped(law, height: float, seconds: float, dt: float = 1e-3, speed: float =
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 def test_a_dropped_ball_comes_to_rest_where_the_law_carries_it(law):
-    world, gaps, speeds = dropped(law, 0.05, 4.0)
+    world, gaps, speeds = dropped(law, 0.05, 2.0)
     assert -gaps[-1] == pytest.approx(law.rest_depth(MASS * GRAVITY), rel=1e-6)
     assert abs(speeds[-1]) < 1e-6
     assert world.contacts().forces[0, 2] == pytest.approx(MASS * GRAVITY, rel=1e-6)
