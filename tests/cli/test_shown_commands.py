@@ -52,7 +52,7 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
         return (*names, "--no-pictures")
     if words[0] == "plan":  # coarse: the knots of 10 ms are tests/planning's
         coarse = words[1] in ("jump", "backflip", "jump-up") and "--dt" not in words
-        return (*words, *(("--dt", "0.02") if coarse else ()), "--no-video", "--no-report")
+        return (*words, *(("--dt", "0.03") if coarse else ()), "--no-video", "--no-report")
     if words[0] == "sweep":
         return (*_alone(words), "--samples", "4", "--backend", "serial")
     if words[0] not in ("stand", "walk"):
