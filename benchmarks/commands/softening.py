@@ -39,7 +39,7 @@ def softening(
     problem: Annotated[list[str] | None, typer.Option(help="Only this problem; may be repeated.")] = None,
     table: Annotated[list[str] | None, typer.Option(help="Only this table; may be repeated.")] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="The ball and the point, one start, few iterations.")
+        bool, typer.Option("--quick", help="The ball alone, one start, few iterations.")
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
@@ -53,7 +53,7 @@ def softening(
     sets = {"race": race.RACE, "recommended": (race.RECOMMENDED,), "causes": race.CAUSES, "first": race.FIRST}
     if quick:
         starts, few = 1, 1
-        problems = [name for name in problems if name in ("ball", "slide")] if problem is None else problems
+        problems = [name for name in problems if name == "ball"] if problem is None else problems
         sets = {name: tuple(race.limited(one, QUICK_MOST) for one in ways) for name, ways in sets.items()}
     found: dict[str, list[Row]] = {}
     answers: dict[str, Answer] = {}

@@ -52,7 +52,7 @@ def stacks(
     collision: Annotated[str | None, typer.Option(help="full or feet.")] = None,
     go2_convex_mpc: Checkout = None,
     quadruped_pympc: Checkout = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Two tasks, one seed, no longer than 6 s.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Two tasks, one seed, no longer than 5 s.")] = False,
     resume: Annotated[Path | None, typer.Option(help="Folder of an interrupted bench to go on with.")] = None,
     out: Annotated[Path | None, typer.Option(help="Keep every trial in a new folder below this one.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,

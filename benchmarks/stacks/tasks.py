@@ -197,7 +197,7 @@ TASKS: dict[str, Task] = {
     task.name: task
     for task in (*_ladder(), *_pushes("go2", NEWTONS, 1, 0.5), *_faults(), *_others(), *_cost())
 }
-QUICK, QUICK_TIME = ("speed-0.5", "push-left"), 6.0
+QUICK, QUICK_TIME = ("speed-0.5", "push-left"), 5.0
 
 
 def choose_tasks(names: Sequence[str] | None) -> tuple[Task, ...]:
