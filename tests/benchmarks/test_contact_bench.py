@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,13 @@ from benchmarks.timing import interleaved
 from surefoot.cli.main import main
 from surefoot.contact import write_problem
 from surefoot.errors import ProblemError
-from surefoot.problems.contacts import families, problem_set
+from surefoot.problems.contacts import NamedProblem, families, problem_set
 from surefoot.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
+
+
+@cache
+def large_problems() -> list[NamedProblem]:
+    return problem_set("large", copies=0.01)
 
 
 def test_sets_have_the_promised_sizes() -> None:
@@ -30,7 +36,7 @@ def test_sets_have_the_promised_sizes() -> None:
     assert {p.family for p in robot} <= set(families("robot"))
     assert max(p.problem.contacts for p in robot) == 25
     assert all(p.problem.contacts <= 25 for p in robot)
-    large = problem_set("large", copies=0.01)
+    large = large_problems()
     assert 500 <= max(p.problem.contacts for p in large) <= 620
     assert min(p.problem.contacts for p in large) >= 40
     with pytest.raises(ProblemError, match="unknown scale 'tiny'"):
@@ -119,7 +125,7 @@ def test_rivals_really_solve_ready_and_with_a_new_matrix(name: str) -> None:
 
 
 def test_sparse_problems_get_sparse_rivals() -> None:
-    large = {p.family: p.problem for p in problem_set("large", copies=0.01)}
+    large = {p.family: p.problem for p in large_problems()}
     few, full, sparse = (settings(large[name]) for name in ("stack-40", "platform-225", "wall-100"))
     assert few == full == DENSE
     assert {name for name, s in sparse.items() if s.method == "admm"} == set(SPARSE)

@@ -19,7 +19,7 @@ TRUTH = [0.2, 0.1, 0.05]
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("identify")
     for seed, name in enumerate(("train", "test")):
-        write_tosses(random_tosses(10, TRUTH, seed=seed, frames=90), place / f"{name}.npz")
+        write_tosses(random_tosses(8, TRUTH, seed=seed, frames=90), place / f"{name}.npz")
     return place
 
 
@@ -40,7 +40,7 @@ def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureF
     assert {"tilt_x", "tilt_y", "gravity", "rounding"} <= set(facts["fit"])
     for part in ("train", "test"):
         ours, rival = facts[part], facts[part]["rivals"]["mujoco"]
-        assert ours["tosses"] == len(ours["position_error"]) == 10
+        assert ours["tosses"] == len(ours["position_error"]) == 8
         assert ours["position_error_mean"] < rival["position_error_mean"]
         gap = rival["ours_less_theirs"]["position"]
         difference = ours["position_error_mean"] - rival["position_error_mean"]
