@@ -3,6 +3,9 @@
 XLA's compiled programs are kept in pytest's cache folder (`make clean` removes it), by the features of the
 processor that they were compiled for: tests with JAX spend four fifths of their time in the compiler.
 
+Where Python is told to keep no bytecode beside the sources, it is kept in pytest's cache folder as well: else
+every worker compiles four hundred files of tests anew, and every process that a test starts the package.
+
 Several workers are given whole files, see `pytest_xdist_make_scheduler`: what the tests of a file share is
 made once. (The groups of pytest-xdist 3.8, `--dist loadgroup`, have no effect under pytest 9.2.)
 
@@ -22,6 +25,7 @@ import contextlib
 import functools
 import gc
 import os
+import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -39,10 +43,15 @@ def _processor() -> str:
     return "here"
 
 
-_CACHE = Path(__file__).resolve().parents[1] / ".pytest_cache" / "d" / f"jax-{_processor()}"
-os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHE))
+_CACHE = Path(__file__).resolve().parents[1] / ".pytest_cache" / "d"
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHE / f"jax-{_processor()}"))
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
 os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES", "-1")
+
+if sys.dont_write_bytecode and sys.pycache_prefix is None:
+    sys.pycache_prefix, sys.dont_write_bytecode = str(_CACHE / "bytecode"), False
+    os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 import pytest
 import typer.main
