@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from benchmarks.contact.comparison import Comparison, Kind
     from surefoot.problems.contacts import NamedProblem
 
-QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES = 0.01, 60, 6
-"""Of --quick: share of each family's problems (at least one), contacts of the largest, number of families."""
+QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES, QUICK_TIMED = 0.01, 60, 6, 0.01
+"""Of --quick: share of each family's problems (at least one), contacts of the largest, number of families,
+and about how long the calls of a solver on a problem are timed [s]."""
 
 
 def contact(
@@ -34,7 +35,10 @@ def contact(
     rivals: Annotated[bool, typer.Option(help="Run Pinocchio, and Siconos if installed.")] = True,
     copies: Annotated[float, typer.Option(min=0.01, help="Times the usual number of problems.")] = 1.0,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Only the smallest problem of each family, and no huge ones.")
+        bool,
+        typer.Option(
+            "--quick", help="Only the smallest problem of each family, no huge ones, timed briefly."
+        ),
     ] = False,
     seed: Annotated[int, typer.Option(help="Seed of the generated problems.")] = 0,
     out: Annotated[Path, typer.Option(help="Write JSON and pictures to a new folder here.")] = Path("runs"),
@@ -46,7 +50,7 @@ def contact(
 
     Exit code 1 if the default solver left a problem of its scale unsolved.
     """
-    from benchmarks.contact.comparison import OURS, ROBOT_SCALE, compare, problems_in
+    from benchmarks.contact.comparison import OURS, ROBOT_SCALE, TIMED, compare, problems_in
     from surefoot.problems.contacts import problem_set
 
     check_out(out)
@@ -66,8 +70,9 @@ def contact(
     console = plain_console(stderr=json)
     with console.status("solving") as status:
         found = compare(
-            problems, wanted, chosen, rivals, progress=lambda name: status.update(f"solving {name}")
-        )
+            problems, wanted, chosen, rivals, progress=lambda name: status.update(f"solving {name}"),
+            budget=QUICK_TIMED if quick else TIMED,
+        )  # fmt: skip
     if json:
         print(to_json(_record(found)))
     else:

@@ -30,6 +30,8 @@ OURS = ("auto", "nsgs", "newton", "admm", "interior_point", "staggered")
 ROBOT_SCALE = 25
 COPIES, COPIED = 4, 45
 """Problems of up to `COPIED` contacts are measured on so many slightly different matrices, others on one."""
+TIMED = 0.1
+"""About how long the calls of a solver on a problem are timed [s]."""
 RIVAL_STACK = 512 * 2**20
 NOTHING = Timing(float("inf"), float("inf"), float("inf"), 0)
 Kind = Literal["ready", "fresh"]
@@ -199,6 +201,7 @@ def compare(
     rivals: bool = True,
     max_time: float = 10.0,
     progress: Callable[[str], None] = lambda _: None,
+    budget: float = TIMED,
 ) -> Comparison:
     """Run solvers and rivals on the problems, on one core, and judge every answer.
 
@@ -216,6 +219,8 @@ def compare(
         Bound on one solve of ours [s].
     progress
         Is told the name of each problem.
+    budget
+        About how long the calls of a solver on a problem are timed [s].
     """
     siconos: dict[str, list[tuple[siconos_rival.SiconosRun | None, float]]] = {}
     if rivals and siconos_rival.siconos_installed():
@@ -229,7 +234,7 @@ def compare(
             with one_core():
                 for k, named in enumerate(problems):
                     progress(named.name)
-                    runs.extend(_runs(named, tol, solvers, rivals, max_time))
+                    runs.extend(_runs(named, tol, solvers, rivals, max_time, budget))
                     runs.extend(_siconos(named, name, *found[k]) for name, found in siconos.items())
         except BaseException as fault:
             faults.append(fault)
@@ -256,7 +261,7 @@ def copies_of(problem: ContactProblem) -> list[ContactProblem]:
 
 
 def _runs(
-    named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, max_time: float
+    named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, max_time: float, budget: float
 ) -> list[Run]:
     """Return the runs of ours and of Pinocchio's solvers on one problem, timed in turns."""
     problem, copies = named.problem, copies_of(named.problem)
@@ -273,7 +278,7 @@ def _runs(
             raw = [(contact_rivals.matrix(p, setting), p.g) for p in copies]
             calls[name, "ready"] = found.ready
             calls[name, "fresh"] = in_turn(found.fresh, raw)
-    timings = interleaved(calls)
+    timings = interleaved(calls, budget)
     return [_run(named, name, timings, gap, tol) for name, gap in gaps.items()]
 
 
