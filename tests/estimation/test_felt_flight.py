@@ -98,3 +98,50 @@ def test_a_rise_that_was_told_by_a_false_landing_is_told_anew() -> None:
     flight.stand(0.2, 0.01)  # two have told it by now
     assert flight.misses == 1
     assert flight.rise == pytest.approx(0.051, abs=1e-3)
+
+
+def descent(edges: tuple[float, float] = (0.0, 0.3), depth: float = 0.12) -> FeltFlight:
+    """Return steps down whose edges have been slid over."""
+    return FeltFlight.downwards(ALONG, np.array(edges), 0.0, depth, 0.45)
+
+
+def test_steps_down_are_the_terrain() -> None:
+    stairs = StairsTerrain(-0.12, 0.3)
+    x = np.linspace(-0.5, (ONWARD - 1) * 0.3, 200)
+    assert descent().height(x) == pytest.approx(stairs.height(np.column_stack([x, 0.0 * x])))
+    assert descent().down
+    assert not felt().down
+
+
+def test_stands_on_the_other_side_of_an_edge_correct_it() -> None:
+    late, early = descent((0.02, 0.33)), descent((-0.02, 0.27))
+    for flight, number, side in ((late, 3, 1.0), (early, 3, -1.0)):
+        place = 0.9 + side * 0.01
+        flight.stand(0.6 + 0.15, -0.36)
+        before = abs(flight.edge(number) - 0.9)
+        flight.stand(place, -0.12 * (4 if side > 0.0 else 3))
+        assert abs(flight.edge(number) - 0.9) < before
+        assert flight.misses == 0
+
+
+def test_a_stand_a_step_too_high_ends_steps_down() -> None:
+    flight = descent()
+    flight.stand(0.45, -0.24)
+    flight.stand(0.77, -0.24)  # far behind the third edge
+    assert (flight.ended, flight.last) == (True, 1)
+    assert flight.height([0.5, 2.0]) == pytest.approx([-0.24, -0.24])
+
+
+def test_one_step_down_is_not_followed_by_others() -> None:
+    flight = descent((0.0, np.nan))
+    assert (flight.ended, flight.last) == (True, 0)
+    assert flight.height([-0.1, 0.1, 3.0]) == pytest.approx([0.0, -0.12, -0.12])
+
+
+def test_a_sole_between_treads_is_above_ground_and_one_on_a_tread_is_not() -> None:
+    flight = descent()
+    assert flight.above(0.15, -0.12) == pytest.approx(0.0)
+    assert flight.above(0.15, -0.125) == pytest.approx(0.0)
+    assert flight.above(0.15, -0.1) == pytest.approx(0.02)
+    assert flight.above(0.31, -0.15) == pytest.approx(0.09)  # off the edge of a tread, above the next one
+    assert flight.above(0.45, -0.2) == pytest.approx(0.04)

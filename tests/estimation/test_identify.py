@@ -13,7 +13,7 @@ from surefoot.errors import ProblemError
 from surefoot.estimation import Cube, Tosses, identify, read_tosses
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.free_flight import fit_free_flight, flying_frames, gravity_of, gravity_terms
-from surefoot.estimation.ground_plane import Plane, ground_points
+from surefoot.estimation.ground_plane import GroundPoints, Plane, ground_points
 from surefoot.estimation.identify import surroundings
 from surefoot.estimation.response import ResponseSurface
 from surefoot.estimation.toss_errors import paired_difference, resample, toss_errors
@@ -207,3 +207,14 @@ def test_recorded_tosses_say_what_others_found() -> None:
         errors.append(float(toss_errors(part, poses).position.mean()))
     assert 0.10 < errors[1] < 0.13
     assert min(errors[0], errors[2]) > 1.5 * errors[1]
+
+
+def test_a_resample_without_a_toss_that_rests_has_the_plane_of_all() -> None:
+    points = GroundPoints(
+        np.array([[0.0, 0.0, 0.1], [1.0, 0.0, 0.1], [0.0, 1.0, 0.2], [5.0, 5.0, 9.0]]),
+        np.array([True, True, True, False]),
+        resting=True,
+    )
+    all_of_them, none_of_them = points.planes(np.array([[1.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 3.0]]))
+    assert all_of_them == pytest.approx([0.1, 0.0, 0.1], abs=1e-6)
+    assert none_of_them == pytest.approx(all_of_them)

@@ -2,8 +2,9 @@
 
 A foot that goes on down where the ground should be, farther than steps that matter, has found a drop. All
 that touch tells of it are stands: up to the farthest one before it the ground is level, the least far one
-beyond it lies lower, and the edge is somewhere between. So the body stops, feet keep to where feet have
-stood, and the only way that is left is back.
+beyond it lies lower, and the edge is somewhere between. So the body stops, and feet keep to where feet have
+stood. If the drop is no deeper than a step down and the command leads on, feet slide to the edges
+(`EdgeSearch`), and steps down are known; else the only way that is left is back.
 """
 
 from __future__ import annotations
@@ -14,12 +15,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.control.edge_search import EdgeSearch
 from surefoot.control.stair_gait import LOW
 from surefoot.spatial import GRAVITY
 
 DROP = 0.29
 """A drop of more than this share of the height of the centre of mass is not taken by touch alone; less is a
 small step, and the walk goes on."""
+TAKEN = 0.45
+"""A drop of no more than this share of it may be the first of steps down."""
+PATIENCE = 1.5
+"""So long after it is told a robot that cannot feel for edges says that it has stopped [s]."""
+NEAR_GROUND = 0.08
+"""Where the depth is known, feet come down gently from so near to the ground on, likewise."""
 BOTTOMLESS = 0.5
 """No ground is found any more that is lower than this share of it."""
 SURE_TREAD = 0.75
@@ -70,6 +78,10 @@ class FeltDrop:
         Whether a foot has stood on the ground beyond it.
     standing, astride
         Whether the body stands still, and whether feet stand beyond the edge.
+    search
+        What feels for the edges, None where nothing does.
+    feeling, refused
+        Whether it does so now, and whether the robot does not go on.
     leading
         A foot of the diagonal that should step first then.
 
@@ -89,6 +101,9 @@ class FeltDrop:
         self._before, self._beyond, self._farthest = before, max(beyond, before), -math.inf
         self._height, self._radius = height, radius
         self.found = self.standing = self.astride = False
+        self.search: EdgeSearch | None = None
+        self.feeling = self.refused = False
+        self._told_at = math.nan
         self.leading, self._halted = 0, False
         self._excess, self._shift, self._stood = np.zeros(2), np.zeros(2), False
         self._stepped: BoolArray = np.zeros(4, dtype=bool)
@@ -152,6 +167,44 @@ class FeltDrop:
         low, high = max(self._beyond, self.edge + REACH), max(self._farthest, sure)
         below = min(max(along, low), high)
         return top if along - top < below - along else below
+
+    def feel(self, time: float, feet: FloatArray, carrying: BoolArray, onward: bool) -> bool:
+        """Feel for the edges of steps down where the robot stands astride; return whether it does.
+
+        Parameters
+        ----------
+        time
+            Now [s].
+        feet
+            (n, 3) where feet stand [m].
+        carrying
+            (n,) which of them do.
+        onward
+            Whether the command leads on, ahead of the robot.
+        """
+        if self.told and math.isnan(self._told_at):
+            self._told_at = time
+        if self.search is None and onward and self._taken and self._stood and carrying.all():
+            beyond = feet[:, :2] @ self.along > self.edge
+            if len(feet) == 4 and beyond[:2].all() and not beyond[2:].any():
+                self.search = EdgeSearch(
+                    self.along, (self._before, self._beyond), beyond, self._height, self._radius
+                )
+        if self.search is not None and self.search.probe is None and not onward:
+            self.search = None
+        self.feeling = self.search is not None and not (self.search.failed or self.search.done)
+        patient = onward and self._taken and not time - self._told_at > PATIENCE
+        self.refused = self.told and not self.feeling and (self.search is not None or not patient)
+        return self.feeling
+
+    @property
+    def _taken(self) -> bool:
+        """Whether it may be the first of steps down."""
+        return self.found and not self.shallow and self.depth < TAKEN * self._height
+
+    def falling(self, height: float) -> bool:
+        """Return whether a foot at a height that looks for ground of known depth is far above it [m]."""
+        return self.found and height > self.level - self.depth + NEAR_GROUND * self._height
 
     def rest(
         self, place: FloatArray, flow: FloatArray, feet: FloatArray, carrying: BoolArray, asked: bool
@@ -217,10 +270,15 @@ class FeltDrop:
         """Return whether all feet have gone back from the drop: they stand at (n, 3) `feet` [m]."""
         return bool((feet[:, :2] @ self.along).max() < self.edge - AWAY * self._height)
 
-    def note(self, time: float) -> str:
-        """Return what the walk says of it, found at a time [s]."""
+    def note(self) -> str:
+        """Return what the walk says of a drop at which it has stopped."""
+        deep = self.depth >= TAKEN * self._height
+        why = (
+            f"drops of more than {1e3 * TAKEN * self._height:.0f} mm are not taken by touch alone"
+            if deep
+            else "its edges have not been felt"
+        )
         return (
-            f"stopped from {time:.2f} s on: a foot found the ground {1e3 * self.depth:.0f} mm lower, and "
-            f"drops of more than {1e3 * DROP * self._height:.0f} mm are not taken by touch alone; only "
-            f"commands that lead back are followed"
+            f"stopped from {self._told_at:.2f} s on: a foot found the ground {1e3 * self.depth:.0f} mm "
+            f"lower, and {why}; only commands that lead back are followed"
         )

@@ -252,7 +252,7 @@ class WalkingController(Controller):
             sensed = self._sense.feel(state, feet, sensed, clock, now.centres, now.twists)
         changed = clock >= 0.0 and feet.update(clock, sensed, now.centres)
         if self._sense is not None:
-            self._sense.learn(state, feet, now.centres)
+            self._sense.learn(state, feet, now, clock)
         if self._believed is not None:
             self._believed.learn()
         if self._grip is not None:

@@ -75,9 +75,13 @@ class GroundPoints:
     resting: bool
 
     def planes(self, weights: FloatArray) -> FloatArray:
-        """Return (S, 3) height [m] and slopes [-] for (S, B) weights of the tosses, by least squares."""
+        """Return (S, 3) height [m] and slopes [-] for (S, B) weights of the tosses, by least squares.
+
+        At least one of the tosses gives a point.
+        """
         x = np.column_stack([np.ones(len(self.points)), self.points[:, :2]])
         w = weights * self.use
+        w[~w.any(axis=1)] = self.use  # a resample without any of these tosses says no more than all of them
         normal = np.einsum("sb,bi,bj->sij", w, x, x)
         right = np.einsum("sb,bi,b->si", w, x, self.points[:, 2])
         # a shade of damping: a resample may hold one toss only
