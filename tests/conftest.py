@@ -15,6 +15,9 @@ a user does so once, and so do the tests.
 The meshes of a robot are read once: a process of a user loads a robot or two, the tests load hundreds, and a
 G1's meshes take half a second.
 
+A shell's background job ignores SIGINT, one under nohup SIGHUP, and what is ignored stays so in every process
+that it starts: tests of signals would wait for ever.
+
 Garbage is collected less often, and what was there before the first test, a million objects of imported
 packages, is no longer looked through.
 """
@@ -25,6 +28,7 @@ import contextlib
 import functools
 import gc
 import os
+import signal
 import sys
 import zlib
 from collections.abc import Callable
@@ -52,6 +56,10 @@ if sys.dont_write_bytecode and sys.pycache_prefix is None:
     sys.pycache_prefix, sys.dont_write_bytecode = str(_CACHE / "bytecode"), False
     os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+    if signal.getsignal(_number) is signal.SIG_IGN:
+        signal.signal(_number, _usual)
 
 import pytest
 import typer.main
