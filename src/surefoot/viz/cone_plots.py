@@ -54,9 +54,9 @@ def _section(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyrami
 
 def _solid(axis: Any, mu: float, inner: FrictionPyramid, outer: FrictionPyramid) -> None:
     angle, height = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 60), np.linspace(0.0, 1.0, 2))
-    axis.plot_surface(
-        mu * height * np.cos(angle), mu * height * np.sin(angle), height, color=FOOT_COLOURS[0], alpha=0.18
-    )
+    around, across = mu * height * np.cos(angle), mu * height * np.sin(angle)
+    # strides that leave a rest make a last face with fewer corners, which Matplotlib fills up with anything
+    axis.plot_surface(around, across, height, color=FOOT_COLOURS[0], alpha=0.18, rstride=1, cstride=1)
     for pyramid, colour in ((inner, FOOT_COLOURS[2]), (outer, BAD)):
         axis.plot(*ring(pyramid.rays).T, color=colour, lw=1.0)
         for ray in pyramid.rays:
