@@ -138,3 +138,17 @@ def test_a_blind_go2_stops_at_a_drop_and_goes_back_when_told_to() -> None:
     ground.begin(state(0.0), np.column_stack([HIPS, np.zeros(4)]), HEIGHT)
     assert walker.notes == []  # of the next walk; this one's log keeps its line
     assert log.fact("notes") == [note]
+
+
+@pytest.mark.parametrize(("tread", "steep"), [(0.25, True), (0.32, False), (np.nan, False)])
+def test_steps_that_are_too_steep_are_refused(tread: float, steep: bool) -> None:
+    drop = FeltDrop(np.array([1.0, 0.0]), 0.0, 0.05, 0.0, 0.07, HEIGHT, RADIUS)
+    stands = np.array([[0.15, 0.18, -0.12], [0.16, -0.06, -0.12], [-0.09, 0.25, 0.0], [-0.29, -0.15, 0.0]])
+    drop.stand(0.15, -0.12)
+    drop.rest(np.zeros(2), np.zeros(2), stands, ALL, True)
+    assert drop.feel(1.0, stands, ALL, True)
+    assert drop.search is not None
+    drop.search.edges[:], drop.search.done = (0.0, tread), True
+    assert not drop.feel(1.1, stands, ALL, True)
+    assert (drop.search.failed, drop.refused) == (steep, True)
+    assert ("too steep" in drop.note()) == steep

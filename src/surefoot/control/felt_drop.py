@@ -24,6 +24,8 @@ DROP = 0.29
 small step, and the walk goes on."""
 TAKEN = 0.45
 """A drop of no more than this share of it may be the first of steps down."""
+STEEPEST = 0.43
+"""Steps down are not taken by touch alone if they are deeper than this share of their treads."""
 PATIENCE = 1.5
 """So long after it is told a robot that cannot feel for edges says that it has stopped [s]."""
 NEAR_GROUND = 0.08
@@ -80,8 +82,8 @@ class FeltDrop:
         Whether the body stands still, and whether feet stand beyond the edge.
     search
         What feels for the edges, None where nothing does.
-    feeling, refused
-        Whether it does so now, and whether the robot does not go on.
+    feeling, refused, steep
+        Whether it does so now, whether the robot does not go on, and whether that is for the steps' slope.
     leading
         A foot of the diagonal that should step first then.
 
@@ -102,7 +104,7 @@ class FeltDrop:
         self._height, self._radius = height, radius
         self.found = self.standing = self.astride = False
         self.search: EdgeSearch | None = None
-        self.feeling = self.refused = False
+        self.feeling = self.refused = self.steep = False
         self._told_at = math.nan
         self.leading, self._halted = 0, False
         self._excess, self._shift, self._stood = np.zeros(2), np.zeros(2), False
@@ -192,6 +194,11 @@ class FeltDrop:
                 )
         if self.search is not None and self.search.probe is None and not onward:
             self.search = None
+        if self.search is not None and self.search.done:
+            self.steep = self.depth > STEEPEST * float(
+                np.diff(self.search.edges)[0]
+            )  # no second edge: not steep
+            self.search.failed |= self.steep
         self.feeling = self.search is not None and not (self.search.failed or self.search.done)
         patient = onward and self._taken and not time - self._told_at > PATIENCE
         self.refused = self.told and not self.feeling and (self.search is not None or not patient)
@@ -273,11 +280,12 @@ class FeltDrop:
     def note(self) -> str:
         """Return what the walk says of a drop at which it has stopped."""
         deep = self.depth >= TAKEN * self._height
-        why = (
-            f"drops of more than {1e3 * TAKEN * self._height:.0f} mm are not taken by touch alone"
-            if deep
-            else "its edges have not been felt"
-        )
+        why = "its edges have not been felt"
+        if deep:
+            why = f"drops of more than {1e3 * TAKEN * self._height:.0f} mm are not taken by touch alone"
+        elif self.steep and self.search is not None:
+            tread = 1e3 * float(np.diff(self.search.edges)[0])
+            why = f"steps of {tread:.0f} mm are too steep to be taken by touch alone"
         return (
             f"stopped from {self._told_at:.2f} s on: a foot found the ground {1e3 * self.depth:.0f} mm "
             f"lower, and {why}; only commands that lead back are followed"

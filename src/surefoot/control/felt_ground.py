@@ -49,8 +49,7 @@ FEELING, CATCHING_UP, BEHIND = 0.1, 0.3, 1.15
 """Shares of its speed with which the body goes on while feet feel for steps: as long as it is so near behind
 the farthest foot, in heights of the centre of mass, and farther behind."""
 LOWER = 0.12
-"""By how much less feet are lifted on the way down steps, likewise: the steps may have an end, which is met
-higher than expected."""
+"""By how much less feet are lifted down steps, likewise: their end is met higher than expected."""
 SHORTER = 0.05
 """`shorter` on the way down steps, likewise: what feet have slid over adds up to their error."""
 RETREAT = 0.3
@@ -202,8 +201,15 @@ class FeltGround(TouchedGround):
             place = float(state.q[:2] @ flight.along)
             near = self._felt_to - place < BEHIND * self._height
             self.pace = FEELING if near else CATCHING_UP
-            if flight.ended and place - flight.edge(flight.last) > DEEPEST_TREAD * self._height:
-                self._forget()
+            if flight.ended:
+                end = flight.edge(flight.last)
+                below = flight.down and float((ground[:, :2] @ flight.along).min()) > end
+                if below or place - end > DEEPEST_TREAD * self._height:
+                    self._forget()
+                if below:  # level ground again, and no plane that goes on down
+                    self._only_now(ground)
+                    self._bias = 0.0
+                    self._fit()
         self._time = state.time
 
     def _look_down(
@@ -261,7 +267,7 @@ class FeltGround(TouchedGround):
             self.standing, self.pace, self.probe = True, 1.0, drop.search.probe
             return
         self.probe = None
-        if drop.search is not None and drop.search.done:
+        if drop.search is not None and drop.search.done and not drop.search.failed:
             self._descend(drop, drop.search.edges, ground, state.time)
             return
         drop.rest(state.q[:2], flow[:2], ground, carrying, self._asked)

@@ -88,7 +88,7 @@ class GroundBelief(Caution, Terrain):
             Of the centre of mass above them [m].
         """
         self._height = height
-        self._landings: list[deque[FloatArray]] = [deque([g.copy()], maxlen=LANDINGS) for g in ground]
+        self._only_now(ground)
         self._stood = np.ones(len(ground), dtype=bool)
         self._sought: dict[int, FloatArray] = {}
         self._stumbled = -math.inf
@@ -125,6 +125,10 @@ class GroundBelief(Caution, Terrain):
         rough = ROUGH_LIFT * max(self._spread - SMOOTH, 0.0)
         stumble = STUMBLE_LIFT * self._height * min(2.0 * calm, 1.0)
         self.lift = min(max(rough, stumble), HIGHEST_LIFT * self._height)
+
+    def _only_now(self, ground: FloatArray) -> None:
+        """Remember no landings but where the feet stand now, (n, 3) [m]."""
+        self._landings: list[deque[FloatArray]] = [deque([g.copy()], maxlen=LANDINGS) for g in ground]
 
     @property
     def slope(self) -> FloatArray:
