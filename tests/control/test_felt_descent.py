@@ -20,7 +20,7 @@ from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import StairsTerrain
 
 HEIGHT = 0.3
-ALL, NONE = np.ones(4, dtype=bool), np.zeros(4, dtype=bool)
+ALL = np.ones(4, dtype=bool)
 LATE = np.array([True, False, False, False])
 
 
@@ -34,7 +34,7 @@ def descent() -> FeltDescent:
 def test_a_late_foot_falls_fast_and_comes_down_gently() -> None:
     going, speeds = descent(), []
     for z in (-0.12, -0.13, -0.16, -0.2, -0.22, -0.24):
-        going.observe(0.0, ~LATE, LATE, np.array([[0.28, 0.1, z], *np.zeros((3, 3))]))
+        going.observe(0.0, ~LATE, np.array([[0.28, 0.1, z], *np.zeros((3, 3))]), -0.12 - z)
         speeds.append((going.search_speed, going.lead > 0.0))
     slow, fast = SLOW_SEARCH, SEARCH_SPEED
     assert speeds == [(slow, False), (slow, False), (fast, True), (fast, True), (slow, True), (slow, True)]
@@ -43,12 +43,12 @@ def test_a_late_foot_falls_fast_and_comes_down_gently() -> None:
 def test_a_stand_tells_once_it_has_lasted() -> None:
     going = descent()
     soles = np.array([[0.15, 0.1, -0.115], *np.zeros((3, 3))])
-    going.observe(0.0, ~LATE, NONE, soles)
-    going.observe(0.1, ALL, NONE, soles)
+    going.observe(0.0, ~LATE, soles, 0.0)
+    going.observe(0.1, ALL, soles, 0.0)
     before = going.flight.rise
-    going.observe(0.1 + 0.5 * SETTLED, ALL, NONE, soles)
+    going.observe(0.1 + 0.5 * SETTLED, ALL, soles, 0.0)
     assert going.flight.rise == before
-    going.observe(0.1 + 1.1 * SETTLED, ALL, NONE, soles)
+    going.observe(0.1 + 1.1 * SETTLED, ALL, soles, 0.0)
     assert going.flight.rise > before
 
 

@@ -146,9 +146,13 @@ def test_steps_that_are_too_steep_are_refused(tread: float, steep: bool) -> None
     stands = np.array([[0.15, 0.18, -0.12], [0.16, -0.06, -0.12], [-0.09, 0.25, 0.0], [-0.29, -0.15, 0.0]])
     drop.stand(0.15, -0.12)
     drop.rest(np.zeros(2), np.zeros(2), stands, ALL, True)
-    assert drop.feel(1.0, stands, ALL, True)
+    com = np.array([0.06, 0.07, 0.25])
+    drop.feel(1.0, com, np.zeros(3), stands, stands, ALL, True)
+    assert drop.feeling
     assert drop.search is not None
     drop.search.edges[:], drop.search.done = (0.0, tread), True
-    assert not drop.feel(1.1, stands, ALL, True)
+    drop.feel(1.1, com, np.zeros(3), stands, stands, ALL, True)
+    assert not drop.feeling
+    assert (drop.edges is None) == steep
     assert (drop.search.failed, drop.refused) == (steep, True)
     assert ("too steep" in drop.note()) == steep

@@ -230,7 +230,7 @@ class AdaptiveGait(ContactSchedule):
         longest = AFTER_HOLD if self._stood else math.inf
         self._stood = False
         lifts = [
-            time + min(max(FIRST_LIFT, s[-1][0] + pace.stance_time - time), longest) for s in self._stances
+            max(time + FIRST_LIFT, min(s[-1][0] + pace.stance_time, time + longest)) for s in self._stances
         ]
         shares = [float(o) for o in stride.offset]
         others = [o < shares[self.leading] - EARLIER for o in shares]  # lift a cycle later

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from surefoot.arrays import FloatArray
 from surefoot.control.walking_feet import SEARCH_SPEED, FootProbe
 
@@ -44,10 +46,10 @@ class Caution:
     standing: bool = False
     leading: int = 0
     probe: FootProbe | None = None
-    com: FloatArray
 
     def __init__(self) -> None:
         self.notes: list[str] = []
+        self.com: FloatArray = np.zeros(3)
 
     def allowed(self, command: FloatArray) -> FloatArray:
         """Return what may be followed of a (3,) velocity in heading axes [m/s, m/s, rad/s]."""

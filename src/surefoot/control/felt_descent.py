@@ -45,16 +45,22 @@ class FeltDescent:
     def __init__(self, flight: FeltFlight, height: float) -> None:
         self.flight, self._height = flight, height
         self.search_speed, self.lead = SLOW_SEARCH, 0.0
-        self._expected: dict[int, float] = {}
         self._landed: dict[int, float] = {}
         self._stood: BoolArray | None = None
 
-    def observe(self, time: float, carrying: BoolArray, sought: BoolArray, soles: FloatArray) -> None:
-        """Take in a step at a time [s]; (n,), (n,), (n, 3) as for `GroundBelief.observe`."""
-        late = np.flatnonzero(sought).tolist()
-        expected = {k: float(self.flight.height(float(soles[k, :2] @ self.flight.along))) for k in late}
-        self._expected = {k: self._expected.get(k, expected[k]) for k in late}
-        below = max((self._expected[k] - float(soles[k, 2]) for k in late), default=0.0) / self._height
+    def observe(self, time: float, carrying: BoolArray, soles: FloatArray, below: float) -> None:
+        """Take in a step at a time [s].
+
+        Parameters
+        ----------
+        time
+            Now [s].
+        carrying, soles
+            (n,), (n, 3) as for `GroundBelief.observe`.
+        below
+            How far a late foot is below where it was to find the ground, the most of them [m].
+        """
+        below /= self._height
         off, near = below > OFF_TREAD, below > -self.flight.rise / self._height - NEAR_TREAD
         self.search_speed = SEARCH_SPEED if off and not near else SLOW_SEARCH
         self.lead = ONWARD if off else 0.0

@@ -170,39 +170,47 @@ class FeltDrop:
         below = min(max(along, low), high)
         return top if along - top < below - along else below
 
-    def feel(self, time: float, feet: FloatArray, carrying: BoolArray, onward: bool) -> bool:
-        """Feel for the edges of steps down where the robot stands astride; return whether it does.
+    def feel(
+        self, time: float, com: FloatArray, flow: FloatArray, feet: FloatArray, soles: FloatArray,
+        carrying: BoolArray, onward: bool,
+    ) -> None:  # fmt: skip
+        """Feel for the edges of steps down where the robot stands astride.
 
         Parameters
         ----------
-        time
-            Now [s].
-        feet
-            (n, 3) where feet stand [m].
-        carrying
-            (n,) which of them do.
+        time, com, flow, feet, soles, carrying
+            Of this step, see `EdgeSearch.update`.
         onward
             Whether the command leads on, ahead of the robot.
         """
         if self.told and math.isnan(self._told_at):
             self._told_at = time
-        if self.search is None and onward and self._taken and self._stood and carrying.all():
+        search = self.search
+        if search is None and onward and self._taken and self._stood and carrying.all():
             beyond = feet[:, :2] @ self.along > self.edge
             if len(feet) == 4 and beyond[:2].all() and not beyond[2:].any():
-                self.search = EdgeSearch(
-                    self.along, (self._before, self._beyond), beyond, self._height, self._radius
-                )
-        if self.search is not None and self.search.probe is None and not onward:
-            self.search = None
-        if self.search is not None and self.search.done:
-            self.steep = self.depth > STEEPEST * float(
-                np.diff(self.search.edges)[0]
-            )  # no second edge: not steep
-            self.search.failed |= self.steep
-        self.feeling = self.search is not None and not (self.search.failed or self.search.done)
+                edges = self._before, self._beyond
+                search = EdgeSearch(self.along, edges, beyond, self._height, self._radius)
+        if search is not None and search.probe is None and not onward:
+            search = None
+        if search is not None and search.done:
+            self.steep = self.depth > STEEPEST * float(np.diff(search.edges)[0])  # no second edge: not steep
+            search.failed |= self.steep
+        self.search = search
+        self.feeling = search is not None and not (search.failed or search.done)
         patient = onward and self._taken and not time - self._told_at > PATIENCE
-        self.refused = self.told and not self.feeling and (self.search is not None or not patient)
-        return self.feeling
+        self.refused = self.told and not self.feeling and (search is not None or not patient)
+        if search is not None:
+            search.update(time, com, flow, feet, soles, carrying)
+
+    @property
+    def edges(self) -> FloatArray | None:
+        """Places (2,) of the first two edges along the way, the second nan if there is none near [m].
+
+        None as long as they have not been felt, and where the steps are not taken.
+        """
+        search = self.search
+        return search.edges if search is not None and search.done and not search.failed else None
 
     @property
     def _taken(self) -> bool:
@@ -269,7 +277,9 @@ class FeltDrop:
         return np.zeros(2) if little else np.asarray(left)
 
     def shift(self) -> FloatArray:
-        """Return the (2,) velocity with which a body that stands goes to the middle of its feet [m/s]."""
+        """Return the (2,) velocity with which a body that stands goes to where it should be [m/s]."""
+        if self.feeling and self.search is not None:
+            return self.search.shift
         speed = math.hypot(*self._shift) / SHIFT_TIME
         return np.asarray(self._shift / SHIFT_TIME * min(1.0, FASTEST_SHIFT / max(speed, 1e-9)))
 

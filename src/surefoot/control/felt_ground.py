@@ -135,8 +135,7 @@ class FeltGround(TouchedGround):
         self._descent, self.probe, self.lead, self.lower, self._expected = None, None, 0.0, 0.0, {}
         self.search_speed, self._felt_to = SEARCH_SPEED, -math.inf
         self.careful = self.standing = self.underway = False
-        self.shorter = 0.0
-        self.leading = 0
+        self.shorter, self.leading = 0.0, 0
 
     def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
         """See `GroundBelief.above`: known of steps down."""
@@ -186,10 +185,13 @@ class FeltGround(TouchedGround):
         self._heading = heading_of(state.q[3:7])
         falling = self.flight is None and (self._expected or sought.any())
         flow = base_velocity(state.q, state.v) if falling or self.drop is not None else np.zeros(3)
+        if falling or self._descent is not None:
+            self._expect(sought, soles)
         if falling:
-            self._look_down(flow, ground, carrying, sought, soles)
+            self._look_down(flow, ground, carrying, soles)
         if self._descent is not None:
-            self._descent.observe(state.time, carrying, sought, soles)
+            below = max((level - float(soles[k, 2]) for k, level in self._expected.items()), default=0.0)
+            self._descent.observe(state.time, carrying, soles, below)
             self.search_speed, self.lead = self._descent.search_speed, self._descent.lead
         super().observe(state, ground, carrying, sought, soles)
         if self.drop is not None:
@@ -207,23 +209,24 @@ class FeltGround(TouchedGround):
                 if below or place - end > DEEPEST_TREAD * self._height:
                     self._forget()
                 if below:  # level ground again, and no plane that goes on down
-                    self._only_now(ground)
-                    self._bias = 0.0
-                    self._fit()
+                    self._start_over(ground)
         self._time = state.time
 
+    def _expect(self, sought: BoolArray, soles: FloatArray) -> None:
+        """Keep the heights at which late feet were to find the ground [m]."""
+        late = np.flatnonzero(sought).tolist()
+        self._expected = {k: self._expected.get(k, float(self.height(soles[k, :2]))) for k in late}
+
     def _look_down(
-        self, flow: FloatArray, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, flow: FloatArray, ground: FloatArray, carrying: BoolArray, soles: FloatArray
     ) -> None:
         """Learn from feet that go on down where the ground should be.
 
         `flow` (3,) is the body's velocity [m/s], the rest as for `observe`.
         """
-        late = np.flatnonzero(sought).tolist()
-        self._expected = {k: self._expected.get(k, float(self.height(soles[k, :2]))) for k in late}
-        self._slid = {k for k in late if self._stood[k] or k in self._slid}
-        for k in late:
-            sole, level = soles[k], self._expected[k]
+        self._slid = {k for k in self._expected if self._stood[k] or k in self._slid}
+        for k, level in self._expected.items():
+            sole = soles[k]
             if self.drop is not None:
                 self.drop.deeper(float(sole[:2] @ self.drop.along), float(sole[2]))
             elif FeltDrop.begins(level - sole[2], self._height):
@@ -261,14 +264,13 @@ class FeltGround(TouchedGround):
         if late and drop.falling(min(late)):
             self.search_speed = SEARCH_SPEED
         ahead = self._onward and float(drop.along @ self._heading) > FORWARD
-        if drop.feel(state.time, ground, carrying, ahead):
-            assert drop.search is not None
-            drop.search.update(state.time, self.com, flow, ground, soles, carrying)
-            self.standing, self.pace, self.probe = True, 1.0, drop.search.probe
+        drop.feel(state.time, self.com, flow, ground, soles, carrying, ahead)
+        self.probe = drop.search.probe if drop.search is not None else None
+        if drop.feeling:
+            self.standing, self.pace = True, 1.0
             return
-        self.probe = None
-        if drop.search is not None and drop.search.done and not drop.search.failed:
-            self._descend(drop, drop.search.edges, ground, state.time)
+        if drop.edges is not None:
+            self._descend(drop, drop.edges, ground, state.time)
             return
         drop.rest(state.q[:2], flow[:2], ground, carrying, self._asked)
         self.standing, self.leading = drop.standing, drop.leading
@@ -311,9 +313,7 @@ class FeltGround(TouchedGround):
         slowed, turn = self.drop.slowed(command[:2] @ turned), 0.0 if self.drop.astride else command[2]
         self._asked = bool(slowed.any() or turn != 0.0)
         self._onward = float(command[:2] @ turned @ self.drop.along) > 0.0
-        if self.drop.feeling and self.drop.search is not None:
-            slowed, turn = self.drop.search.shift / self.pace, 0.0
-        elif self.drop.standing:
+        if self.standing:
             slowed, turn = self.drop.shift() / self.pace, 0.0
         return np.array([*(turned @ slowed), turn])
 

@@ -211,6 +211,12 @@ class TouchedGround(GroundBelief):
         self._bias = 0.0
         super().begin(state, ground, height)
 
+    def _start_over(self, ground: FloatArray) -> None:
+        """Believe in the plane through where the feet stand now, (n, 3) [m]."""
+        self._bias = 0.0
+        self._only_now(ground)
+        self._fit()
+
     def height(self, xy: ArrayLike) -> FloatArray:
         """Return the expected height under (..., 2) places [m]: (...)."""
         above = (np.asarray(xy, dtype=np.float64) - self._about) @ self._slope
