@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from surefoot.control.edge_search import EdgeSearch, inwards, moved_inside
+from surefoot.arrays import FloatArray
+from surefoot.control.edge_search import EdgeSearch, inwards, moved_inside, to_diagonal
 
 RADIUS, HEIGHT, DT, FASTEST = 0.022, 0.3, 1e-3, 0.3
 STANDS = np.array([[0.15, 0.18, -0.12], [0.26, -0.06, -0.12], [-0.09, 0.25, 0.0], [-0.29, -0.15, 0.0]])
-BEYOND = np.array([True, True, False, False])
+ONE_BEYOND = np.array([[0.09, 0.18, -0.12], [-0.06, -0.06, 0.0], [-0.35, 0.25, 0.0], [-0.29, -0.15, 0.0]])
 ALONG = np.array([1.0, 0.0])
 
 
@@ -26,12 +27,14 @@ def ground(x: float, edges: tuple[float, ...]) -> float:
     return level
 
 
-def searched(edges: tuple[float, ...], drift: float = 0.0, reach: float = math.inf) -> EdgeSearch:
+def searched(
+    edges: tuple[float, ...], drift: float = 0.0, reach: float = math.inf, stands: FloatArray = STANDS
+) -> EdgeSearch:
     """Return a finished search; the estimated height drifts [m/s], legs reach so far forward [m]."""
-    search = EdgeSearch(ALONG, (-0.03, 0.07), BEYOND, HEIGHT, RADIUS)
-    stands, carrying, com = STANDS.copy(), np.ones(4, dtype=bool), np.array([0.06, 0.07, 0.25])
+    search = EdgeSearch(ALONG, (-0.03, 0.07), 0.12, HEIGHT, RADIUS)
+    stands, carrying, com = stands.copy(), np.ones(4, dtype=bool), np.array([0.06, 0.07, 0.25])
     soles, flow = stands.copy(), np.zeros(3)
-    for k in range(8000):
+    for k in range(12000):
         off = np.array([0.0, 0.0, drift * k * DT])
         search.update(k * DT, com + off, flow, stands + off, soles + off, carrying)
         if search.done or search.failed:
@@ -72,6 +75,49 @@ def test_both_edges_are_found(edges: tuple[float, ...], drift: float) -> None:
     assert search.probe is None
 
 
+@pytest.mark.parametrize("edges", [(0.0, 0.3, 0.6), (-0.02, 0.26, 0.54)])
+def test_one_front_foot_beyond_is_joined_by_the_other(edges: tuple[float, ...]) -> None:
+    search = searched(edges, stands=ONE_BEYOND)
+    assert search.done
+    assert search.edges == pytest.approx(edges[:2], abs=0.008)
+
+
+def test_a_foot_that_slides_off_stands_beyond() -> None:
+    search, stands = EdgeSearch(ALONG, (-0.03, 0.07), 0.12, HEIGHT, RADIUS), ONE_BEYOND.copy()
+    com, far = np.array([-0.05, 0.05, 0.25]), np.array([0.4, 0.0, 0.0])
+    search.update(0.0, com, far, stands, stands, np.ones(4, dtype=bool))
+    stands[1] = [0.08, -0.06, -0.12]
+    for k in range(1, 1000):
+        search.update(k * DT, com, np.zeros(3), stands, stands, np.ones(4, dtype=bool))
+        com = com + DT * np.array([*search.shift, 0.0])
+        if search.probe is not None:
+            break
+    assert search.probe is not None
+    assert search.probe.foot in (2, 3)  # both front feet are down: a hind foot finds the first edge
+
+
+def test_feet_that_are_all_on_one_level_find_nothing() -> None:
+    search, flat = EdgeSearch(ALONG, (-0.03, 0.07), 0.12, HEIGHT, RADIUS), STANDS * [1.0, 1.0, 0.0]
+    for k in range(6000):
+        search.update(k * DT, np.array([0.0, 0.05, 0.25]), np.zeros(3), flat, flat, np.ones(4, dtype=bool))
+        if search.failed:
+            break
+    assert search.failed
+    assert not search.done
+
+
+def test_the_walk_goes_on_from_the_line_between_the_feet_ahead() -> None:
+    search = searched((0.0, 0.3, 0.6))
+    soles = np.array([[0.15, 0.18], [0.26, -0.06], [-0.09, 0.25], [-0.29, -0.15]])
+    assert search.leading in (0, 1)
+    for leading, feet in ((0, (1, 2)), (3, (1, 2)), (1, (0, 3)), (2, (0, 3))):
+        way = to_diagonal(soles.mean(axis=0), soles, leading)
+        line = soles[feet[1]] - soles[feet[0]]
+        assert float(way @ line) == pytest.approx(0.0, abs=1e-12)
+        place = soles.mean(axis=0) + way - soles[feet[0]]
+        assert float(place[0] * line[1] - place[1] * line[0]) == pytest.approx(0.0, abs=1e-12)
+
+
 def test_a_tread_without_an_end_within_reach_is_a_step() -> None:
     search = searched((0.0, 3.0), reach=0.36)
     assert search.done
@@ -86,7 +132,7 @@ def test_without_a_first_edge_it_has_failed() -> None:
 
 
 def test_a_body_that_cannot_come_to_rest_ends_it() -> None:
-    search = EdgeSearch(ALONG, (-0.03, 0.07), BEYOND, HEIGHT, RADIUS)
+    search = EdgeSearch(ALONG, (-0.03, 0.07), 0.12, HEIGHT, RADIUS)
     for k in range(2000):
         search.update(
             k * DT,

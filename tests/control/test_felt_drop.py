@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import RobotState
-from surefoot.control.felt_drop import DROP, PATIENCE, REACH, FeltDrop
+from surefoot.control.felt_drop import PATIENCE, REACH, FeltDrop
 from surefoot.control.felt_ground import FeltGround
+from surefoot.control.stair_gait import LOW
 from surefoot.control.terrain_knowledge import TouchedGround
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
@@ -74,13 +75,13 @@ def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> N
 
 
 def test_a_small_step_is_none_and_the_walk_goes_on_as_on_a_plane() -> None:
-    low = 0.9 * DROP * HEIGHT
+    low = 0.98 * LOW * HEIGHT
     ground, plane = FeltGround(), TouchedGround()
-    stands = reach_down(ground, [0.0, 0.05, low - 0.005])
+    stands = reach_down(ground, [0.0, 0.05, low + 0.003])
     assert ground.drop is not None
     stand(ground, stands, (0.3, -low))
     assert (ground.drop, ground.unsure, ground.careful, ground.notes) == (None, False, False, [])
-    stand(plane, reach_down(plane, [0.0, 0.05, low - 0.005]), (0.3, -low))
+    stand(plane, reach_down(plane, [0.0, 0.05, low + 0.003]), (0.3, -low))
     assert ground.height(HIPS) == pytest.approx(plane.height(HIPS))
 
 

@@ -15,15 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.edge_search import EdgeSearch
+from surefoot.control.edge_search import FRONT, EdgeSearch, to_diagonal
 from surefoot.control.stair_gait import LOW
 from surefoot.spatial import GRAVITY
 
-DROP = 0.29
-"""A drop of more than this share of the height of the centre of mass is not taken by touch alone; less is a
-small step, and the walk goes on."""
 TAKEN = 0.45
-"""A drop of no more than this share of it may be the first of steps down."""
+"""A drop of no more than this share of the height of the centre of mass may be the first of steps down."""
 STEEPEST = 0.43
 """Steps down are not taken by touch alone if they are deeper than this share of their treads."""
 PATIENCE = 1.5
@@ -123,12 +120,12 @@ class FeltDrop:
     @property
     def shallow(self) -> bool:
         """Whether the ground beyond has been found, and is no lower than after a small step."""
-        return self.found and self.depth < DROP * self._height
+        return self.found and self.depth < LOW * self._height
 
     @property
     def told(self) -> bool:
         """Whether it is certain that the drop is not a small step."""
-        return self.depth > DROP * self._height and (self.found or self.depth > BOTTOMLESS * self._height)
+        return self.depth > LOW * self._height and (self.found or self.depth > BOTTOMLESS * self._height)
 
     def deeper(self, along: float, height: float) -> None:
         """Learn that a foot at a place has gone down to a height without finding ground [m]."""
@@ -187,13 +184,14 @@ class FeltDrop:
             self._told_at = time
         search = self.search
         if search is None and onward and self._taken and self._stood and carrying.all():
-            beyond = feet[:, :2] @ self.along > self.edge
-            if len(feet) == 4 and beyond[:2].all() and not beyond[2:].any():
+            beyond = feet[:, 2] < self.level - 0.5 * self.depth
+            if len(feet) == 4 and beyond[:FRONT].any() and not beyond[FRONT:].any():
                 edges = self._before, self._beyond
-                search = EdgeSearch(self.along, edges, beyond, self._height, self._radius)
+                search = EdgeSearch(self.along, edges, self.depth, self._height, self._radius)
         if search is not None and search.probe is None and not onward:
             search = None
         if search is not None and search.done:
+            self.leading = search.leading
             self.steep = self.depth > STEEPEST * float(np.diff(search.edges)[0])  # no second edge: not steep
             search.failed |= self.steep
         self.search = search
@@ -262,10 +260,7 @@ class FeltDrop:
 
     def _lines(self, place: FloatArray, feet: FloatArray) -> float:
         """Find where the body should go when it stands; return how far apart the diagonals are [m]."""
-        first, last = feet[[[1, 2], [0, 3]][self.leading], :2]  # of the diagonal that will carry first
-        way = last - first
-        share = float(np.clip((place - first) @ way / (way @ way), 0.0, 1.0))
-        self._excess = first + share * way - place
+        self._excess = to_diagonal(place, feet, self.leading)
         middle = feet[:, :2].mean(axis=0) - place
         self._shift = middle if math.hypot(*middle) > FAR * self._height else self._excess
         return abs(float((feet[0] + feet[3] - feet[1] - feet[2])[:2] @ self.along)) / 2.0

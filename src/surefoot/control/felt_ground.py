@@ -123,8 +123,7 @@ class FeltGround(TouchedGround):
         self._forget()
         self._heading, self._time = np.array([1.0, 0.0]), state.time
         self._struck: tuple[FloatArray, FloatArray] | None = None
-        self._ignored_until = -math.inf
-        self._slid: set[int] = set()
+        self._ignored_until, self._slid = -math.inf, set[int]()
         self._asked = self._onward = False
         self._hush()
         super().begin(state, ground, height)
@@ -295,7 +294,8 @@ class FeltGround(TouchedGround):
         flight = FeltFlight.downwards(drop.along, edges, drop.level, drop.depth, deepest)
         self._forget()
         self.flight, self._descent, self.careful = flight, FeltDescent(flight, self._height), True
-        self.underway, self.lower, self.shorter = True, LOWER * self._height, SHORTER * self._height
+        self.lower, self.shorter = LOWER * self._height, SHORTER * self._height
+        self.underway, self.leading = True, drop.leading
         for point in ground:
             flight.stand(float(point[:2] @ flight.along), float(point[2]))
         self._felt_to = float((ground[:, :2] @ flight.along).max()) + self.radius

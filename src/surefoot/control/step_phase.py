@@ -93,7 +93,7 @@ class StepPhase:
         """
         place, flow, period = body.position[:2], body.flow() / self.share, self.schedule.period
         self.stride = None
-        if unsure:
+        if unsure or (isinstance(self.schedule, AdaptiveGait) and self.schedule.held):  # no foot will lift
             self.lead, self.waiting, self._off, self._waits_from = 0.0, False, False, clock
             return
         self.waiting = self._should_wait(place, flow, clock)
