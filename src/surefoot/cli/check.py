@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from surefoot.cli import shared_options as shared
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.spatial import GRAVITY
 
@@ -153,8 +153,7 @@ def _numbers(values: Any, digits: int) -> str:
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
-    style = "bold green" if facts["possible"] else "bold red"
-    say(console, f"{facts['name']}: {facts['verdict']}", style=style)
+    say_verdict(console, f"{facts['name']}: {facts['verdict']}", facts["possible"])
     rows = []
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)

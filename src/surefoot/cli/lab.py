@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
+from surefoot.arrays import real_number
 from surefoot.cli import extras
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.literal_help import LiteralHelpCommand
+from surefoot.cli.robots import load
 
 if TYPE_CHECKING:
     from surefoot.lab.page import Page
@@ -47,13 +50,9 @@ def stand(
 ) -> int:
     """Drag the centre of mass and the feet, tilt the ground: cones, forces, region and verdict follow."""
     _check(robot, urdf, ["pin"], host, port, seconds)
-    from dataclasses import replace
-
     import numpy as np
 
-    from surefoot.arrays import real_number
     from surefoot.cli import parsing
-    from surefoot.cli.robots import load
     from surefoot.lab.stand import StandPage, start_state
 
     parsing.friction("--mu", mu)
@@ -73,7 +72,6 @@ def cone(
 ) -> int:
     """See the round cone, the pyramids inside and around it, and a force in space and in section."""
     _check(None, None, [], host, port, seconds, robot_needed=False)
-    from surefoot.arrays import real_number
     from surefoot.lab.cone import ConePage, ConeState
 
     real_number("--mu", mu, low=0.0, high=1.5)
@@ -94,8 +92,6 @@ def push(
 ) -> int:
     """Kick a walking robot with the mouse; change friction, payload, gait and speed while it walks."""
     _check(robot, urdf, ["pin", "mujoco"], host, port, seconds)
-    from surefoot.arrays import real_number
-    from surefoot.cli.robots import load
     from surefoot.lab.push import PushPage
     from surefoot.lab.push_run import Choices, SharedRun, WalkRun
 
@@ -170,12 +166,10 @@ def _check(
     robot_needed: bool = True,
 ) -> None:
     """Refuse, before any work, what cannot be served."""
-    from surefoot.arrays import real_number
-    from surefoot.cli.extras import robot_packages
     from surefoot.lab.server import check_free
 
     named = None if urdf is None else str(urdf)
-    needed = robot_packages(robot or named) if robot_needed else ()
+    needed = extras.robot_packages(robot or named) if robot_needed else ()
     extras.require(["viser", *packages, *needed])
     if seconds is not None:
         real_number("--seconds", seconds, low=0.0)
@@ -195,8 +189,6 @@ def _plan(source: str, amount: float | None, robot: Any) -> Any:
         return Plan.read(source)
     task = find_task(source)
     if robot is None and task.robots:
-        from surefoot.cli.robots import load
-
         robot = load(None, None, None)
     with plain_console(stderr=True).status(f"planning {source}"):
         return search(robot, source, amount)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,8 +10,9 @@ import typer
 
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
-from surefoot.cli.console import plain_console, say
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.page import Table
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
@@ -175,7 +174,6 @@ def _write(
     """Write all that a plan leaves, say what it is, and return whether all went well."""
     from surefoot.cli import run_files
     from surefoot.cli.progress import progress_bar
-    from surefoot.cli.run_output import print_tables
     from surefoot.contact import Status
     from surefoot.viz.plan_plots import draw_plan
 
@@ -190,37 +188,21 @@ def _write(
             shown.film(made.robot, made.terrain, tell)
     if as_json:
         print(to_json(facts))
-    tables = _tables(made, facts)
-    print_tables(console, tables, [])
-    good = made.status is Status.SOLVED
-    done = facts["executed"]
+    good, done = made.status is Status.SOLVED, facts["executed"]
     headline = f"{made.task}: {made.status.value}; {made.facts['goal']}"
     if done is not None:
         good = good and done["landed"] and not done["laws"]
         laws = "no law was broken" if not done["laws"] else "laws broken: " + "; ".join(done["laws"])
         headline += f"; carried out: {'landed' if done['landed'] else 'did not land'}, {laws}"
-    if report:
-        from surefoot.cli.run_output import report_sections
-        from surefoot.viz.report import write_report
-
-        shown.plot(lambda log, where: draw_plan(made, where, iterations))
-        command = shlex.join(["surefoot", *sys.argv[1:]])
-        sections = [*report_sections(tables, []), *shown.sections()]
-        page = folder / "report.html"
-        written.attempt(
-            page, lambda: write_report(page, f"Plan: {made.task}", (headline, good), sections, command)
-        )
-    say(console, *shown.notes(), *written.notes)
-    say(console, headline, style="bold green" if good else "bold red")
-    page = folder / "report.html"
-    say(console, f"report: {page if page.exists() else folder}")
+    run_files.publish(
+        console, folder, written, shown, f"Plan: {made.task}", (headline, good), (_tables(made, facts), []),
+        (lambda log, where: draw_plan(made, where, iterations)) if report else None,
+    )  # fmt: skip
     return good and not written.notes
 
 
-def _tables(made: Plan, facts: dict[str, Any]) -> list[Any]:
+def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
-    from surefoot.cli.run_output import Table
-
     rows = [
         ["status", facts["status"]],
         ["method", facts["method"]],

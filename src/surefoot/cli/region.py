@@ -10,7 +10,7 @@ from rich.console import Console
 
 from surefoot.arrays import real_number
 from surefoot.cli import shared_options as shared
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.errors import ProblemError
 
@@ -68,8 +68,8 @@ def _region_facts(region: Any) -> dict[str, Any]:
 def _print(console: Console, facts: dict[str, Any]) -> None:
     from surefoot.equilibrium.region import polygon_area
 
-    word, style = ("inside", "bold green") if facts["com_inside"] else ("outside", "bold red")
-    console.print(f"{facts['name']}: the centre of mass is {word} its region", style=style, soft_wrap=True)
+    word = "inside" if facts["com_inside"] else "outside"
+    say_verdict(console, f"{facts['name']}: the centre of mass is {word} its region", facts["com_inside"])
     support = facts["support_polygon"]
     named = (("centre of mass", facts["com_region"]), ("zero-moment point", facts["zmp_region"]))
     sizes = [(name, r["area"], r["corners"], f"{1e3 * r['gap']:.3f}") for name, r in named if r is not None]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +14,9 @@ from surefoot.cli import run_files
 from surefoot.cli.console import say
 from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import to_json
+from surefoot.cli.page import Table
 from surefoot.cli.progress import progress_bar
-from surefoot.cli.run_output import Table, law_table, print_tables, report_sections
+from surefoot.cli.run_output import law_table
 from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
@@ -115,10 +114,7 @@ class SimulatedRun:
 
     def _write(self, log: Log, account: Account[Any]) -> tuple[RunSummary, dict[str, Any]]:
         """Write everything that the run leaves, print the tables, and return the summary, also for JSON."""
-        from surefoot.viz.report import write_report
-
-        folder = self.folder
-        written, page = run_files.Written(), folder / "report.html"
+        folder, written = self.folder, run_files.Written()
         written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
         summary: RunSummary = account.summarise(log)
         entries = {**summary.as_dict(), **account.more, "unwritten": written.notes}
@@ -127,17 +123,10 @@ class SimulatedRun:
         if self.video and summary.outcome != Ending.INTERRUPTED:
             with progress_bar(not self.console.quiet, "filming", 1.0) as tell:
                 pictures.film(self.robot, self.terrain, tell)
-        tables, lines = [*account.tables(summary), law_table(summary)], account.lines(summary)
-        print_tables(self.console, tables, lines)
-        headline = account.headline(summary)
-        if self.report:
-            pictures.plot(account.draw)
-            sections = [*account.opening, *report_sections(tables, lines), *pictures.sections()]
-            title = f"{self.robot.name} {account.doing}"
-            command = shlex.join(["surefoot", *sys.argv[1:]])
-            verdict = headline, summary.good
-            written.attempt(page, lambda: write_report(page, title, verdict, sections, command))
-        say(self.console, *pictures.notes(), *written.notes)
-        say(self.console, headline, style="bold green" if summary.good else "bold red")
-        say(self.console, f"report: {page if page.exists() else folder}")
+        run_files.publish(
+            self.console, folder, written, pictures, f"{self.robot.name} {account.doing}",
+            (account.headline(summary), summary.good),
+            ([*account.tables(summary), law_table(summary)], account.lines(summary)),
+            account.draw if self.report else None, account.opening,
+        )  # fmt: skip
         return summary, entries

@@ -55,6 +55,13 @@ Substeps: TypeAlias = Annotated[
 
 WHOLE = ("mujoco", "rigid")
 """Worlds that take whole robots: all of their links, and their actuators."""
+_PLAIN = {"collision": "feet", "actuators": "ideal"}
+"""What every world is unless told; other options are None then."""
+_OWNERS = {
+    "law": ("rigid",), "solref": ("mujoco",), "solimp": ("mujoco",), "substeps": ("mujoco",),
+    "collision": WHOLE, "actuators": WHOLE,
+}  # fmt: skip
+"""Option -> the worlds that take it."""
 _WORDS: dict[str, dict[str, str]] = {
     "spring-damper": {"k": "stiffness", "d": "damping"},
     "hunt-crossley": {"k": "stiffness", "a": "dissipation", "p": "exponent"},
@@ -119,28 +126,20 @@ def world_settings(
 
     if world not in WORLDS:
         raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
-    told: dict[str, Any] = {}
-    for option, text, owner in (
-        ("--law", law, "rigid"), ("--solref", solref, "mujoco"), ("--solimp", solimp, "mujoco"),
-    ):  # fmt: skip
-        if text is None:
-            continue
-        if world != owner:
-            raise ProblemError(f"{option} is of --world {owner}, got --world {world}")
-        if option == "--law":
-            told["law"] = contact_law(text, mu)
-        else:
-            told[option[2:]] = tuple(parsing.number(option, part) for part in text.split(","))
-    for option, given, plain in (("collision", collision, "feet"), ("actuators", actuators, "ideal")):
-        if given == plain:
-            continue
-        if world not in WHOLE:
-            raise ProblemError(f"--{option} {given} is of --world {' or '.join(WHOLE)}, got --world {world}")
-        told[option] = given
-    if substeps is not None:
-        if world != "mujoco":
-            raise ProblemError(f"--substeps is of --world mujoco, got --world {world}")
-        told["substeps"] = substeps
+    given = {
+        "law": law, "solref": solref, "solimp": solimp, "collision": collision, "actuators": actuators,
+        "substeps": substeps,
+    }  # fmt: skip
+    told: dict[str, Any] = {name: value for name, value in given.items() if value != _PLAIN.get(name)}
+    for name, value in told.items():
+        if world not in _OWNERS[name]:
+            option = f"--{name} {value}" if name in _PLAIN else f"--{name}"
+            raise ProblemError(f"{option} is of --world {' or '.join(_OWNERS[name])}, got --world {world}")
+    if law is not None:
+        told["law"] = contact_law(law, mu)
+    for name in ("solref", "solimp"):
+        if name in told:
+            told[name] = tuple(parsing.number(f"--{name}", part) for part in told[name].split(","))
     if explicit:
         if law is None:
             raise ProblemError("--explicit goes with --law")
