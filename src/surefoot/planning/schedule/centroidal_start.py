@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.planning.direct.blocks import pack
 from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.centroidal import (
     CentroidalMotion,
@@ -117,7 +118,7 @@ def _with_forces(
     points, base = robot.contact_points, robot.base_dof
     share = 1.0 / np.bincount(points.foot)[points.foot]
     frame = np.asarray(problem.terrain.frame([0.0, 0.0]))
-    table = np.empty((N, model.nq + model.nv + robot.joints + 3 * len(points)))
+    inputs = np.empty((N, robot.joints + 3 * len(points)))
     for k in range(N):
         world = motion.forces[k, points.foot] * share[:, None]
         effort = pinocchio.rnea(model, data, q[k], v[k], (v[k + 1] - v[k]) / problem.dt)
@@ -129,9 +130,8 @@ def _with_forces(
             )
             torque -= J[:3].T @ world[i]
         use = np.clip(torque[base:] / problem.torque_limits, -1.0, 1.0)
-        forces = world @ frame / problem.weight
-        table[k] = np.concatenate([q[k], v[k], use, forces.ravel()])
-    return np.concatenate([table.ravel(), q[-1], v[-1]])
+        inputs[k] = np.concatenate([use, (world @ frame / problem.weight).ravel()])
+    return pack(np.hstack([q, v]), inputs)
 
 
 def _reach(problem: ScheduleProblem, data: Any, q: FloatArray, footholds: FloatArray, stands: Any) -> None:
