@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import shared_options as shared
 from surefoot.cli.audit_output import new_audit_folder, tell
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import check_out
@@ -31,9 +32,7 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: Annotated[
-        str | None, typer.Option(help="Name or URDF of the robot, where the log does not name it.")
-    ] = None,
+    robot: shared.LogRobot = None,
     replay: Annotated[
         str | None,
         typer.Option(
@@ -55,7 +54,7 @@ def audit(
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: shared.AsJson = False,
 ) -> int:
     """Tell which law of contact a log broke, when, where, and what the likely cause is.
 

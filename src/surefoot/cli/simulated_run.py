@@ -16,6 +16,7 @@ from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import to_json
 from surefoot.cli.page import Table
 from surefoot.cli.progress import progress_bar
+from surefoot.cli.run_options import Leaving
 from surefoot.cli.run_output import law_table
 from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
@@ -62,7 +63,7 @@ class Account(Generic[S]):
 
 @dataclass(frozen=True)
 class SimulatedRun:
-    """A robot on its terrain, the folder of its run and what is wanted there.
+    """A robot on its terrain, the folder of its run and what it is to leave.
 
     Attributes
     ----------
@@ -70,10 +71,8 @@ class SimulatedRun:
         Of the film.
     folder
         New and empty.
-    video, report
-        Whether the run is filmed, and drawn.
-    as_json
-        Whether the summary is all that is printed.
+    leaving
+        What is wanted there.
     console
         For everything else.
     """
@@ -81,9 +80,7 @@ class SimulatedRun:
     robot: Robot
     terrain: Terrain
     folder: Path
-    video: bool
-    report: bool
-    as_json: bool
+    leaving: Leaving
     console: Console
 
     def carry_out(
@@ -100,13 +97,13 @@ class SimulatedRun:
         broken and every file was written.
         """
         with ends_softly() as stop:
-            shown = not self.as_json
+            shown = not self.leaving.as_json
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
                 watching = [*observers, *([] if tell is None else [Progress(tell)])]
                 log = run(world, controller, scenario, watching, self.folder / run_files.PARTS)
             say(self.console, *warned)
             summary, entries = self._write(log, account)
-            if self.as_json:
+            if self.leaving.as_json:
                 print(to_json(entries))
         if summary.outcome == Ending.INTERRUPTED:
             return stop.code
@@ -120,13 +117,13 @@ class SimulatedRun:
         entries = {**summary.as_dict(), **account.more, "unwritten": written.notes}
         written.attempt(folder / "summary.json", lambda: run_files.write_summary(entries, folder))
         pictures = run_files.Pictures(log, folder)
-        if self.video and summary.outcome != Ending.INTERRUPTED:
+        if self.leaving.video and summary.outcome != Ending.INTERRUPTED:
             with progress_bar(not self.console.quiet, "filming", 1.0) as tell:
                 pictures.film(self.robot, self.terrain, tell)
         run_files.publish(
             self.console, folder, written, pictures, f"{self.robot.name} {account.doing}",
             (account.headline(summary), summary.good),
             ([*account.tables(summary), law_table(summary)], account.lines(summary)),
-            account.draw if self.report else None, account.opening,
+            account.draw if self.leaving.report else None, account.opening,
         )  # fmt: skip
         return summary, entries

@@ -24,6 +24,7 @@ SHORTEST = 0.1
 
 
 def stand(
+    *,
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
     feet: shared.FootFrames = None,
@@ -38,18 +39,9 @@ def stand(
     ice: options.IcePatches = None,
     lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
     seed: options.Seed = None,
-    world: worlds.WorldName = "mujoco",
-    law: worlds.ContactLaw = None,
-    explicit: worlds.Explicit = False,
-    collision: worlds.Collision = "feet",
-    actuators: worlds.Motors = "ideal",
-    solref: worlds.Solref = None,
-    solimp: worlds.Solimp = None,
+    physics: worlds.Physics,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
-    out: options.Out = Path("runs"),
-    video: options.Video = True,
-    report: options.Report = True,
-    as_json: options.AsJson = False,
+    leaving: options.Leaving,
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
@@ -60,32 +52,32 @@ def stand(
     from surefoot.control.standing import StandingController
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
-    console = plain_console(quiet=as_json)
+    console = plain_console(quiet=leaving.as_json)
     options.check_numbers(mu, duration, SHORTEST, seed)
     carried = parsing.payload(payload)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
+    told = physics.settings(mu)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
     sides = parsing.facets(facets)
-    options.require(robot, urdf, WORLDS[world][1], video, report)
+    options.require(robot, urdf, WORLDS[physics.world][1], leaving)
     setup = model, terrain, q, plan = _set_up(robot, urdf, feet, slope, lifts)
     allocation = _allocation(setup, mu, sides, fit, solver)
-    with plain_console(stderr=True, quiet=as_json).status(
+    with plain_console(stderr=True, quiet=leaving.as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
         statics = _statics(setup, mu, *carried)
     say(console, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not anyway:
-        if as_json:
+        if leaving.as_json:
             named = {"robot": model.name, "mass": model.mass}
             print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
     controller = StandingController(model, plan, terrain, q, mu, allocation=allocation)
-    physics = worlds.build_world(world, model, terrain, mu, carried, told, console)
-    folder = new_run_folder(out, f"stand-{model.name}")
-    run = SimulatedRun(model, terrain, folder, video, report, as_json, console)
-    return run.carry_out(physics, controller, replace(scenario, start=q), _account(statics))
+    world = worlds.build_world(physics.world, model, terrain, mu, carried, told, console)
+    folder = new_run_folder(leaving.out, f"stand-{model.name}")
+    run = SimulatedRun(model, terrain, folder, leaving, console)
+    return run.carry_out(world, controller, replace(scenario, start=q), _account(statics))
 
 
 class _Setup(NamedTuple):

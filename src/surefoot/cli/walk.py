@@ -26,6 +26,7 @@ SHORTEST = 0.5
 
 
 def walk(
+    *,
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
     mjcf: files.Mjcf = None,
@@ -69,19 +70,10 @@ def walk(
     dropout: wires.Dropouts = None,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
-    world: worlds.WorldName = "mujoco",
-    law: worlds.ContactLaw = None,
-    explicit: worlds.Explicit = False,
-    collision: worlds.Collision = "feet",
-    actuators: worlds.Motors = "ideal",
-    solref: worlds.Solref = None,
-    solimp: worlds.Solimp = None,
+    physics: worlds.Physics,
     substeps: worlds.Substeps = None,
     view: live.View = False,
-    out: options.Out = Path("runs"),
-    video: options.Video = True,
-    report: options.Report = True,
-    as_json: options.AsJson = False,
+    leaving: options.Leaving,
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
@@ -92,7 +84,7 @@ def walk(
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
 
-    console = plain_console(quiet=as_json)
+    console = plain_console(quiet=leaving.as_json)
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
@@ -100,32 +92,32 @@ def walk(
     belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators, substeps)
-    files.check(mjcf, world, told)
+    told = physics.settings(mu, substeps)
+    files.check(mjcf, physics.world, told)
     ground = parsing.terrain(terrain)
-    if world == "mujoco" and mjcf is None:
+    if physics.world == "mujoco" and mjcf is None:
         told.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, velocity_file)
     wired = wires.wiring(commands, control_rate, latency, dropout)
     parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)
     faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
-    options.require(robot, urdf, WORLDS[world][1], video, report)
-    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, actuators)
+    options.require(robot, urdf, WORLDS[physics.world][1], leaving)
+    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, physics.actuators)
     given = gait, gait_file, period
     asked = _Asked(model, belief.ground(ground), given, command, belief, motors, wired)
     controller = _planner(planner)(asked)
     q = _start(model, ground, mu)
-    physics = (
-        worlds.build_world(world, model, ground, mu, carried, told, console)
+    world = (
+        worlds.build_world(physics.world, model, ground, mu, carried, told, console)
         if mjcf is None
         else files.file_world(mjcf, model, ground, mu, carried, told)
     )
     say(console, *controller.facts.get("notes", ()))
-    folder = new_run_folder(out, f"walk-{model.name}")
-    run = SimulatedRun(model, ground, folder, video, report, as_json, console)
+    folder = new_run_folder(leaving.out, f"walk-{model.name}")
+    run = SimulatedRun(model, ground, folder, leaving, console)
     watching = live.watching(model, ground, controller) if view else []
-    return run.carry_out(physics, controller, replace(scenario, start=q), _account(), watching)
+    return run.carry_out(world, controller, replace(scenario, start=q), _account(), watching)
 
 
 def _planner(name: str) -> Callable[[_Asked], Any]:

@@ -13,7 +13,6 @@ from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.centroidal import (
     CentroidalMotion,
     CentroidalProblem,
-    CentroidalWeights,
 )
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.robot import Robot
@@ -23,9 +22,7 @@ STEPS, DAMPING, LONGEST = 20, 1e-3, 0.3
 """Of the inverse kinematics: steps a knot, damping [m²], largest change of a joint per step [rad]."""
 
 
-def centroidal_problem(
-    problem: ScheduleProblem, weights: CentroidalWeights | None = None, **changes: Any
-) -> CentroidalProblem:
+def centroidal_problem(problem: ScheduleProblem, **changes: Any) -> CentroidalProblem:
     """Return the centroidal problem of a whole-body one: its schedule, start, reference and windows.
 
     Mass, inertia and the feet's places are those of the start. The windows of the base's pose become those of
@@ -37,10 +34,8 @@ def centroidal_problem(
     ----------
     problem
         Of the whole body; one contact point a foot or more.
-    weights
-        See `CentroidalWeights`.
     changes
-        Any other field of `CentroidalProblem`.
+        Any field of `CentroidalProblem`.
     """
     robot, q, v = problem.robot, problem.q, problem.v
     import pinocchio
@@ -59,8 +54,7 @@ def centroidal_problem(
     found = CentroidalProblem(
         robot.mass, inertia, (feet - com) @ turned, problem.schedule, problem.dt, problem.knots,
         np.concatenate([com, q[3:7]]), start, feet, reference, windows=windows,
-        weights=weights or CentroidalWeights(), mu=problem.mu, terrain=problem.terrain,
-        force_min=problem.force_min,
+        mu=problem.mu, terrain=problem.terrain, force_min=problem.force_min,
     )  # fmt: skip
     return replace(found, **changes) if changes else found
 

@@ -84,52 +84,19 @@ class ScheduledMotion(Found):
     forces: FloatArray
 
 
-def start_from(
-    problem: ScheduleProblem, v: FloatArray | None = None, motion: ScheduledMotion | None = None
-) -> FloatArray:
-    """Return variables to start from: the reference with the weight on the feet that stand, or a motion.
-
-    Parameters
-    ----------
-    problem
-        Whose reference it is.
-    v
-        (knots + 1, nv) velocities; None for those between the references.
-    motion
-        A motion of the same robot with other knots, stretched to those of the problem.
-    """
+def start_from(problem: ScheduleProblem) -> FloatArray:
+    """Return variables to start from: the reference with the weight on the feet that stand."""
     import pinocchio
 
-    robot, n, p = problem.robot, problem.knots, len(problem.robot.contact_points)
-    if motion is not None:
-        return _stretched(problem, motion)
+    robot, n, stance = problem.robot, problem.knots, problem.stance
     speeds = np.zeros((n + 1, robot.model.nv))
     for k in range(n):
-        speeds[k + 1] = (
-            pinocchio.difference(robot.model, problem.reference[k], problem.reference[k + 1]) / problem.dt
-        )
-    speeds = speeds if v is None else v
-    forces = np.zeros((n, p, 3))
-    standing = problem.stance.sum(axis=1, keepdims=True)
-    forces[:, :, 2] = problem.stance / np.maximum(standing, 1)
+        way = pinocchio.difference(robot.model, problem.reference[k], problem.reference[k + 1])
+        speeds[k + 1] = way / problem.dt
+    forces = np.zeros((n, *stance.shape[1:], 3))
+    forces[:, :, 2] = stance / np.maximum(stance.sum(axis=1, keepdims=True), 1)
     inputs = np.hstack([np.zeros((n, robot.joints)), forces.reshape(n, -1)])
     return pack(np.hstack([problem.reference, speeds]), inputs)
-
-
-def _stretched(problem: ScheduleProblem, motion: ScheduledMotion) -> FloatArray:
-    """Return the variables of a motion at the times of another problem's knots."""
-    have, want = np.linspace(0.0, 1.0, len(motion.q)), np.linspace(0.0, 1.0, problem.knots + 1)
-
-    def at(values: FloatArray, places: FloatArray, of: FloatArray) -> FloatArray:
-        flat = values.reshape(len(values), -1)
-        return np.column_stack([np.interp(of, places, column) for column in flat.T])
-
-    q, v = at(motion.q, have, want), at(motion.v, have, want)
-    q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
-    torques = at(motion.torques, have[:-1], want[:-1]) / problem.torque_limits
-    forces = at(motion.forces, have[:-1], want[:-1]) / problem.weight
-    forces *= np.repeat(problem.stance, 3, axis=1)
-    return pack(np.hstack([q, v]), np.hstack([torques, forces]))
 
 
 def optimise(
