@@ -10,7 +10,7 @@ from surefoot.audit.intervals import Interval
 from surefoot.audit.report import Finding
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import BODY, Setting
-from surefoot.audit.symptoms import SYMPTOMS, Symptom
+from surefoot.audit.symptoms import SYMPTOMS
 from surefoot.log import Log
 
 NEAR = 0.05
@@ -57,19 +57,15 @@ def _episodes(found: Iterable[Interval], setting: Setting) -> list[tuple[int, in
 
 def _best(episode: Episode, rows: int) -> list[Finding]:
     """Return the strongest finding of an episode, or none."""
-    told: list[tuple[float, Symptom, str]] = []
-    for symptom in (s for s in SYMPTOMS if s.body == episode.body):
-        evidence = symptom.judge(episode)
-        if evidence is not None:
-            told.append((evidence.strength, symptom, evidence.text))
-    told.sort(key=lambda t: -t[0])
+    told = [(found, s) for s in SYMPTOMS if (found := s.evidence(episode)) is not None]
+    told.sort(key=lambda t: -t[0].strength)
     time, core = episode.rows.time, episode.rows.core
     start = float(time[core.start])
     end = start + rows * episode.rows.setting.dt
     name = BODY if episode.body else episode.rows.setting.names[episode.column]
     return [
-        Finding(s.name, name, start, end, text, s.cause, s.confirm, s.cure, strength)
-        for strength, s, text in told[:1]
+        Finding(s.name, name, start, end, found.text, s.cause, s.confirm, s.cure, found.strength)
+        for found, s in told[:1]
     ]
 
 

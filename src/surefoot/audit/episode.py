@@ -119,15 +119,12 @@ class Episode:
         off = np.nan_to_num(self.force - true)
         return bool((off[:, 2] ** 2).sum() <= 0.05 * (off**2).sum() or self.consistent)
 
-    def explained(self, model: FloatArray, force: FloatArray | None = None) -> float:
-        """Return the share of the mismatch between logged and true force that a model (m, 3) [N] explains.
-
-        `force` (m, 3) [N] takes the place of the logged one.
-        """
+    def explained(self, model: FloatArray) -> float:
+        """Return the share of the mismatch between logged and true force that a model (m, 3) [N] explains."""
         true = self.true
         if true is None:
             return 0.0
-        logged = self.force if force is None else force
+        logged = self.force
         known = np.isfinite(true).all(axis=1) & np.isfinite(model).all(axis=1)
         amiss = float(((logged - true)[known] ** 2).sum())
         if amiss <= (0.01 * self.weight) ** 2 * max(int(known.sum()), 1):

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import math
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli import shared_options as shared
+from surefoot.cli.audit_output import new_audit_folder, tell
+from surefoot.cli.console import plain_console, say
+from surefoot.cli.output import check_out
+from surefoot.cli.page import Table, report_sections, write_page
 from surefoot.errors import MissingExtra, ProblemError, SurefootError
 from surefoot.simulation.worlds import WORLDS
 
 if TYPE_CHECKING:
     from surefoot.audit import AuditReport
-    from surefoot.cli.run_output import Table
     from surefoot.log import Log
     from surefoot.simulation.replay import ReplayReport
 
@@ -32,9 +32,7 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: Annotated[
-        str | None, typer.Option(help="Name or URDF of the robot, where the log does not name it.")
-    ] = None,
+    robot: shared.LogRobot = None,
     replay: Annotated[
         str | None,
         typer.Option(
@@ -56,7 +54,7 @@ def audit(
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: shared.AsJson = False,
 ) -> int:
     """Tell which law of contact a log broke, when, where, and what the likely cause is.
 
@@ -78,17 +76,20 @@ def audit(
     read, whose = read_log(log), None if robot is None else load_robot(robot)
     again = None if replay is None else _replay(read, replay, whose, terrain, mu)
     report = audit_log(read, whose)
+    verdicts, facts = [(report.sentence, report.lawful)], report.as_dict()
+    if again is not None:
+        verdicts.append((again.sentence, again.survives))
+        facts["replay"] = again.as_dict()
     console = plain_console(quiet=as_json)
-    if as_json:
-        print(to_json({**report.as_dict(), **({} if again is None else {"replay": again.as_dict()})}))
-    else:
-        _print(console, report, again)
+    tell(console, facts, _tables(report, again), _lines(report), verdicts, as_json)
     if rerun is not None:
         _rerun(read, rerun, console)
     if out is not None:
-        page = _write(read, report, out, log, again)
-        console.print(f"report: {page}", soft_wrap=True, highlight=False)
-    return 0 if report.lawful and (again is None or again.survives) else 1
+        folder = new_audit_folder(out, log, facts)
+        figures = report_sections(_tables(report, again, on_page=True), _lines(report))
+        sections = [*_pictures(read, report, folder), *figures]
+        say(console, f"report: {write_page(folder, f'Audit of {log.name}', verdicts, sections)}")
+    return 0 if all(good for _, good in verdicts) else 1
 
 
 def _replay(log: Log, world: str, robot: Any, terrain: str | None, mu: float | None) -> ReplayReport:
@@ -118,13 +119,12 @@ def _rerun(log: Log, target: str, console: Any) -> None:
     if target == SHOW:
         rerun_file.show(log)
     else:
-        console.print(f"rerun: {log.save(target)}", soft_wrap=True, highlight=False)
+        say(console, f"rerun: {log.save(target)}")
 
 
-def _tables(report: AuditReport) -> list[Table]:
-    """Return the tables of symptoms, violations, coverage and friction."""
-    from surefoot.cli.run_output import Table
-
+def _tables(report: AuditReport, again: ReplayReport | None, on_page: bool = False) -> list[Table]:
+    """Return the tables of symptoms, violations, coverage, friction and of a replay's windows."""
+    columns = 8 if on_page else 6
     symptoms = [
         [s.name, s.contact, f"{s.start:.3f}", f"{s.end:.3f}", s.evidence, s.cause, s.confirm, s.cure]
         for s in report.symptoms[:MOST]
@@ -139,13 +139,17 @@ def _tables(report: AuditReport) -> list[Table]:
         for f in report.friction
     ]
     heads = ("foot", "from [s]", "to [s]")
+    words = ("symptom", *heads, "evidence", "likely cause", "confirm", "cure")
     found = [
-        Table("Symptoms", ("symptom", *heads, "evidence", "likely cause", "confirm", "cure"), symptoms),
+        Table("Symptoms", words[:columns], [s[:columns] for s in symptoms]),
         Table("Violations", ("law", *heads, "value", "limit"), broken),
         Table("What could be judged", ("law", "judged"), covered),
         Table("Friction of the ground", (*heads, "at least", "at most", "slid [s]"), friction),
     ]
-    return [table for table in found if table.rows]
+    found = [table for table in found if table.rows]
+    if again is not None and (again.windows or on_page):
+        found.append(_replay_table(again))
+    return found
 
 
 def _high(value: float) -> str:
@@ -154,8 +158,6 @@ def _high(value: float) -> str:
 
 def _replay_table(again: ReplayReport) -> Table:
     """Return what became of every window."""
-    from surefoot.cli.run_output import Table
-
     rows = []
     for w in again.windows[:MOST]:
         way, lean = f"{w.way:.3f} of {w.logged_way:.3f}", f"{math.degrees(w.tilt):.1f}"
@@ -170,44 +172,17 @@ def _lines(report: AuditReport) -> list[str]:
     return [*report.notes, *([f"and {hidden} violations more"] if hidden > 0 else [])]
 
 
-def _print(console: Any, report: AuditReport, again: ReplayReport | None) -> None:
-    from surefoot.cli.run_output import print_tables
+def _pictures(log: Log, report: AuditReport, folder: Path) -> list[tuple[str, str]]:
+    """Draw into the folder; return the page's sections of pictures, or of why there are none."""
+    from surefoot.viz.report import paragraph, picture
 
-    tables = [t if t.title != "Symptoms" else t._replace(header=t.header[:6], rows=[r[:6] for r in t.rows])
-              for t in _tables(report)]  # fmt: skip
-    if again is not None and again.windows:
-        tables.append(_replay_table(again))
-    print_tables(console, tables, _lines(report))
-    style = "bold green" if report.lawful else "bold red"
-    console.print(report.sentence, style=style, soft_wrap=True, highlight=False)
-    if again is not None:
-        style = "bold green" if again.survives else "bold red"
-        console.print(again.sentence, style=style, soft_wrap=True, highlight=False)
-
-
-def _write(log: Log, report: AuditReport, out: Path, source: Path, again: ReplayReport | None) -> Path:
-    """Write the page and the JSON into a new folder and return the page's path."""
-    from surefoot.cli.run_output import report_sections
-    from surefoot.viz.report import paragraph, picture, write_report
-
-    folder = new_run_folder(out, f"audit-{source.stem}")
-    told = {**report.as_dict(), **({} if again is None else {"replay": again.as_dict()})}
-    (folder / "audit.json").write_text(to_json(told) + "\n", encoding="utf-8")
-    pictures: list[tuple[str, str]] = []
     try:
         from surefoot.viz.audit_plots import draw_audit
 
-        for path in draw_audit(log, report, folder):
-            title = "Timeline" if path.stem == "timeline" else "One of the worst moments"
-            pictures.append((title, picture(path)))
+        drawn = draw_audit(log, report, folder)
     except MissingExtra as error:
-        pictures = [("Pictures", paragraph(f"pictures left out: {error}"))]
+        return [("Pictures", paragraph(f"pictures left out: {error}"))]
     except SurefootError as error:
-        pictures = [("Pictures", paragraph(str(error)))]
-    tables = [*_tables(report), *([] if again is None else [_replay_table(again)])]
-    sections = [*pictures, *report_sections(tables, _lines(report))]
-    command = shlex.join(["surefoot", *sys.argv[1:]])
-    verdict = report.sentence, report.lawful
-    if again is not None:
-        verdict = f"{report.sentence}; {again.sentence}", report.lawful and again.survives
-    return write_report(folder / "report.html", f"Audit of {source.name}", verdict, sections, command)
+        return [("Pictures", paragraph(str(error)))]
+    titles = {"timeline": "Timeline"}
+    return [(titles.get(path.stem, "One of the worst moments"), picture(path)) for path in drawn]

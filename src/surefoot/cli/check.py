@@ -10,8 +10,9 @@ import typer
 from rich.console import Console
 
 from surefoot.cli import shared_options as shared
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import picture_folder
+from surefoot.cli.stance_input import StanceOptions
 from surefoot.spatial import GRAVITY
 
 PUSHES = {
@@ -25,13 +26,8 @@ PUSHES = {
 
 
 def check(
-    file: shared.StanceFile = None,
-    robot: shared.RobotInstead = None,
-    urdf: shared.Urdf = None,
-    feet: shared.RobotFeet = None,
-    slope: shared.SlopeUnder = 0.0,
-    mu: shared.EveryFriction = None,
-    lift: shared.Lifted = None,
+    *,
+    asked: StanceOptions,
     facets: shared.Facets = "exact",
     fit: shared.Fit = "inner",
     motors: Annotated[
@@ -43,11 +39,10 @@ def check(
 ) -> int:
     """Tell whether a stance can hold its robot at rest. Exit code 0 possible, 1 impossible, 2 bad input."""
     from surefoot.cli import parsing
-    from surefoot.cli.stance_input import asked
     from surefoot.cones.polyhedral import checked_fit
 
     side = checked_fit(fit)
-    given = asked(file, robot, urdf, feet, slope, mu, lift)
+    given = asked.asked()
     facts, ground, motor = _facts(given, parsing.facets(facets), side, motors)
     folder, facts["note"] = picture_folder(out, "check") if picture else (None, "")
     if folder is not None:
@@ -153,8 +148,7 @@ def _numbers(values: Any, digits: int) -> str:
 
 
 def _print(console: Console, facts: dict[str, Any]) -> None:
-    style = "bold green" if facts["possible"] else "bold red"
-    say(console, f"{facts['name']}: {facts['verdict']}", style=style)
+    say_verdict(console, f"{facts['name']}: {facts['verdict']}", facts["possible"])
     rows = []
     for row in facts["contacts"]:
         force = "-" if row["force"] is None else _numbers(row["force"][:3], 2)

@@ -21,12 +21,18 @@ def say(console: Console, *lines: str, style: str | None = None) -> None:
         console.print(line, style=style, soft_wrap=True, highlight=False)
 
 
+def say_verdict(console: Console, line: str, good: bool) -> None:
+    """Print the line that says how something went, in green or red."""
+    say(console, line, style="bold green" if good else "bold red")
+
+
 def table(
     header: Sequence[str],
     rows: Iterable[Sequence[str]],
     title: str | None = None,
-    left: int = 1,
+    left: int | Collection[str] = 1,
     whole: Collection[str] = (),
+    **column: Any,
 ) -> Any:
     """Return a table for `Console.print`.
 
@@ -37,23 +43,26 @@ def table(
     title
         Written above, from the left.
     left
-        How many columns, from the first one on, are flush left; the others are flush right.
+        How many columns, from the first one on, are flush left, or which; the others are flush right.
     whole
         Columns whose cells are never broken into lines.
+    column
+        Of every column, for Rich.
     """
     from rich.table import Table
 
+    flush = header[:left] if isinstance(left, int) else left
     out = Table(title=title, title_justify="left")
-    for k, name in enumerate(header):
-        out.add_column(name, justify="left" if k < left else "right", no_wrap=name in whole)
+    for name in header:
+        out.add_column(name, justify="left" if name in flush else "right", no_wrap=name in whole, **column)
     for row in rows:
         out.add_row(*row)
     return out
 
 
-def show(facts: Any, as_json: bool, in_words: Callable[[Console, Any], None]) -> None:
-    """Print facts as JSON and nothing else, or in words on the plain console."""
+def show(facts: Any, as_json: bool, in_words: Callable[[Console, Any], None], **settings: Any) -> None:
+    """Print facts as JSON and nothing else, or in words on the plain console of these settings."""
     if as_json:
         print(to_json(facts))
     else:
-        in_words(plain_console(), facts)
+        in_words(plain_console(**settings), facts)

@@ -6,18 +6,19 @@ import os
 import platform
 import subprocess
 import sys
-from importlib.metadata import PackageNotFoundError, requires, version
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from surefoot import __version__
-from surefoot.cli.console import plain_console, say, table
-from surefoot.cli.output import to_json
+from surefoot.cli.console import say, show, table
 
 if TYPE_CHECKING:
     from packaging.requirements import Requirement
+    from rich.console import Console
 
 DRAW = (
     "import mujoco; m = mujoco.MjModel.from_xml_string('<mujoco/>'); r = mujoco.Renderer(m, 16, 16); "
@@ -43,10 +44,7 @@ def doctor(
     are not installed are no fault.
     """
     facts = examine(draw)
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print)
     return 0 if facts["sound"] else 1
 
 
@@ -84,18 +82,10 @@ def _extras() -> dict[str, list[dict[str, Any]]]:
     found: dict[str, list[dict[str, Any]]] = {"": []}
     for line in requires("surefoot") or []:
         needed = Requirement(line)
-        for extra in ("", *_extra_names()):
-            wanted = _wanted(needed, extra)
-            if wanted:
+        for extra in ("", *(metadata("surefoot").get_all("Provides-Extra") or ())):
+            if _wanted(needed, extra):
                 found.setdefault(extra, []).append(_package(needed))
     return {name: packages for name, packages in found.items() if name not in ("all", "dev")}
-
-
-def _extra_names() -> list[str]:
-    """Return the names of Surefoot's extras."""
-    from importlib.metadata import metadata
-
-    return list(metadata("surefoot").get_all("Provides-Extra") or [])
 
 
 def _wanted(needed: Requirement, extra: str) -> bool:
@@ -109,11 +99,10 @@ def _wanted(needed: Requirement, extra: str) -> bool:
 
 def _package(needed: Requirement) -> dict[str, Any]:
     """Return what is known of a package: its version (None if absent), what is asked, whether it fits."""
-    try:
+    have, fits = None, False
+    with suppress(PackageNotFoundError):
         have = version(needed.name)
-    except PackageNotFoundError:
-        return {"name": needed.name, "version": None, "needs": str(needed.specifier), "fits": False}
-    fits = needed.specifier.contains(have, prereleases=True)
+        fits = needed.specifier.contains(have, prereleases=True)
     return {"name": needed.name, "version": have, "needs": str(needed.specifier), "fits": fits}
 
 
@@ -177,9 +166,8 @@ def _drawing(tried: bool) -> dict[str, Any]:
     return {"works": done.returncode == 0, "through": done.stdout.strip() or None, "note": note}
 
 
-def _print(facts: dict[str, Any]) -> None:
+def _print(console: Console, facts: dict[str, Any]) -> None:
     """Print in words."""
-    console = plain_console()
     say(
         console,
         f"surefoot {facts['surefoot']} on Python {facts['python']}, {facts['platform']}, "
@@ -197,11 +185,8 @@ def _print(facts: dict[str, Any]) -> None:
     works = {True: "works", False: "does not work", None: "unknown"}[drawing["works"]]
     through = f" through {drawing['through']}" if drawing["through"] else ""
     say(console, f"drawing: {works}{through}" + (f" ({drawing['note']})" if drawing["note"] else ""))
-    for name, value in facts["variables"].items():
-        say(console, f"{name}={value}")
-    rows = [_row("base", facts["base"])] + [
-        _row(name, packages) for name, packages in facts["extras"].items()
-    ]
+    say(console, *(f"{name}={value}" for name, value in facts["variables"].items()))
+    rows = [_row(name, packages) for name, packages in {"base": facts["base"], **facts["extras"]}.items()]
     console.print(table(("extra", "state", "packages"), rows, left=3))
     if not facts["sound"]:
         say(console, "the base install is broken: see above", style="bold red")

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
-from surefoot.cli.console import plain_console, say
-from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.console import say, show
+from surefoot.cli.output import new_run_folder
 from surefoot.errors import ProblemError, unknown_name
 
 SEQUENCE = "sequence"
@@ -35,26 +36,30 @@ def export(
     Exit code 0 if every file is written, 2 for wrong input.
     """
     from surefoot.interop import export_sequence, target_names, write_sequence
+    from surefoot.interop.targets.table import find_target
 
-    targets = to or [SEQUENCE]
+    targets = dict.fromkeys(to or [SEQUENCE])
     for name in targets:
         if name not in (SEQUENCE, *target_names()):
             raise ProblemError(unknown_name("target of --to", name, (SEQUENCE, *target_names())))
     sequence = _read(source, facets, fit, shortest)
-    texts = {name: None if name == SEQUENCE else name for name in dict.fromkeys(targets)}
-    for name in texts:  # refused before a folder is made
-        if name != SEQUENCE:
-            from surefoot.interop.targets.table import find_target
-
-            find_target(name).files(sequence)
+    for name in targets.keys() - {SEQUENCE}:  # refused before a folder is made
+        find_target(name).files(sequence)
     folder = new_run_folder(out, f"export-{source.stem}")
     paths: list[Path] = []
-    for name in texts:
+    for name in targets:
         if name == SEQUENCE:
             paths.append(write_sequence(sequence, folder / "contacts.json"))
         else:
             paths += export_sequence(sequence, name, folder)
-    _say(sequence, paths, as_json)
+    facts = {
+        "robot": sequence.robot,
+        "frames": list(sequence.frames),
+        "duration": sequence.duration,
+        "phases": [{"duration": p.duration, "contacts": list(p.names)} for p in sequence.phases],
+        "files": [str(path) for path in paths],
+    }
+    show(facts, as_json, _print)
     return 0
 
 
@@ -72,20 +77,6 @@ def _read(source: Path, facets: int | None, fit: str | None, shortest: float) ->
     return sequence_from_log(read_log(source), facets or 8, fit or "inner", shortest)  # type: ignore[arg-type]
 
 
-def _say(sequence: Any, paths: list[Path], as_json: bool) -> None:
-    """Print what was written."""
-    facts = {
-        "robot": sequence.robot,
-        "frames": list(sequence.frames),
-        "duration": sequence.duration,
-        "phases": [{"duration": p.duration, "contacts": list(p.names)} for p in sequence.phases],
-        "files": [str(path) for path in paths],
-    }
-    if as_json:
-        print(to_json(facts))
-        return
-    console = plain_console()
-    frames = len(sequence.frames)
-    say(console, f"{len(sequence.phases)} phases, {frames} frames, {sequence.duration:.3f} s")
-    for path in paths:
-        say(console, str(path))
+def _print(console: Console, facts: dict[str, Any]) -> None:
+    size = f"{len(facts['phases'])} phases, {len(facts['frames'])} frames, {facts['duration']:.3f} s"
+    say(console, size, *facts["files"])

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.arrays import whole_number
-from surefoot.cli.console import plain_console
+from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
-from surefoot.cli.output import check_out, to_json
+from surefoot.cli.output import check_out
 from surefoot.cli.progress import progress_bar
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:  # the other commands need no compiled code
+    from rich.console import Console
+
     from surefoot.estimation import Tosses, TossFit
 
 EXPECTED = 45.0
@@ -69,10 +71,7 @@ def identify(
         facts["picture"] = str(draw_tosses(recorded, others, fits, folder / "tosses.png"))
     if note:
         facts["notes"].append(note)
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print)
     return 0
 
 
@@ -122,27 +121,25 @@ def _facts(
     first = fits[laws[0]]
     laws = list(dict.fromkeys(laws))
     rivals = [name for name in fits if name not in laws]
-    facts: dict[str, Any] = {
+
+    def told(law: str) -> dict[str, Any]:
+        return {
+            "fit": _numbers(fits[law]),
+            "train": _part(fits, law, rivals, "train"),
+            "test": None if others is None else _part(fits, law, rivals, "test"),
+        }
+
+    return {
         "law": laws[0],
         "tosses": len(recorded),
         "width": recorded.cube.width,
-        "fit": _numbers(first),
-        "train": _part(fits, laws[0], rivals, "train"),
-        "test": None if others is None else _part(fits, laws[0], rivals, "test"),
-        "laws": {
-            name: {
-                "fit": _numbers(fits[name]),
-                "train": _part(fits, name, rivals, "train"),
-                "test": None if others is None else _part(fits, name, rivals, "test"),
-            }
-            for name in laws[1:]
-        },
+        **told(laws[0]),
+        "laws": {name: told(name) for name in laws[1:]},
         "noise": {"position": first.position_noise, "rotation_deg": math.degrees(first.rotation_noise)},
         "effort": {name: {"simulations": f.evaluations, "seconds": f.seconds} for name, f in fits.items()},
         "notes": list(dict.fromkeys(note for f in fits.values() for note in f.notes)),
         "picture": None,
     }
-    return facts
 
 
 def _numbers(fit: TossFit) -> dict[str, Any]:
@@ -183,54 +180,43 @@ def _errors(errors: Any) -> dict[str, Any]:
     }
 
 
-def _print(facts: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    console = plain_console()
+def _print(console: Console, facts: dict[str, Any]) -> None:
     for law, fit in ((facts["law"], facts["fit"]), *((n, d["fit"]) for n, d in facts["laws"].items())):
-        table = Table(title=f"{law}, fitted to {facts['tosses']} tosses", title_justify="left")
-        for name in ("", "value", "95 % interval", "unit"):
-            table.add_column(name)
-        for name, e in fit.items():
-            table.add_row(name, f"{e['value']:.5g}", f"{e['low']:.5g} to {e['high']:.5g}", e["unit"])
-        console.print(table)
+        rows = [
+            (name, f"{e['value']:.5g}", f"{e['low']:.5g} to {e['high']:.5g}", e["unit"])
+            for name, e in fit.items()
+        ]
+        header = ("", "value", "95 % interval", "unit")
+        console.print(table(header, rows, f"{law}, fitted to {facts['tosses']} tosses", left=4))
     for part in ("train", "test"):
         if facts[part] is not None:
             console.print(_error_table(facts, part))
     if facts["test"] is None:
-        console.print("No --test: errors are those on the tosses it was fitted to.", highlight=False)
+        say(console, "No --test: errors are those on the tosses it was fitted to.")
     noise = facts["noise"]
-    console.print(
+    say(
+        console,
         f"noise of the recording in free flight: {1e3 * noise['position']:.3g} mm, "
         f"{noise['rotation_deg']:.2g} deg; simulated in all: "
         + ", ".join(
             f"{name} {e['simulations']:.0f} x in {e['seconds']:.0f} s" for name, e in facts["effort"].items()
         ),
-        soft_wrap=True,
-        highlight=False,
+        *facts["notes"],
+        f"picture: {facts['picture']}" if facts["picture"] else "",
     )
-    for note in facts["notes"]:
-        console.print(note, soft_wrap=True, highlight=False)
-    if facts["picture"]:
-        console.print(f"picture: {facts['picture']}", soft_wrap=True, highlight=False)
 
 
 def _error_table(facts: dict[str, Any], part: str) -> Any:
     """Return the table of mean errors of one part, a row per law and rival."""
-    from rich.table import Table
-
     first = facts[part]
     known = "not seen by the fit" if part == "test" else "fitted to"
-    table = Table(title=f"{first['tosses']} tosses {known}", title_justify="left")
-    for name in ("", "position [width]", "rotation [deg]", "less the rival's: position", "rotation"):
-        table.add_column(name)
-    rows = [(facts["law"], first), *((name, law[part]) for name, law in facts["laws"].items())]
-    for name, errors in rows:
-        table.add_row(name, *_means(errors), "", "")
+    header = ("", "position [width]", "rotation [deg]", "less the rival's: position", "rotation")
+    laws = ((facts["law"], first), *((name, law[part]) for name, law in facts["laws"].items()))
+    rows = [(name, *_means(errors), "", "") for name, errors in laws]
     for name, errors in first["rivals"].items():
-        gaps = [_gap(errors["ours_less_theirs"][kind]) for kind in ("position", "rotation")]
-        table.add_row(name, *_means(errors), *gaps)
-    return table
+        position, rotation = (_gap(errors["ours_less_theirs"][kind]) for kind in ("position", "rotation"))
+        rows.append((name, *_means(errors), position, rotation))
+    return table(header, rows, f"{first['tosses']} tosses {known}", left=5)
 
 
 def _means(errors: dict[str, Any]) -> tuple[str, str]:

@@ -31,6 +31,7 @@ from surefoot.cli import (
 )
 from surefoot.cli.compiling import announce_compilation
 from surefoot.cli.literal_help import LiteralHelpCommand
+from surefoot.cli.option_groups import ungrouped
 from surefoot.errors import SurefootError
 
 EXIT_BAD_INPUT = 2
@@ -49,7 +50,7 @@ for _command in (
     translate.translate, identify.identify, sweep.sweep, audit.audit, worlds.worlds, plan.plan, export.export,
     warmup.warmup, doctor.doctor,
 ):  # fmt: skip
-    app.command(_command.__name__, cls=LiteralHelpCommand)(_command)
+    app.command(_command.__name__, cls=LiteralHelpCommand)(ungrouped(_command))
 app.add_typer(lab.app, name="lab")
 app.add_typer(bench.app, name="bench")
 

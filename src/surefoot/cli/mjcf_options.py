@@ -45,7 +45,7 @@ def robot_and_motors(
 
 
 def check(mjcf: Path | None, world: str, told: dict[str, Any]) -> None:
-    """Refuse options of other worlds beside a file; `told` is of `world_settings`."""
+    """Refuse options of other worlds beside a file; `told` is of `Physics.settings`."""
     others = sorted(set(told) - {"solref", "solimp", "substeps"})
     if mjcf is not None and (world != "mujoco" or others):
         option = f"--{others[0]}" if others else f"--world {world}"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,8 +10,9 @@ import typer
 
 from surefoot.cli import run_options as options
 from surefoot.cli import shared_options as shared
-from surefoot.cli.console import plain_console, say
+from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
+from surefoot.cli.page import Table
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
@@ -25,6 +24,7 @@ EXECUTORS = ("mujoco",)
 
 
 def plan(
+    *,
     task: Annotated[
         str,
         typer.Argument(help="ball, hopper, push, jump, backflip, stand-up or trot; see docs/planning.md."),
@@ -46,10 +46,7 @@ def plan(
     execute: Annotated[
         str | None, typer.Option(help="World to carry it out in: mujoco. The audit judges the run.")
     ] = None,
-    out: options.Out = Path("runs"),
-    video: options.Video = True,
-    report: options.Report = True,
-    as_json: options.AsJson = False,
+    leaving: options.Leaving,
 ) -> int:
     """Plan a motion through contact that obeys the laws, and carry it out if asked to.
 
@@ -60,22 +57,22 @@ def plan(
     from surefoot.cli.signals import ends_softly
     from surefoot.planning.tasks.table import find_task
 
-    console = plain_console(quiet=as_json)
+    console = plain_console(quiet=leaving.as_json)
     parsing.friction("--mu", mu)
     found = find_task(task)
     if execute is not None and execute not in EXECUTORS:
         raise ProblemError(unknown_name("world of --execute", execute, EXECUTORS))
-    options.require(robot, urdf, ("pin", *(["mujoco"] if execute else [])), video, report)
+    options.require(robot, urdf, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, urdf, feet, found)
     numbers = {
         "mu": mu, "dt": dt, "knots": knots, "method": method, "seed": seed, "max_iterations": max_iterations,
     }  # fmt: skip
     with ends_softly() as stop:
-        search = _Search(console, as_json)
+        search = _Search(console, leaving.as_json)
         made = search.run(who, task, amount, numbers)
-        folder = new_run_folder(out, f"plan-{task}")
+        folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
-        good = _write(made, executed, search.iterations, folder, (video, report, as_json), console)
+        good = _write(made, executed, search.iterations, folder, leaving, console)
         if search.interrupted:
             return stop.code
     return 0 if good else 1
@@ -169,58 +166,40 @@ def _write(
     executed: Any,
     iterations: list[Iteration],
     folder: Path,
-    wanted: tuple[bool, bool, bool],
+    leaving: options.Leaving,
     console: Any,
 ) -> bool:
     """Write all that a plan leaves, say what it is, and return whether all went well."""
     from surefoot.cli import run_files
     from surefoot.cli.progress import progress_bar
-    from surefoot.cli.run_output import print_tables
     from surefoot.contact import Status
     from surefoot.viz.plan_plots import draw_plan
 
-    video, report, as_json = wanted
     written = run_files.Written()
     written.attempt(folder / "plan.npz", lambda: made.save(folder / "plan.npz"))
     facts = {**_facts(made, executed), "folder": str(folder), "unwritten": written.notes}
     written.attempt(folder / "summary.json", lambda: run_files.write_summary(facts, folder))
     shown = run_files.Pictures(made if executed is None else executed.log, folder)
-    if video and made.robot is not None and made.terrain is not None:
-        with progress_bar(not as_json, "filming", 1.0) as tell:
+    if leaving.video and made.robot is not None and made.terrain is not None:
+        with progress_bar(not leaving.as_json, "filming", 1.0) as tell:
             shown.film(made.robot, made.terrain, tell)
-    if as_json:
+    if leaving.as_json:
         print(to_json(facts))
-    tables = _tables(made, facts)
-    print_tables(console, tables, [])
-    good = made.status is Status.SOLVED
-    done = facts["executed"]
+    good, done = made.status is Status.SOLVED, facts["executed"]
     headline = f"{made.task}: {made.status.value}; {made.facts['goal']}"
     if done is not None:
         good = good and done["landed"] and not done["laws"]
         laws = "no law was broken" if not done["laws"] else "laws broken: " + "; ".join(done["laws"])
         headline += f"; carried out: {'landed' if done['landed'] else 'did not land'}, {laws}"
-    if report:
-        from surefoot.cli.run_output import report_sections
-        from surefoot.viz.report import write_report
-
-        shown.plot(lambda log, where: draw_plan(made, where, iterations))
-        command = shlex.join(["surefoot", *sys.argv[1:]])
-        sections = [*report_sections(tables, []), *shown.sections()]
-        page = folder / "report.html"
-        written.attempt(
-            page, lambda: write_report(page, f"Plan: {made.task}", (headline, good), sections, command)
-        )
-    say(console, *shown.notes(), *written.notes)
-    say(console, headline, style="bold green" if good else "bold red")
-    page = folder / "report.html"
-    say(console, f"report: {page if page.exists() else folder}")
+    run_files.publish(
+        console, folder, written, shown, f"Plan: {made.task}", (headline, good), (_tables(made, facts), []),
+        (lambda log, where: draw_plan(made, where, iterations)) if leaving.report else None,
+    )  # fmt: skip
     return good and not written.notes
 
 
-def _tables(made: Plan, facts: dict[str, Any]) -> list[Any]:
+def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
-    from surefoot.cli.run_output import Table
-
     rows = [
         ["status", facts["status"]],
         ["method", facts["method"]],

@@ -10,19 +10,15 @@ from rich.console import Console
 
 from surefoot.arrays import real_number
 from surefoot.cli import shared_options as shared
-from surefoot.cli.console import say, show, table
+from surefoot.cli.console import say, say_verdict, show, table
 from surefoot.cli.extras import picture_folder
+from surefoot.cli.stance_input import StanceOptions
 from surefoot.errors import ProblemError
 
 
 def region(
-    file: shared.StanceFile = None,
-    robot: shared.RobotInstead = None,
-    urdf: shared.Urdf = None,
-    feet: shared.RobotFeet = None,
-    slope: shared.SlopeUnder = 0.0,
-    mu: shared.EveryFriction = None,
-    lift: shared.Lifted = None,
+    *,
+    asked: StanceOptions,
     tol: Annotated[float, typer.Option(help="Largest gap of the regions [m].")] = 1e-3,
     out: shared.PictureOut = Path("runs"),
     picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw the regions.")] = True,
@@ -32,11 +28,10 @@ def region(
 
     Exit code 0, or 2 for bad input; `surefoot check` is the command that judges.
     """
-    from surefoot.cli.stance_input import asked
     from surefoot.equilibrium.comparison import compare_regions
 
     real_number("--tol", tol, low=1e-9, high=1.0)
-    question = asked(file, robot, urdf, feet, slope, mu, lift).question
+    question = asked.asked().question
     if not len(question.stance):
         raise ProblemError("the stance has no contacts: there is no region to draw")
     found = compare_regions(question.stance, question.com, question.mass, tol)
@@ -68,8 +63,8 @@ def _region_facts(region: Any) -> dict[str, Any]:
 def _print(console: Console, facts: dict[str, Any]) -> None:
     from surefoot.equilibrium.region import polygon_area
 
-    word, style = ("inside", "bold green") if facts["com_inside"] else ("outside", "bold red")
-    console.print(f"{facts['name']}: the centre of mass is {word} its region", style=style, soft_wrap=True)
+    word = "inside" if facts["com_inside"] else "outside"
+    say_verdict(console, f"{facts['name']}: the centre of mass is {word} its region", facts["com_inside"])
     support = facts["support_polygon"]
     named = (("centre of mass", facts["com_region"]), ("zero-moment point", facts["zmp_region"]))
     sizes = [(name, r["area"], r["corners"], f"{1e3 * r['gap']:.3f}") for name, r in named if r is not None]

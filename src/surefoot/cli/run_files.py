@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+
+from surefoot.cli.console import say, say_verdict
 from surefoot.cli.output import to_json
+from surefoot.cli.page import Table, print_tables, report_sections, write_page
 from surefoot.errors import MissingExtra, SurefootError, WriteError
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -117,3 +121,44 @@ def write_summary(summary: dict[str, Any], folder: Path) -> Path:
     path = folder / "summary.json"
     path.write_text(to_json(summary) + "\n", encoding="utf-8")
     return path
+
+
+def publish(
+    console: Console,
+    folder: Path,
+    written: Written,
+    shown: Pictures,
+    title: str,
+    verdict: tuple[str, bool],
+    figures: tuple[Sequence[Table], Sequence[str]],
+    draw: Callable[[Log, Path], list[Path]] | None,
+    opening: Sequence[tuple[str, str]] = (),
+) -> None:
+    """Print what came of a run and write its page.
+
+    Parameters
+    ----------
+    console, folder
+        Where to.
+    written, shown
+        Told of the page and of the plots; what they note is printed.
+    title
+        Of the page.
+    verdict
+        One line, and whether it is good news.
+    figures
+        Tables, and lines below them.
+    draw
+        Draws the plots; None for no page.
+    opening
+        Sections of the page before the tables.
+    """
+    print_tables(console, *figures)
+    page = folder / "report.html"
+    if draw is not None:
+        shown.plot(draw)
+        sections = [*opening, *report_sections(*figures), *shown.sections()]
+        written.attempt(page, lambda: write_page(folder, title, [verdict], sections))
+    say(console, *shown.notes(), *written.notes)
+    say_verdict(console, *verdict)
+    say(console, f"report: {page if page.exists() else folder}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -29,10 +30,16 @@ IcePatches: TypeAlias = Annotated[
 Seed: TypeAlias = Annotated[
     int | None, typer.Option(help="Seed of a small random velocity at the start and of all noise.")
 ]
-Out: TypeAlias = Annotated[Path, typer.Option(help="Parent of the run's new folder.")]
-Video: TypeAlias = Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")]
-Report: TypeAlias = Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")]
-AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")]
+
+
+@dataclass(frozen=True)
+class Leaving:
+    """What a run leaves, and where."""
+
+    out: Annotated[Path, typer.Option(help="Parent of the run's new folder.")] = Path("runs")
+    video: Annotated[bool, typer.Option("--video/--no-video", help="Film the run.")] = True
+    report: Annotated[bool, typer.Option("--report/--no-report", help="Draw plots and a report.")] = True
+    as_json: Annotated[bool, typer.Option("--json", help="Print summary.json and nothing else.")] = False
 
 
 def check_numbers(mu: float, duration: float, shortest: float, seed: int | None) -> None:
@@ -65,10 +72,11 @@ def scenario_of(
     return Scenario(duration, mu, pushes, changes, seed, patches=patches, **more)
 
 
-def require(robot: str | None, urdf: Path | None, packages: Sequence[str], video: bool, report: bool) -> None:
+def require(robot: str | None, urdf: Path | None, packages: Sequence[str], leaving: Leaving) -> None:
     """Raise for all optional packages at once if one that a run cannot do without is missing."""
     from surefoot.cli import extras
 
     named = robot if urdf is None else str(urdf.absolute())
     needed = (*extras.robot_packages(named), *packages)
-    extras.require(needed, (*(extras.FILM if video else ()), *(["matplotlib"] if report else [])))
+    drawn = ["matplotlib"] if leaving.report else []
+    extras.require(needed, (*(extras.FILM if leaving.video else ()), *drawn))

@@ -1,13 +1,10 @@
-"""What `surefoot stand` and `surefoot walk` both say: the laws as numbers, tables, sections of the report."""
+"""What `surefoot stand` and `surefoot walk` both say: outcomes, the laws as numbers, motors, time."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
-
 from surefoot.audit import RunSummary
 from surefoot.audit.laws import CONE_LIMIT, PENETRATION_LIMIT, SLIDE_LIMIT
-from surefoot.cli.console import say, table
+from surefoot.cli.page import Table
 from surefoot.spatial import GRAVITY
 
 OUTCOMES = {
@@ -18,14 +15,6 @@ OUTCOMES = {
     "invalid": "was lost: the simulated state is no longer finite",
 }
 """How runs end that did not go as they should, whatever the robot did."""
-
-
-class Table(NamedTuple):
-    """A heading, the columns' names and the rows."""
-
-    title: str
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
 
 
 def law_table(summary: RunSummary) -> Table:
@@ -81,18 +70,3 @@ def cost_line(summary: RunSummary) -> str:
         f"controller step {step.median:.0f} us median, {step.p99:.0f} us at the 99th percentile; "
         f"the run {summary.real_time_factor:.1f} times faster than real time"
     )
-
-
-def print_tables(console: Any, tables: Sequence[Table], lines: Sequence[str]) -> None:
-    """Print the tables and figures of a run."""
-    for one in tables:
-        console.print(table(one.header, one.rows))
-    say(console, *lines)
-
-
-def report_sections(tables: Sequence[Table], lines: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the report's sections of tables and figures."""
-    from surefoot.viz import report
-
-    written = [(one.title, report.table(one.header, one.rows)) for one in tables]
-    return [*written, ("Figures", "".join(report.paragraph(line) for line in lines))]

@@ -12,18 +12,9 @@ RobotName: TypeAlias = Annotated[
 ]
 Urdf: TypeAlias = Annotated[Path | None, typer.Option(help="A URDF file instead of a known robot.")]
 FootFrames: TypeAlias = Annotated[str | None, typer.Option(help="Foot frames, comma-separated.")]
-StanceFile: TypeAlias = Annotated[
-    Path | None, typer.Argument(help="A stance file (YAML); see docs/stance-files.md.")
+LogRobot: TypeAlias = Annotated[
+    str | None, typer.Option(help="Name or URDF of the robot, where the log does not name it.")
 ]
-RobotInstead: TypeAlias = Annotated[str | None, typer.Option(help="A known robot instead of a file.")]
-RobotFeet: TypeAlias = Annotated[str | None, typer.Option(help="Foot frames of the robot, comma-separated.")]
-SlopeUnder: TypeAlias = Annotated[
-    float, typer.Option(help="Slope under the robot that rises along +x [deg].")
-]
-EveryFriction: TypeAlias = Annotated[
-    float | None, typer.Option(help="Friction of every contact (robot: 0.6).")
-]
-Lifted: TypeAlias = Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")]
 Facets: TypeAlias = Annotated[str, typer.Option(help="Sides of friction pyramids, or 'exact'.")]
 Fit: TypeAlias = Annotated[str, typer.Option(help="Pyramids inside or around the cones: inner or outer.")]
 PictureOut: TypeAlias = Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +14,10 @@ from surefoot.cli import run_files
 from surefoot.cli.console import say
 from surefoot.cli.engine_warnings import engine_warnings
 from surefoot.cli.output import to_json
+from surefoot.cli.page import Table
 from surefoot.cli.progress import progress_bar
-from surefoot.cli.run_output import Table, law_table, print_tables, report_sections
+from surefoot.cli.run_options import Leaving
+from surefoot.cli.run_output import law_table
 from surefoot.cli.signals import ends_softly
 from surefoot.control.controller import Controller
 from surefoot.log import Ending, Log
@@ -63,7 +63,7 @@ class Account(Generic[S]):
 
 @dataclass(frozen=True)
 class SimulatedRun:
-    """A robot on its terrain, the folder of its run and what is wanted there.
+    """A robot on its terrain, the folder of its run and what it is to leave.
 
     Attributes
     ----------
@@ -71,10 +71,8 @@ class SimulatedRun:
         Of the film.
     folder
         New and empty.
-    video, report
-        Whether the run is filmed, and drawn.
-    as_json
-        Whether the summary is all that is printed.
+    leaving
+        What is wanted there.
     console
         For everything else.
     """
@@ -82,9 +80,7 @@ class SimulatedRun:
     robot: Robot
     terrain: Terrain
     folder: Path
-    video: bool
-    report: bool
-    as_json: bool
+    leaving: Leaving
     console: Console
 
     def carry_out(
@@ -101,13 +97,13 @@ class SimulatedRun:
         broken and every file was written.
         """
         with ends_softly() as stop:
-            shown = not self.as_json
+            shown = not self.leaving.as_json
             with progress_bar(shown, account.doing, scenario.duration) as tell, engine_warnings() as warned:
                 watching = [*observers, *([] if tell is None else [Progress(tell)])]
                 log = run(world, controller, scenario, watching, self.folder / run_files.PARTS)
             say(self.console, *warned)
             summary, entries = self._write(log, account)
-            if self.as_json:
+            if self.leaving.as_json:
                 print(to_json(entries))
         if summary.outcome == Ending.INTERRUPTED:
             return stop.code
@@ -115,29 +111,19 @@ class SimulatedRun:
 
     def _write(self, log: Log, account: Account[Any]) -> tuple[RunSummary, dict[str, Any]]:
         """Write everything that the run leaves, print the tables, and return the summary, also for JSON."""
-        from surefoot.viz.report import write_report
-
-        folder = self.folder
-        written, page = run_files.Written(), folder / "report.html"
+        folder, written = self.folder, run_files.Written()
         written.attempt(folder / "log.npz", lambda: log.save(folder / "log.npz"))
         summary: RunSummary = account.summarise(log)
         entries = {**summary.as_dict(), **account.more, "unwritten": written.notes}
         written.attempt(folder / "summary.json", lambda: run_files.write_summary(entries, folder))
         pictures = run_files.Pictures(log, folder)
-        if self.video and summary.outcome != Ending.INTERRUPTED:
+        if self.leaving.video and summary.outcome != Ending.INTERRUPTED:
             with progress_bar(not self.console.quiet, "filming", 1.0) as tell:
                 pictures.film(self.robot, self.terrain, tell)
-        tables, lines = [*account.tables(summary), law_table(summary)], account.lines(summary)
-        print_tables(self.console, tables, lines)
-        headline = account.headline(summary)
-        if self.report:
-            pictures.plot(account.draw)
-            sections = [*account.opening, *report_sections(tables, lines), *pictures.sections()]
-            title = f"{self.robot.name} {account.doing}"
-            command = shlex.join(["surefoot", *sys.argv[1:]])
-            verdict = headline, summary.good
-            written.attempt(page, lambda: write_report(page, title, verdict, sections, command))
-        say(self.console, *pictures.notes(), *written.notes)
-        say(self.console, headline, style="bold green" if summary.good else "bold red")
-        say(self.console, f"report: {page if page.exists() else folder}")
+        run_files.publish(
+            self.console, folder, written, pictures, f"{self.robot.name} {account.doing}",
+            (account.headline(summary), summary.good),
+            ([*account.tables(summary), law_table(summary)], account.lines(summary)),
+            account.draw if self.leaving.report else None, account.opening,
+        )  # fmt: skip
         return summary, entries

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
+import typer
 
 from surefoot.arrays import real_number
-from surefoot.cli.parsing import MU_MAX
+from surefoot.cli import extras, parsing
+from surefoot.cli import shared_options as shared
+from surefoot.cli.robots import load
 from surefoot.errors import ProblemError
-from surefoot.stance import Stance, StanceQuestion, read_stance
+
+if TYPE_CHECKING:
+    from surefoot.stance import StanceQuestion
 
 
 @dataclass(frozen=True)
@@ -23,44 +27,76 @@ class Asked:
     q: Any = None
 
 
-def asked(
-    file: Path | None,
-    robot: str | None,
-    urdf: Path | None,
-    feet: str | None,
-    slope: float,
-    mu: float | None,
-    lift: str | None,
-) -> Asked:
-    """Return the stance of a file, or of a robot placed on a slope.
+@dataclass(frozen=True)
+class StanceOptions:
+    """Which stance it is: of a file, or of a robot on a terrain."""
 
-    Raises
-    ------
-    ProblemError
-        If neither or both are given.
-    """
-    from surefoot.cli import parsing
+    file: Annotated[Path | None, typer.Argument(help="A stance file (YAML); see docs/stance-files.md.")] = (
+        None
+    )
+    robot: Annotated[str | None, typer.Option(help="A known robot instead of a file.")] = None
+    urdf: shared.Urdf = None
+    feet: Annotated[str | None, typer.Option(help="Foot frames of the robot, comma-separated.")] = None
+    slope: Annotated[float, typer.Option(help="Slope under the robot that rises along +x [deg].")] = 0.0
+    mu: Annotated[float | None, typer.Option(help="Friction of every contact (robot: 0.6).")] = None
+    lift: Annotated[str | None, typer.Option(help="Contacts that are in the air, comma-separated.")] = None
 
-    if mu is not None:
-        parsing.friction("--mu", mu)
-    real_number("--slope", slope, low=-80.0, high=80.0)
-    named = robot is not None or urdf is not None
-    if (file is None) == (not named):
-        raise ProblemError("give a stance file, or --robot NAME, or --urdf FILE; exactly one")
-    if file is not None:
+    def asked(self) -> Asked:
+        """Return the stance of the file, or of the robot placed on the slope.
+
+        Raises
+        ------
+        ProblemError
+            If neither or both are given.
+        """
+        if self.mu is not None:
+            parsing.friction("--mu", self.mu)
+        real_number("--slope", self.slope, low=-80.0, high=80.0)
+        named = self.robot is not None or self.urdf is not None
+        if (self.file is None) == (not named):
+            raise ProblemError("give a stance file, or --robot NAME, or --urdf FILE; exactly one")
+        return self._of_robot() if self.file is None else Asked(self._of_file(self.file))
+
+    def _of_file(self, file: Path) -> StanceQuestion:
+        from surefoot.stance import StanceQuestion, read_stance
+
         if not str(file).strip("."):
             raise ProblemError(f"no stance file at {str(file)!r}")
-        if feet is not None or slope != 0.0:
+        if self.feet is not None or self.slope != 0.0:
             raise ProblemError("--feet and --slope go with --robot or --urdf, not with a stance file")
-        question = read_stance(file)
-        _check_sizes(question, file)
-        stance = question.stance if mu is None else question.stance.with_friction(mu)
-        return Asked(_without(question, stance, lift))
-    return _robot_asked(robot, urdf, feet, slope, 0.6 if mu is None else mu, lift)
+        said = read_stance(file)
+        _check_sizes(said, file)
+        stance = said.stance if self.mu is None else said.stance.with_friction(self.mu)
+        stance = stance.without(*(parsing.names("--lift", self.lift) or []))
+        return StanceQuestion(said.name, stance, said.mass, said.com, said.external_wrench)
+
+    def _of_robot(self) -> Asked:
+        import numpy as np
+
+        from surefoot.robot import place
+        from surefoot.stance import StanceQuestion
+        from surefoot.terrain import SlopeTerrain
+
+        named = self.robot if self.urdf is None else str(self.urdf.absolute())
+        extras.require(extras.robot_packages(named))
+        terrain = SlopeTerrain(self.slope)
+        robot = load(self.robot, self.urdf, self.feet)
+        q = place(robot, terrain)
+        stance = robot.stance(q, mu=0.6 if self.mu is None else self.mu, terrain=terrain)
+        lifted = [robot.foot(n).name for n in parsing.names("--lift", self.lift) or []]
+        title = (
+            f"{robot.name} on a slope of {self.slope:g} deg" if self.slope else f"{robot.name} on flat ground"
+        )
+        if lifted:
+            title += f", {', '.join(lifted)} lifted"
+        stance = stance.without(*lifted)
+        return Asked(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)
 
 
 def _check_sizes(question: StanceQuestion, file: Path) -> None:
     """Refuse sizes that no robot has, where double precision would no longer tell right from wrong."""
+    import numpy as np
+
     real_number(f"{file}: mass", question.mass, low=0.0, high=1e9)
     sizes = {
         "com": question.com,
@@ -69,34 +105,4 @@ def _check_sizes(question: StanceQuestion, file: Path) -> None:
     }
     for name, values in sizes.items():
         real_number(f"{file}: largest entry of {name}", np.abs(values).max(initial=0.0), high=1e9)
-    real_number(f"{file}: mu", np.max(question.stance.mu, initial=0.0), low=0.0, high=MU_MAX)
-
-
-def _without(question: StanceQuestion, stance: Stance, lift: str | None) -> StanceQuestion:
-    from surefoot.cli import parsing
-
-    names = parsing.names("--lift", lift) or []
-    return StanceQuestion(
-        question.name, stance.without(*names), question.mass, question.com, question.external_wrench
-    )
-
-
-def _robot_asked(
-    name: str | None, urdf: Path | None, feet: str | None, slope: float, mu: float, lift: str | None
-) -> Asked:
-    from surefoot.cli import extras, parsing
-    from surefoot.cli.robots import load
-    from surefoot.robot import place
-    from surefoot.terrain import SlopeTerrain
-
-    extras.require(extras.robot_packages(name if urdf is None else str(urdf.absolute())))
-    terrain = SlopeTerrain(slope)
-    robot = load(name, urdf, feet)
-    q = place(robot, terrain)
-    stance = robot.stance(q, mu=mu, terrain=terrain)
-    lifted = [robot.foot(n).name for n in parsing.names("--lift", lift) or []]
-    title = f"{robot.name} on a slope of {slope:g} deg" if slope else f"{robot.name} on flat ground"
-    if lifted:
-        title += f", {', '.join(lifted)} lifted"
-    stance = stance.without(*lifted)
-    return Asked(StanceQuestion(title, stance, robot.mass, robot.com(q), np.zeros(6)), robot, q)
+    real_number(f"{file}: mu", np.max(question.stance.mu, initial=0.0), low=0.0, high=parsing.MU_MAX)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -24,6 +24,7 @@ SHORTEST = 0.1
 
 
 def stand(
+    *,
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
     feet: shared.FootFrames = None,
@@ -38,18 +39,9 @@ def stand(
     ice: options.IcePatches = None,
     lift: Annotated[list[str] | None, typer.Option(help="FOOT:T0:T1, foot in the air; repeatable.")] = None,
     seed: options.Seed = None,
-    world: worlds.WorldName = "mujoco",
-    law: worlds.ContactLaw = None,
-    explicit: worlds.Explicit = False,
-    collision: worlds.Collision = "feet",
-    actuators: worlds.Motors = "ideal",
-    solref: worlds.Solref = None,
-    solimp: worlds.Solimp = None,
+    physics: worlds.Physics,
     anyway: Annotated[bool, typer.Option("--anyway", help="Run even if the stance is impossible.")] = False,
-    out: options.Out = Path("runs"),
-    video: options.Video = True,
-    report: options.Report = True,
-    as_json: options.AsJson = False,
+    leaving: options.Leaving,
 ) -> int:
     """Let a robot stand in simulation and account for every contact force.
 
@@ -57,45 +49,44 @@ def stand(
     """
     from surefoot.cli import parsing
     from surefoot.cli.simulated_run import SimulatedRun
+    from surefoot.control.standing import StandingController
     from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
-    console = plain_console(quiet=as_json)
+    console = plain_console(quiet=leaving.as_json)
     options.check_numbers(mu, duration, SHORTEST, seed)
     carried = parsing.payload(payload)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators)
+    told = physics.settings(mu)
     scenario = options.scenario_of(duration, mu, push, ice, seed, depth=START_DEPTH, fall=STANDING_FALL)
     lifts = parsing.each(parsing.lift, lift)
     parsing.within_run("--lift", lift, [one.start for one in lifts], duration)
     sides = parsing.facets(facets)
-    options.require(robot, urdf, WORLDS[world][1], video, report)
-    setup = _set_up(robot, urdf, feet, slope, lifts)
+    options.require(robot, urdf, WORLDS[physics.world][1], leaving)
+    setup = model, terrain, q, plan = _set_up(robot, urdf, feet, slope, lifts)
     allocation = _allocation(setup, mu, sides, fit, solver)
-    with plain_console(stderr=True, quiet=as_json).status(
+    with plain_console(stderr=True, quiet=leaving.as_json).status(
         "asking whether it can stand (a first run compiles)"
     ):
         statics = _statics(setup, mu, *carried)
     say(console, *(phase["text"] for phase in statics))
     if not all(phase["possible"] for phase in statics) and not anyway:
-        if as_json:
-            print(to_json(_impossible(setup, statics)))
+        if leaving.as_json:
+            named = {"robot": model.name, "mass": model.mass}
+            print(to_json({**named, "stood": False, "outcome": "impossible", "statics": statics}))
         return 1
-    controller = setup.controller(mu, allocation)
-    physics = worlds.build_world(world, setup.robot, setup.terrain, mu, carried, told, console)
-    folder = new_run_folder(out, f"stand-{setup.robot.name}")
-    run = SimulatedRun(setup.robot, setup.terrain, folder, video, report, as_json, console)
-    return run.carry_out(physics, controller, replace(scenario, start=setup.q), _account(statics))
+    controller = StandingController(model, plan, terrain, q, mu, allocation=allocation)
+    world = worlds.build_world(physics.world, model, terrain, mu, carried, told, console)
+    folder = new_run_folder(leaving.out, f"stand-{model.name}")
+    run = SimulatedRun(model, terrain, folder, leaving, console)
+    return run.carry_out(world, controller, replace(scenario, start=q), _account(statics))
 
 
-class _Setup:
-    """A robot on its terrain with a plan."""
+class _Setup(NamedTuple):
+    """A robot on its terrain, in its stance, with a plan."""
 
-    def __init__(self, robot: Any, terrain: Any, q: Any, plan: Any) -> None:
-        self.robot, self.terrain, self.q, self.plan = robot, terrain, q, plan
-
-    def controller(self, mu: float, allocation: Any) -> Any:
-        from surefoot.control.standing import StandingController
-
-        return StandingController(self.robot, self.plan, self.terrain, self.q, mu, allocation=allocation)
+    robot: Any
+    terrain: Any
+    q: Any
+    plan: Any
 
 
 def _set_up(name: str | None, urdf: Path | None, feet: str | None, slope: float, lifts: list[Any]) -> _Setup:
@@ -159,12 +150,6 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
         text = statics_line(phase, verdict.feasible, verdict.margin, needed, mu)
         out.append({**said, "friction_needed": needed, "text": text})
     return out
-
-
-def _impossible(setup: _Setup, statics: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the summary of a stand that statics rules out."""
-    named = {"robot": setup.robot.name, "mass": setup.robot.mass}
-    return {**named, "stood": False, "outcome": "impossible", "statics": statics}
 
 
 def _account(statics: list[dict[str, Any]]) -> Any:

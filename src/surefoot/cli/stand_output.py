@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from surefoot.audit import StandSummary
-from surefoot.cli.run_output import OUTCOMES, Table, cost_line, error_and_laws, motor_lines
+from surefoot.cli.page import Table
+from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
 from surefoot.spatial import GRAVITY
 
 STAND_OUTCOMES = OUTCOMES | {

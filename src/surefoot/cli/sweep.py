@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli.console import plain_console, say, show, table
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.signals import INTERRUPTED, ends_softly
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
-    from surefoot.sweep import SweepConfig, SweepResult
+    from rich.console import Console
+
+    from surefoot.sweep import SweepResult
     from surefoot.sweep.survival import Margin
 
 SHOWN = 6
@@ -60,16 +62,13 @@ def sweep(
             )  # fmt: skip
         except KeyboardInterrupt:
             said = f"interrupted; what is done is in {folder}, the same command goes on from there"
-            plain_console(stderr=True).print(said, soft_wrap=True, highlight=False)
+            say(plain_console(stderr=True), said)
             return stop.code or INTERRUPTED
     facts, found = _facts(result)
     if picture:
         facts["pictures"], note = _draw(result)
         facts["notes"] += [note] if note else []
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(told, facts, found, over or [])
+    show(facts, as_json, partial(_print, found=found, over=over or []))
     return 1 if facts["errors"] or facts["crashed"] else 0
 
 
@@ -141,48 +140,38 @@ def _draw(result: SweepResult) -> tuple[list[str], str]:
     return [str(p) for p in draw_sweep(result.config, result.table, result.folder)], ""
 
 
-def _print(config: SweepConfig, facts: dict[str, Any], found: list[Margin], over: list[str]) -> None:
-    from rich.table import Table
-
+def _print(console: Console, facts: dict[str, Any], found: list[Margin], over: list[str]) -> None:
     from surefoot.viz.sweep_plots import label
 
-    console = plain_console()
     for margin in found[:SHOWN]:
-        grid = Table(title=f"{facts['goal']} over {label(margin.name)}", title_justify="left")
-        for k, head in enumerate(("", "samples", "share", "95 % interval")):
-            grid.add_column(head, justify="left" if k == 0 else "right")
-        for name, count, share in zip(margin.labels, margin.counts, margin.shares(), strict=True):
-            grid.add_row(name, f"{count}", f"{share.value:.3f}", f"{share.low:.3f} to {share.high:.3f}")
-        console.print(grid)
+        rows = [
+            (name, f"{count}", f"{share.value:.3f}", f"{share.low:.3f} to {share.high:.3f}")
+            for name, count, share in zip(margin.labels, margin.counts, margin.shares(), strict=True)
+        ]
+        title = f"{facts['goal']} over {label(margin.name)}"
+        console.print(table(("", "samples", "share", "95 % interval"), rows, title))
     for name in over:
         console.print(_medians_table(name, facts))
-    grid = Table(title="Results", title_justify="left")
-    for k, head in enumerate(("", "median", "5 %", "95 %")):
-        grid.add_column(head, justify="left" if k == 0 else "right")
-    for name, values in facts["results"].items():
-        if values is not None:
-            grid.add_row(name, *(f"{values[part]:.4g}" for part in ("median", "p5", "p95")))
-    console.print(grid)
-    for line in _lines(facts):
-        console.print(line, soft_wrap=True, highlight=False)
+    results = [
+        (name, *(f"{values[part]:.4g}" for part in ("median", "p5", "p95")))
+        for name, values in facts["results"].items()
+        if values is not None
+    ]
+    console.print(table(("", "median", "5 %", "95 %"), results, "Results"))
+    say(console, *_lines(facts))
 
 
 def _medians_table(name: str, facts: dict[str, Any]) -> Any:
     """Return the table of results' medians over a parameter."""
-    from rich.table import Table
-
     from surefoot.viz.sweep_plots import label
 
     bins = facts["parameters"][name]
     results = [column for column in facts["results"] if any(b["medians"][column] is not None for b in bins)]
-    grid = Table(title=f"Medians over {label(name)}", title_justify="left")
-    grid.add_column("", justify="left")
-    for head in ("samples", *results):
-        grid.add_column(head, justify="right", overflow="fold")
+    rows = []
     for b in bins:
         values = (b["medians"][column] for column in results)
-        grid.add_row(b["bin"], f"{b['samples']}", *("" if v is None else f"{v:.3g}" for v in values))
-    return grid
+        rows.append((b["bin"], f"{b['samples']}", *("" if v is None else f"{v:.3g}" for v in values)))
+    return table(("", "samples", *results), rows, f"Medians over {label(name)}", overflow="fold")
 
 
 def _lines(facts: dict[str, Any]) -> list[str]:

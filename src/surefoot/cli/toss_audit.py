@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-import shlex
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli.audit_output import new_audit_folder, tell
+from surefoot.cli.console import plain_console, say
+from surefoot.cli.output import check_out
+from surefoot.cli.page import Table, report_sections, write_page
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
-    from surefoot.cli.run_output import Table
     from surefoot.estimation import TossAudit
 
 MOST = 20
@@ -25,7 +24,6 @@ def audit_toss_file(
     path: Path, mu: float | None, options: Mapping[str, object], out: Path | None, as_json: bool
 ) -> int:
     """Audit a file of tosses, say what was found and return the exit code."""
-    from surefoot.cli.run_output import print_tables
     from surefoot.estimation import audit_tosses, read_tosses
 
     given = [name for name, value in options.items() if value is not None]
@@ -33,16 +31,13 @@ def audit_toss_file(
         raise ProblemError(f"{path} holds tosses of a cube, for which {given[0]} means nothing")
     check_out(out)
     found = audit_tosses(read_tosses(path), mu)
-    console = plain_console(quiet=as_json)
-    if as_json:
-        print(to_json(found.as_dict()))
-    else:
-        print_tables(console, _tables(found), [_noise(found), *found.notes])
-        style = "bold green" if found.lawful else "bold red"
-        console.print(found.sentence, style=style, soft_wrap=True, highlight=False)
+    console, facts = plain_console(quiet=as_json), found.as_dict()
+    tables, lines, verdicts = _tables(found), [_noise(found), *found.notes], [(found.sentence, found.lawful)]
+    tell(console, facts, tables, lines, verdicts, as_json)
     if out is not None:
-        page = _write(found, out, path)
-        console.print(f"report: {page}", soft_wrap=True, highlight=False)
+        folder = new_audit_folder(out, path, facts)
+        page = write_page(folder, f"Audit of {path.name}", verdicts, report_sections(tables, lines))
+        say(console, f"report: {page}")
     return 0 if found.lawful else 1
 
 
@@ -57,8 +52,6 @@ def _noise(found: TossAudit) -> str:
 
 def _tables(found: TossAudit) -> list[Table]:
     """Return the tables of laws, of the tosses with most frames beyond noise, and of the worst runs."""
-    from surefoot.cli.run_output import Table
-
     laws = [
         [name, str(t.judged), str(t.exact), str(t.beyond), str(t.jumps), str(t.tosses)]
         for name, t in found.laws.items()
@@ -77,16 +70,3 @@ def _tables(found: TossAudit) -> list[Table]:
         Table("Worst", ("law", "toss", "contact", "from [s]", "to [s]", "value", "noise"), broken),
     ]
     return [one for one in tables if one.rows]
-
-
-def _write(found: TossAudit, out: Path, source: Path) -> Path:
-    """Write the page and the JSON into a new folder and return the page's path."""
-    from surefoot.cli.run_output import report_sections
-    from surefoot.viz.report import write_report
-
-    folder = new_run_folder(out, f"audit-{source.stem}")
-    (folder / "audit.json").write_text(to_json(found.as_dict()) + "\n", encoding="utf-8")
-    sections = report_sections(_tables(found), [_noise(found), *found.notes])
-    command = shlex.join(["surefoot", *sys.argv[1:]])
-    verdict = found.sentence, found.lawful
-    return write_report(folder / "report.html", f"Audit of {source.name}", verdict, sections, command)

@@ -6,13 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli.console import show, table
 from surefoot.errors import ProblemError
 
 if TYPE_CHECKING:
-    from surefoot.contact.engines import Translation
-    from surefoot.contact.laws.soft import Behaviour
+    from rich.console import Console
 
 NAMES = "physical, hunt-crossley, mujoco, drake, physx, isaaclab, ode, bullet, ..."
 """Some of them; a wrong name is answered with all."""
@@ -50,7 +48,11 @@ def translate(
         contact, to, mass, gravity=gravity, speed=speed, dt=dt, area=area, thickness=thickness, keep=keep,
         impedance=impedance,
     )  # fmt: skip
-    measured = _proof(to, found, mass, speed, gravity, dt) if prove else None
+    measured = None
+    if prove:
+        from surefoot.simulation.drops import measure
+
+        measured = measure(to, found.parameters, found.translated, mass, speed=speed, gravity=gravity, dt=dt)
     facts: dict[str, Any] = {
         "from": source,
         "to": to,
@@ -60,10 +62,7 @@ def translate(
         "parameters": found.parameters,
         "lost": found.lost,
         "agreement": {
-            name: {
-                **q._asdict(),
-                "measured": getattr(measured, name) if measured is not None else None,
-            }
+            name: {**q._asdict(), "measured": getattr(measured, name, None)}
             for name, q in found.agreement.items()
         },
         "friction_rules": {
@@ -72,10 +71,7 @@ def translate(
             if _family(name) in (_family(source), _family(to))
         },
     }
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print, highlight=False, soft_wrap=True)
     return 0
 
 
@@ -102,28 +98,18 @@ def _values(texts: list[str]) -> dict[str, Any]:
     return found
 
 
-def _proof(to: str, found: Translation, mass: float, speed: float, gravity: float, dt: float) -> Behaviour:
-    from surefoot.simulation.drops import measure
-
-    return measure(to, found.parameters, found.translated, mass, speed=speed, gravity=gravity, dt=dt)
-
-
-def _print(facts: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    console = plain_console(highlight=False, soft_wrap=True)
+def _print(console: Console, facts: dict[str, Any]) -> None:
     console.print(f"{facts['from']} to {facts['to']}, for {facts['mass']:g} kg at the contact:")
     for name, value in _flat(facts["parameters"]):
         console.print(f"  {name} = {value}")
     proven = any(row["measured"] is not None for row in facts["agreement"].values())
-    table = Table()
-    for heading in ("", facts["from"], facts["to"], *(["measured"] if proven else []), "agrees"):
-        table.add_column(heading, justify="left" if heading in ("", "agrees") else "right")
-    for name, row in facts["agreement"].items():
-        measured = [f"{row['measured']:.6g}"] if proven else []
-        numbers = (f"{row['given']:.6g}", f"{row['translated']:.6g}", *measured)
-        table.add_row(_UNITS[name], *numbers, "yes" if row["agrees"] else "no")
-    console.print(table)
+    numbers = ("given", "translated", *(["measured"] if proven else []))
+    rows = [
+        (_UNITS[name], *(f"{row[key]:.6g}" for key in numbers), "yes" if row["agrees"] else "no")
+        for name, row in facts["agreement"].items()
+    ]
+    header = ("", facts["from"], facts["to"], *numbers[2:], "agrees")
+    console.print(table(header, rows, left=("", "agrees")))
     for line in facts["lost"]:
         console.print(f"lost: {line}")
     for name, words in facts["friction_rules"].items():

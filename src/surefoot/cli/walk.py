@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
@@ -26,6 +26,7 @@ SHORTEST = 0.5
 
 
 def walk(
+    *,
     robot: shared.RobotName = None,
     urdf: shared.Urdf = None,
     mjcf: files.Mjcf = None,
@@ -69,19 +70,10 @@ def walk(
     dropout: wires.Dropouts = None,
     duration: options.Duration = 10.0,
     seed: options.Seed = None,
-    world: worlds.WorldName = "mujoco",
-    law: worlds.ContactLaw = None,
-    explicit: worlds.Explicit = False,
-    collision: worlds.Collision = "feet",
-    actuators: worlds.Motors = "ideal",
-    solref: worlds.Solref = None,
-    solimp: worlds.Solimp = None,
+    physics: worlds.Physics,
     substeps: worlds.Substeps = None,
     view: live.View = False,
-    out: options.Out = Path("runs"),
-    video: options.Video = True,
-    report: options.Report = True,
-    as_json: options.AsJson = False,
+    leaving: options.Leaving,
 ) -> int:
     """Let a robot walk in simulation and account for every contact force.
 
@@ -92,7 +84,7 @@ def walk(
     from surefoot.simulation.faults import Faults
     from surefoot.simulation.mujoco_substeps import substeps_of
 
-    console = plain_console(quiet=as_json)
+    console = plain_console(quiet=leaving.as_json)
     if view:
         live.check(planner)
     options.check_numbers(mu, duration, SHORTEST, seed)
@@ -100,34 +92,35 @@ def walk(
     belief = knowledge.Beliefs.read(believed_mu, mu, terrain_knowledge, planner)
     sensors, level = estimators.sensors_of(estimator, noise)
     real_number("--delay", delay, low=0.0, high=1.0)
-    told = worlds.world_settings(world, mu, law, explicit, solref, solimp, collision, actuators, substeps)
-    files.check(mjcf, world, told)
+    told = physics.settings(mu, substeps)
+    files.check(mjcf, physics.world, told)
     ground = parsing.terrain(terrain)
-    if world == "mujoco" and mjcf is None:
+    if physics.world == "mujoco" and mjcf is None:
         told.setdefault("substeps", substeps_of(ground, terrain_knowledge))
     command = _command(velocity, velocity_file)
     wired = wires.wiring(commands, control_rate, latency, dropout)
     parsing.within_run("--dropout", dropout, [start for start, _ in wired.dropouts], duration)
     faults = Faults(noise=level, delay=delay, dropouts=wired.dropouts)
     scenario = options.scenario_of(duration, mu, push, ice, seed, faults=faults, **belief.senses(sensors))
-    options.require(robot, urdf, WORLDS[world][1], video, report)
-    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, actuators)
+    options.require(robot, urdf, WORLDS[physics.world][1], leaving)
+    model, motors = files.robot_and_motors(mjcf, robot, urdf, feet, physics.actuators)
     given = gait, gait_file, period
-    controller = _planner(planner)(model, belief.ground(ground), given, command, belief, motors, wired)
+    asked = _Asked(model, belief.ground(ground), given, command, belief, motors, wired)
+    controller = _planner(planner)(asked)
     q = _start(model, ground, mu)
-    physics = (
-        worlds.build_world(world, model, ground, mu, carried, told, console)
+    world = (
+        worlds.build_world(physics.world, model, ground, mu, carried, told, console)
         if mjcf is None
         else files.file_world(mjcf, model, ground, mu, carried, told)
     )
     say(console, *controller.facts.get("notes", ()))
-    folder = new_run_folder(out, f"walk-{model.name}")
-    run = SimulatedRun(model, ground, folder, video, report, as_json, console)
+    folder = new_run_folder(leaving.out, f"walk-{model.name}")
+    run = SimulatedRun(model, ground, folder, leaving, console)
     watching = live.watching(model, ground, controller) if view else []
-    return run.carry_out(physics, controller, replace(scenario, start=q), _account(), watching)
+    return run.carry_out(world, controller, replace(scenario, start=q), _account(), watching)
 
 
-def _planner(name: str) -> Callable[..., Any]:
+def _planner(name: str) -> Callable[[_Asked], Any]:
     """Return who makes the controller of a planner's name."""
     planners = {"convex": _convex, "contact-implicit": _contact_implicit}
     if name not in planners:
@@ -168,52 +161,45 @@ def _command(velocity: str, file: Path | None) -> Any:
     )
 
 
-Gaited = tuple[str | None, Path | None, float | None]
-"""What is said of the gait: its name, a file and a period; None where nothing is."""
+class _Asked(NamedTuple):
+    """What a controller is made for; `gait` is a name, a file and a period, None where nothing is said."""
+
+    robot: Any
+    ground: Any
+    gait: tuple[str | None, Path | None, float | None]
+    command: Any
+    belief: knowledge.Beliefs
+    actuators: Any
+    wired: wires.Wiring
 
 
-def _convex(
-    robot: Any,
-    ground: Any,
-    gait: Gaited,
-    command: Any,
-    belief: knowledge.Beliefs,
-    actuators: Any,
-    wired: wires.Wiring,
-) -> Any:
+def _convex(asked: _Asked) -> Any:
     """Return the controller that follows a gait."""
     from surefoot.control.actuators import actuators_of
     from surefoot.control.walkers import default_gait, walking_controller
 
-    name, file, period = gait
+    robot, belief, (name, file, period) = asked.robot, asked.belief, asked.gait
     schedule = _schedule(robot, default_gait(robot) if name is None else name, file, period)
-    _check_steps(robot, schedule, command)
-    motors = actuators_of(robot, actuators)
+    _check_steps(robot, schedule, asked.command)
     controller = walking_controller(
-        robot, command, schedule, ground, belief.mu, motors, wired.dt, watch_friction=belief.watch
-    )
-    return wired.around(controller, robot)
+        robot, asked.command, schedule, asked.ground, belief.mu, actuators_of(robot, asked.actuators),
+        asked.wired.dt, watch_friction=belief.watch,
+    )  # fmt: skip
+    return asked.wired.around(controller, robot)
 
 
-def _contact_implicit(
-    robot: Any,
-    ground: Any,
-    gait: Gaited,
-    command: Any,
-    belief: knowledge.Beliefs,
-    actuators: Any,
-    wired: wires.Wiring,
-) -> Any:
+def _contact_implicit(asked: _Asked) -> Any:
     """Return the controller that takes no gait."""
     from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
     from surefoot.simulation.actuated import equipped
 
-    if gait not in ((None, None, None), ("trot", None, None)):
+    if asked.gait not in ((None, None, None), ("trot", None, None)):
         raise ProblemError("--planner contact-implicit takes no --gait, --gait-file or --period")
-    if not wired.plain:
+    if not asked.wired.plain:
         told = "--commands, --control-rate, --latency or --dropout"
         raise ProblemError(f"--planner contact-implicit takes no {told}")
-    return ContactImplicitMpc(equipped(robot, actuators)[0], command, ground, MpcSettings(mu=belief.mu))
+    robot, settings = equipped(asked.robot, asked.actuators)[0], MpcSettings(mu=asked.belief.mu)
+    return ContactImplicitMpc(robot, asked.command, asked.ground, settings)
 
 
 def _start(robot: Any, ground: Any, mu: float) -> Any:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from surefoot.audit import WalkSummary
-from surefoot.cli.run_output import OUTCOMES, Table, cost_line, error_and_laws, motor_lines
+from surefoot.cli.page import Table
+from surefoot.cli.run_output import OUTCOMES, cost_line, error_and_laws, motor_lines
 
 WALK_OUTCOMES = OUTCOMES | {"walked": "walked", "did not follow": "did not follow its command: it moved"}
 AXES = (("forward", "m/s"), ("left", "m/s"), ("turn", "rad/s"))

@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.cli.compiling import silent
-from surefoot.cli.output import to_json
+from surefoot.cli.console import say, show, table
 from surefoot.cli.progress import progress_bar
 from surefoot.errors import MissingExtra
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from surefoot.contact import ContactProblem
     from surefoot.stance import Stance
 
@@ -51,10 +53,7 @@ def warmup(
         "size": sum(f.stat().st_size for f in _files(cache_folders())),
         "tasks": rows,
     }
-    if as_json:
-        print(to_json(facts))
-    else:
-        _print(facts)
+    show(facts, as_json, _print)
     return 0
 
 
@@ -77,30 +76,17 @@ def _files(folders: list[str]) -> Iterator[Path]:
         yield from Path(folder).glob("*.nb[ci]")
 
 
-def _print(facts: dict[str, Any]) -> None:
+def _print(console: Console, facts: dict[str, Any]) -> None:
     import os
 
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console()
-    table = Table(title="Kernels", title_justify="left")
-    table.add_column("for")
-    for name in ("compiled", "s"):
-        table.add_column(name, justify="right")
-    for row in facts["tasks"]:
-        table.add_row(row["name"], str(row["compiled"]), f"{row['seconds']:.1f}")
-    console.print(table)
-    for row in facts["tasks"]:
-        if row["skipped"]:
-            console.print(f"{row['name']}: {row['skipped']}", markup=False)
+    rows = [(row["name"], str(row["compiled"]), f"{row['seconds']:.1f}") for row in facts["tasks"]]
+    console.print(table(("for", "compiled", "s"), rows, "Kernels"))
+    say(console, *(f"{row['name']}: {row['skipped']}" for row in facts["tasks"] if row["skipped"]))
     where = os.path.commonpath(facts["folders"]) if facts["folders"] else "nowhere: Numba is switched off"
-    console.print(
+    say(
+        console,
         f"{facts['compiled']} compiled in {facts['seconds']:.0f} s, the others were there. "
-        f"{facts['size'] / 1e6:.0f} MB below:",
-        where,
-        soft_wrap=True,
-        markup=False,
+        f"{facts['size'] / 1e6:.0f} MB below: {where}",
     )
 
 

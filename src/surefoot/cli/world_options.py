@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, cast
 
 import typer
@@ -19,33 +20,6 @@ if TYPE_CHECKING:
     from surefoot.simulation.world import World
     from surefoot.terrain import Terrain
 
-WorldName: TypeAlias = Annotated[str, typer.Option(help=f"Physics: {' or '.join(WORLDS)}.")]
-ContactLaw: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        help="Soft ground of the rigid world: spring-damper:k=2e4,d=100, hunt-crossley:k=2e5,a=0.5, "
-        "hertz:radius=0.02,modulus=1e7 or mujoco:tc=0.02,zeta=1,mass=4 (effective mass of a contact)."
-    ),
-]
-Explicit: TypeAlias = Annotated[
-    bool, typer.Option("--explicit", help="Integrate --law explicitly, to see it chatter.")
-]
-Collision: TypeAlias = Annotated[
-    str,
-    typer.Option(help="What may touch (mujoco, rigid): feet alone, or full, the whole robot and itself."),
-]
-Motors: TypeAlias = Annotated[
-    str,
-    typer.Option(
-        "--actuators", help="ideal, or real: rotors, friction and torque-speed curves (mujoco, rigid)."
-    ),
-]
-Solref: TypeAlias = Annotated[
-    str | None, typer.Option(help="MuJoCo's TC,ZETA [s, 1] or -K,-B [1/s^2, 1/s] of the ground.")
-]
-Solimp: TypeAlias = Annotated[
-    str | None, typer.Option(help="MuJoCo's DMIN,DMAX,WIDTH,MIDPOINT,POWER of the ground, or fewer.")
-]
 Substeps: TypeAlias = Annotated[
     int | None,
     typer.Option(
@@ -55,6 +29,13 @@ Substeps: TypeAlias = Annotated[
 
 WHOLE = ("mujoco", "rigid")
 """Worlds that take whole robots: all of their links, and their actuators."""
+_PLAIN = {"collision": "feet", "actuators": "ideal"}
+"""What every world is unless told; other options are None then."""
+_OWNERS = {
+    "law": ("rigid",), "solref": ("mujoco",), "solimp": ("mujoco",), "collision": WHOLE, "actuators": WHOLE,
+    "substeps": ("mujoco",),
+}  # fmt: skip
+"""Option -> the worlds that take it."""
 _WORDS: dict[str, dict[str, str]] = {
     "spring-damper": {"k": "stiffness", "d": "damping"},
     "hunt-crossley": {"k": "stiffness", "a": "dissipation", "p": "exponent"},
@@ -103,49 +84,62 @@ def contact_law(text: str, mu: float) -> SoftLaw:
         raise ProblemError(f"--law {text!r}: {name} takes {', '.join(_WORDS[name])}: {error}") from error
 
 
-def world_settings(
-    world: str,
-    mu: float,
-    law: str | None,
-    explicit: bool,
-    solref: str | None,
-    solimp: str | None,
-    collision: str = "feet",
-    actuators: str = "ideal",
-    substeps: int | None = None,
-) -> dict[str, Any]:
-    """Return what the options say to the world, or raise for an option that it does not have."""
-    from surefoot.cli import parsing
+@dataclass(frozen=True)
+class Physics:
+    """Which physics it is, and what it is told."""
 
-    if world not in WORLDS:
-        raise ProblemError(unknown_name("world", world, tuple(WORLDS)))
-    told: dict[str, Any] = {}
-    for option, text, owner in (
-        ("--law", law, "rigid"), ("--solref", solref, "mujoco"), ("--solimp", solimp, "mujoco"),
-    ):  # fmt: skip
-        if text is None:
-            continue
-        if world != owner:
-            raise ProblemError(f"{option} is of --world {owner}, got --world {world}")
-        if option == "--law":
-            told["law"] = contact_law(text, mu)
-        else:
-            told[option[2:]] = tuple(parsing.number(option, part) for part in text.split(","))
-    for option, given, plain in (("collision", collision, "feet"), ("actuators", actuators, "ideal")):
-        if given == plain:
-            continue
-        if world not in WHOLE:
-            raise ProblemError(f"--{option} {given} is of --world {' or '.join(WHOLE)}, got --world {world}")
-        told[option] = given
-    if substeps is not None:
-        if world != "mujoco":
-            raise ProblemError(f"--substeps is of --world mujoco, got --world {world}")
-        told["substeps"] = substeps
-    if explicit:
-        if law is None:
-            raise ProblemError("--explicit goes with --law")
-        told["integration"] = "explicit"
-    return told
+    world: Annotated[str, typer.Option(help=f"Physics: {' or '.join(WORLDS)}.")] = "mujoco"
+    law: Annotated[
+        str | None,
+        typer.Option(
+            help="Soft ground of the rigid world: spring-damper:k=2e4,d=100, hunt-crossley:k=2e5,a=0.5, "
+            "hertz:radius=0.02,modulus=1e7 or mujoco:tc=0.02,zeta=1,mass=4 (effective mass of a contact)."
+        ),
+    ] = None
+    explicit: Annotated[
+        bool, typer.Option("--explicit", help="Integrate --law explicitly, to see it chatter.")
+    ] = False
+    collision: Annotated[
+        str,
+        typer.Option(help="What may touch (mujoco, rigid): feet alone, or full, the whole robot and itself."),
+    ] = "feet"
+    actuators: Annotated[
+        str,
+        typer.Option(
+            "--actuators", help="ideal, or real: rotors, friction and torque-speed curves (mujoco, rigid)."
+        ),
+    ] = "ideal"
+    solref: Annotated[
+        str | None, typer.Option(help="MuJoCo's TC,ZETA [s, 1] or -K,-B [1/s^2, 1/s] of the ground.")
+    ] = None
+    solimp: Annotated[
+        str | None, typer.Option(help="MuJoCo's DMIN,DMAX,WIDTH,MIDPOINT,POWER of the ground, or fewer.")
+    ] = None
+
+    def settings(self, mu: float, substeps: int | None = None) -> dict[str, Any]:
+        """Return what the options say to the world, or raise for an option that it does not have."""
+        from surefoot.cli import parsing
+
+        if self.world not in WORLDS:
+            raise ProblemError(unknown_name("world", self.world, tuple(WORLDS)))
+        given = {name: getattr(self, name) for name in _OWNERS if name != "substeps"}
+        given["substeps"] = substeps
+        told: dict[str, Any] = {name: value for name, value in given.items() if value != _PLAIN.get(name)}
+        for name, value in told.items():
+            if self.world not in _OWNERS[name]:
+                option = f"--{name} {value}" if name in _PLAIN else f"--{name}"
+                owners = " or ".join(_OWNERS[name])
+                raise ProblemError(f"{option} is of --world {owners}, got --world {self.world}")
+        if self.law is not None:
+            told["law"] = contact_law(self.law, mu)
+        for name in ("solref", "solimp"):
+            if name in told:
+                told[name] = tuple(parsing.number(f"--{name}", part) for part in told[name].split(","))
+        if self.explicit:
+            if self.law is None:
+                raise ProblemError("--explicit goes with --law")
+            told["integration"] = "explicit"
+        return told
 
 
 def build_world(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli.console import plain_console
+from surefoot.cli.console import plain_console, table
 from surefoot.cli.output import check_out, to_json
 from surefoot.errors import MissingExtra, ProblemError, unknown_name
 
@@ -63,8 +63,15 @@ def worlds(
     drawn = _draw(outcomes, out, console) if pictures else []
     agrees = all(outcome.agrees for outcome in outcomes)
     if as_json:
-        told = {name: str(error) for name, error in absent.items()}
-        print(to_json(_facts(outcomes, dt, here, told, drawn, agrees)))
+        facts = {
+            "dt": dt,
+            "worlds": here,
+            "absent": {name: str(error) for name, error in absent.items()},
+            "agrees": agrees,
+            "experiments": {outcome.experiment.name: _facts(outcome) for outcome in outcomes},
+            "pictures": drawn,
+        }
+        print(to_json(facts))
     console.print(_headline(outcomes, agrees))
     return 0 if agrees else 1
 
@@ -88,25 +95,22 @@ def _headline(outcomes: list[Outcome], agrees: bool) -> str:
 
 
 def _print(outcome: Outcome, console: Console) -> None:
-    from rich.table import Table
-
-    table = Table(title=f"{outcome.experiment.name}: {outcome.experiment.says}", title_justify="left")
-    columns = ("quantity", "closed form", "world", "value", "off by", "step error", "tolerance", "")
-    for heading in columns:
-        table.add_column(heading, justify="left" if heading in ("quantity", "world", "") else "right")
+    rows: list[tuple[str, ...]] = []
     last = ""
     for row in sorted(outcome.rows, key=lambda r: [x.quantity for x in outcome.rows].index(r.quantity)):
         name = f"{row.quantity} [{row.unit}]" if row.unit else row.quantity
-        table.add_row(
-            "" if name == last else name, f"{row.exact:.6g}", row.world, f"{row.value:.6g}",
-            f"{row.error:.1e}", f"{row.step_error:.1e}", f"{row.tolerance:.1e}", row.verdict,
-        )  # fmt: skip
+        numbers = (f"{size:.1e}" for size in (row.error, row.step_error, row.tolerance))
+        place = ("" if name == last else name, f"{row.exact:.6g}", row.world, f"{row.value:.6g}")
+        rows.append((*place, *numbers, row.verdict))
         last = name
-    if outcome.rows:
-        console.print(table)
+    if rows:
+        header = ("quantity", "closed form", "world", "value", "off by", "step error", "tolerance", "")
+        title = f"{outcome.experiment.name}: {outcome.experiment.says}"
+        console.print(table(header, rows, title, left=("quantity", "world", "")))
     for world, seen in outcome.seen.items():
         if seen.table:
-            console.print(_besides(world, seen.table))
+            lines = ([f"{value:.4g}" for value in line.values()] for line in seen.table)
+            console.print(table(list(seen.table[0]), lines, f"in {world}", left=0))
         if seen.note:
             console.print(f"{world}: {seen.note}")
     for world, why in outcome.failures.items():
@@ -114,17 +118,6 @@ def _print(outcome: Outcome, console: Console) -> None:
     for world in outcome.left_out:
         only = ", ".join(outcome.experiment.worlds or ())
         console.print(f"{outcome.experiment.name}: not run in {world}, only in {only}")
-
-
-def _besides(world: str, rows: Any) -> Any:
-    from rich.table import Table
-
-    table = Table(title=f"in {world}", title_justify="left")
-    for heading in rows[0]:
-        table.add_column(heading, justify="right")
-    for row in rows:
-        table.add_row(*(f"{value:.4g}" for value in row.values()))
-    return table
 
 
 def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
@@ -144,30 +137,14 @@ def _draw(outcomes: list[Outcome], out: Path, console: Console) -> list[str]:
     return paths
 
 
-def _facts(
-    outcomes: list[Outcome],
-    dt: float,
-    here: list[str],
-    absent: dict[str, str],
-    drawn: list[str],
-    agrees: bool,
-) -> dict[str, Any]:
+def _facts(outcome: Outcome) -> dict[str, Any]:
+    experiment = outcome.experiment
     return {
-        "dt": dt,
-        "worlds": here,
-        "absent": absent,
-        "agrees": agrees,
-        "experiments": {
-            o.experiment.name: {
-                "says": o.experiment.says,
-                "compares": o.experiment.compares,
-                "agrees": o.agrees,
-                "rows": [row.as_dict() for row in o.rows],
-                "besides": {w: {"table": s.table, "note": s.note} for w, s in o.seen.items() if s.table},
-                "failures": o.failures,
-                "left_out": o.left_out,
-            }
-            for o in outcomes
-        },
-        "pictures": drawn,
+        "says": experiment.says,
+        "compares": experiment.compares,
+        "agrees": outcome.agrees,
+        "rows": [row.as_dict() for row in outcome.rows],
+        "besides": {w: {"table": s.table, "note": s.note} for w, s in outcome.seen.items() if s.table},
+        "failures": outcome.failures,
+        "left_out": outcome.left_out,
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from surefoot.errors import ProblemError, unknown_name
@@ -144,13 +144,3 @@ class Values:
         control = self._by_name[name]
         assert isinstance(control, Slider)
         self._values[name] = min(max(float(value), control.low), control.high)
-
-    def started_with(self, **values: Any) -> Values:
-        """Return fresh controls that start with other values, checked as if they had been sent."""
-        changed = [
-            control
-            if isinstance(control, Button) or control.name not in values
-            else replace(control, value=control.checked(values[control.name]))  # type: ignore[arg-type]
-            for control in self.controls
-        ]
-        return Values(changed)

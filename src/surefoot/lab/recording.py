@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,10 +21,9 @@ from surefoot.lab.ground import Ground
 from surefoot.lab.page import Page
 from surefoot.lab.words import heading, paragraph, text
 from surefoot.log import Log
-from surefoot.log.scene import contact_names, pose_of, weight_of
+from surefoot.log.scene import contact_names, frames_of, friction_of, pose_of, weight_of
 from surefoot.planning import Plan
 from surefoot.robot import Robot, load_robot
-from surefoot.spatial import rotation_from_normal
 from surefoot.terrain import FlatTerrain, Terrain, read_terrain
 
 WINDOW = 4.0
@@ -122,25 +120,6 @@ class Recording:
     def row_at(self, time: float) -> int:
         """Return the row that holds at a time [s]."""
         return int(np.clip(np.searchsorted(self.time, time + 1e-9, side="right") - 1, 0, len(self.time) - 1))
-
-    def friction(self, row: int) -> FloatArray:
-        """Return the friction under every contact, infinite where the log does not tell it: (p,)."""
-        p = len(self.names)
-        if "contact_friction" in self.log:
-            mu = np.asarray(self.log["contact_friction"][row], dtype=np.float64)
-        else:
-            mu = np.full(p, float(self.log["mu"][row]) if "mu" in self.log else math.inf)
-        return np.where(np.isfinite(mu) & (mu >= 0.0), mu, math.inf)
-
-    def frames(self, row: int) -> FloatArray:
-        """Return the contact frames of a row: (p, 3, 3)."""
-        out = np.broadcast_to(np.eye(3), (len(self.names), 3, 3)).copy()
-        if "normals" in self.log:
-            for k, normal in enumerate(self.log["normals"][row]):
-                size = float(np.linalg.norm(normal))
-                if 0.0 < size < math.inf:
-                    out[k] = rotation_from_normal(normal / size)
-        return out
 
     def strip(self, time: float, spans: Sequence[Span] = ()) -> str:
         """Return the normal forces around a time [s] as SVG, the spans shaded."""
@@ -266,10 +245,10 @@ class RecordingPage(Page):
         broken = [s.name for s in self._spans if s.start - 1e-9 <= now <= s.end + 1e-9]
         head += [paragraph(name, "font-weight: bold;") for name in broken[:5]]
         if "forces" in rec.log:
-            mu, forces = rec.friction(row), np.asarray(rec.log["forces"][row], dtype=np.float64)
+            mu, forces = friction_of(rec.log, row), np.asarray(rec.log["forces"][row], dtype=np.float64)
             if "contact_positions" in rec.log:
                 places = np.asarray(rec.log["contact_positions"][row]) - [*origin, 0.0]
-                shapes |= contact_shapes(rec.names, places, rec.frames(row), forces, mu, rec.weight)
+                shapes |= contact_shapes(rec.names, places, frames_of(rec.log, row), forces, mu, rec.weight)
             head.append(force_rows(rec.names, np.nan_to_num(forces), mu))
         push = np.asarray(rec.log["push"][row]) if "push" in rec.log else np.zeros(3)
         if push.any() and np.isfinite(push).all() and rec.pose is not None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -106,17 +107,12 @@ def read_log(path: Path | str, mapping: LogMapping | Path | str | None = None) -
     """
     path = Path(path)
     entry = format_of(path)
-    try:
+    with _told(path, "is not a Surefoot log", entry):
         if entry.source is not None:
             return log_from_source(entry.source(path), mapping, str(path))
         if entry.read is None or mapping is not None:
             raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
         return entry.read(path)
-    except SurefootError:
-        raise
-    except Exception as error:  # readers from outside raise what they like
-        told = " ".join(str(error).split())[:300] or type(error).__name__
-        raise ProblemError(f"{path} is not a Surefoot log ({entry.name}): {told}") from error
 
 
 def read_source(path: Path | str) -> Source:
@@ -131,13 +127,20 @@ def read_source(path: Path | str) -> Source:
     entry = format_of(path)
     if entry.source is None:
         raise ProblemError(f"{path}: logs of the format {entry.name} take no mapping")
-    try:
+    with _told(path, "cannot be read", entry):
         return entry.source(path)
+
+
+@contextmanager
+def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
+    """Tell errors as Surefoot's: readers from outside raise what they like."""
+    try:
+        yield
     except SurefootError:
         raise
     except Exception as error:
         told = " ".join(str(error).split())[:300] or type(error).__name__
-        raise ProblemError(f"{path} cannot be read ({entry.name}): {told}") from error
+        raise ProblemError(f"{path} {what} ({entry.name}): {told}") from error
 
 
 def write_log(log: Log, path: Path) -> Path:

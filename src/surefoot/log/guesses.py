@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Any
 
 from surefoot.errors import ProblemError
 from surefoot.log.mapping import LogMapping, Take
@@ -78,7 +79,7 @@ _SPELT = {
     "(g)": "g", "[mm]": "mm", "(mm)": "mm",
 }  # fmt: skip
 _INERTIAL = r"(?i)^/?(world|map|odom|earth)"
-MESSAGES: dict[str, tuple[tuple[str, str, dict[str, str]], ...]] = {
+MESSAGES: dict[str, tuple[tuple[str, str, dict[str, Any]], ...]] = {
     "JointState": (
         ("joint_positions", "position", {}),
         ("joint_velocities", "velocity", {}),
@@ -208,14 +209,7 @@ def _of_messages(source: Source) -> LogMapping:
                 takes.setdefault(channel, Take(fields))
         for channel, where, how in MESSAGES.get(kind, ()):
             if _there(topic, where):
-                takes.setdefault(
-                    channel,
-                    Take(
-                        (full_name(name, where),),
-                        frame=how.get("frame", ""),
-                        quaternion=how.get("quaternion", ""),
-                    ),
-                )
+                takes.setdefault(channel, Take((full_name(name, where),), **how))
     wrenches = _wrenches(source)
     if wrenches and "forces" not in takes:
         feet = feet or tuple(wrenches)

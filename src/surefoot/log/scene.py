@@ -99,24 +99,30 @@ def contacts(log: Log, row: int, weight: float) -> Iterator[DrawnContact]:
     """Yield the contacts that carry in a row; none where the log has no places for them."""
     if "forces" not in log or "contact_positions" not in log:
         return
-    for k, (force, place) in enumerate(zip(log["forces"][row], log["contact_positions"][row], strict=True)):
+    forces, places = log["forces"][row], log["contact_positions"][row]
+    rows = zip(forces, places, frames_of(log, row), friction_of(log, row).tolist(), strict=True)
+    for force, place, R, mu in rows:
         if not (np.isfinite(force).all() and np.isfinite(place).all()) or not force.any():
             continue
-        R, mu = _frame(log, row, k), _friction(log, row, k)
         broken = math.hypot(force[0], force[1]) > mu * force[2] * (1.0 + 1e-3)
         yield DrawnContact(np.asarray(place), R @ force / weight * ARROW, R, mu, broken)
 
 
-def _frame(log: Log, row: int, contact: int) -> FloatArray:
-    normal = log["normals"][row, contact] if "normals" in log else np.array([0.0, 0.0, 1.0])
-    size = np.linalg.norm(normal)
-    return rotation_from_normal(normal / size if 0.0 < size < np.inf else [0.0, 0.0, 1.0])
+def frames_of(log: Log, row: int) -> FloatArray:
+    """Return the contact frames of a row, those of level ground where the log has none: (p, 3, 3)."""
+    out = np.tile(np.eye(3), (len(contact_names(log)), 1, 1))
+    if "normals" in log:
+        for k, normal in enumerate(log["normals"][row]):
+            size = float(np.linalg.norm(normal))
+            if 0.0 < size < math.inf:
+                out[k] = rotation_from_normal(normal / size)
+    return out
 
 
-def _friction(log: Log, row: int, contact: int) -> float:
-    """Return a contact's friction; infinite where the log does not tell it."""
+def friction_of(log: Log, row: int) -> FloatArray:
+    """Return the friction under every contact, infinite where the log does not tell it: (p,)."""
     if "contact_friction" in log:
-        mu = float(log["contact_friction"][row, contact])
+        mu = np.asarray(log["contact_friction"][row], dtype=np.float64)
     else:
-        mu = float(log["mu"][row]) if "mu" in log else math.inf
-    return math.inf if math.isnan(mu) else mu
+        mu = np.full(len(contact_names(log)), float(log["mu"][row]) if "mu" in log else math.inf)
+    return np.where(np.isfinite(mu) & (mu >= 0.0), mu, math.inf)

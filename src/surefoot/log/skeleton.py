@@ -55,14 +55,20 @@ class Skeleton:
         return data
 
 
-def skeleton_of(log: Log) -> Skeleton | None:
-    """Return the skeleton of the robot that a log names; None where it names none that is known and fits."""
+def robot_of(log: Log) -> Robot | None:
+    """Return the robot that a log names; None where it names none that is known and fits."""
     if "q" not in log or "robot" not in log.facts:
         return None
     try:
         robot = load_robot(str(log.fact("robot")))
     except SurefootError:
         return None
-    if not robot.floating or log["q"].shape[1] != int(robot.model.nq):
+    return robot if log["q"].shape[1] == int(robot.model.nq) else None
+
+
+def skeleton_of(log: Log) -> Skeleton | None:
+    """Return the skeleton of the robot that a log names; None as for `robot_of`, and without a free base."""
+    robot = robot_of(log)
+    if robot is None or not robot.floating:
         return None
     return Skeleton(robot, tuple(map(str, list(robot.model.names)[1:])))

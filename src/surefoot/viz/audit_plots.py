@@ -11,9 +11,8 @@ from surefoot.arrays import FloatArray
 from surefoot.audit import AuditReport, Violation
 from surefoot.audit.rows import Rows
 from surefoot.audit.setting import BODY, setting_of
-from surefoot.errors import SurefootError
 from surefoot.log import Log
-from surefoot.robot import Robot, load_robot
+from surefoot.log.skeleton import robot_of
 from surefoot.viz.shapes import cone_rim
 from surefoot.viz.style import BAD, FOOT_COLOURS, FORCE, GROUND, INK, MUTED, new_axis, new_figure, save
 
@@ -107,7 +106,7 @@ def draw_moment(log: Log, report: AuditReport, moment: Violation, path: Path) ->
 
 def _bones(log: Log, row: int) -> list[tuple[FloatArray, FloatArray]]:
     """Return the robot as lines from joint to joint and to its feet; none where it is not known."""
-    robot = _robot(log)
+    robot = robot_of(log)
     if robot is None:
         return []
     import pinocchio
@@ -120,16 +119,6 @@ def _bones(log: Log, row: int) -> list[tuple[FloatArray, FloatArray]]:
     return bones + [
         (places[int(model.frames[f].parentJoint)], np.array(data.oMf[f].translation)) for f in points.frames
     ]
-
-
-def _robot(log: Log) -> Robot | None:
-    if "q" not in log or "robot" not in log.facts:
-        return None
-    try:
-        robot = load_robot(str(log.facts["robot"]))
-    except SurefootError:
-        return None
-    return robot if int(robot.model.nq) == log["q"].shape[1] else None
 
 
 def _cone(axis: Any, apex: FloatArray, frame: FloatArray, mu: float) -> None:

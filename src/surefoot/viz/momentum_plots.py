@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surefoot.viz.style import FOOT_COLOURS, INK, MUTED, draw_columns, new_axis, new_figure, save
+from surefoot.viz.style import FOOT_COLOURS, MUTED, draw_columns, new_axis, new_figure, save
 
 AXES = ("x", "y", "z")
 LABELS = {
@@ -52,7 +52,6 @@ def plot_components(
     time: ArrayLike,
     panels: dict[str, tuple[ArrayLike, tuple[str, ...]]],
     title: str,
-    marks: dict[str, float] | None = None,
 ) -> Path:
     """Write a picture of one panel per entry below each other, sharing the time axis.
 
@@ -66,8 +65,6 @@ def plot_components(
         Label of the vertical axis -> ((n, k) curves, their k names).
     title
         Heading.
-    marks
-        Name -> time of a vertical line.
     """
     figure, axes = new_figure(len(panels), 1, size=(7.5, 0.9 + 1.5 * len(panels)), sharex=True)
     for ax, (label, (curves, names)) in zip(axes[:, 0], panels.items(), strict=True):
@@ -77,14 +74,7 @@ def plot_components(
         size = float(np.abs(values).max())
         if np.ptp(values) < 1e-6 * size:  # a constant: no magnified rounding
             ax.set_ylim(values.mean() - 0.2 * size, values.mean() + 0.2 * size)
-        for when in (marks or {}).values():
-            ax.axvline(when, color=MUTED, linewidth=0.8, linestyle=":")
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=8)
-    for name, when in (marks or {}).items():
-        axes[0, 0].annotate(
-            name, (when, 1.0), xycoords=("data", "axes fraction"), fontsize=7, color=INK,
-            ha="left", va="bottom", xytext=(2, 1), textcoords="offset points",
-        )  # fmt: skip
     axes[-1, 0].set_xlabel("time [s]")
     figure.suptitle(title, fontsize=10)
     return save(figure, path)

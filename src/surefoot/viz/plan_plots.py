@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, save
+from surefoot.viz.style import BAD, FOOT_COLOURS, INK, draw_columns, new_axis, new_figure, new_panels, save
 
 if TYPE_CHECKING:
     from surefoot.planning.plan import Plan
@@ -37,20 +37,16 @@ def draw_contacts(plan: Plan, path: Path) -> Path:
 
 def draw_plan_forces(plan: Plan, path: Path) -> Path:
     """Draw normal and tangential forces of every foot; each is constant over its knot."""
-    figure, axes = new_figure(2, 1, size=(8.0, 4.6), sharex=True)
+    labels = ("normal force [N]", "tangential force [N]")
+    figure, axes = new_panels(labels, (8.0, 4.6), "Forces of the ground as planned")
     foot = np.asarray(plan.facts["contact_foot"])
     names = plan.facts["feet"]
     loads = np.stack([plan["forces"][:, foot == k].sum(axis=1) for k in range(len(names))], axis=1)
     tangential = np.hypot(loads[..., 0], loads[..., 1])
-    for axis, values, label in (
-        (axes[0, 0], loads[..., 2], "normal force [N]"),
-        (axes[1, 0], tangential, "tangential force [N]"),
-    ):
+    for axis, values in zip(axes, (loads[..., 2], tangential), strict=True):
         draw_columns(axis, plan["time"], values, names, drawstyle="steps-post")
-        axis.set(ylabel=label, ylim=(0.0, 1.08 * max(1.0, float(loads.max(initial=0.0)))))
-    axes[0, 0].set_title("Forces of the ground as planned")
-    axes[0, 0].legend(ncols=max(1, len(names)), fontsize=8)
-    axes[1, 0].set_xlabel("time [s]")
+        axis.set_ylim(0.0, 1.08 * max(1.0, float(loads.max(initial=0.0))))
+    axes[0].legend(ncols=max(1, len(names)), fontsize=8)
     return save(figure, path)
 
 
@@ -103,19 +99,17 @@ def draw_plan_torques(plan: Plan, path: Path) -> Path:
 
 def draw_search(iterations: Sequence[Iteration], path: Path) -> Path:
     """Draw cost and law residual over the iterations of a search."""
-    figure, axes = new_figure(2, 1, size=(8.0, 4.2), sharex=True)
+    figure, (upper, lower) = new_panels(("cost", "law residual"), (8.0, 4.2), "The search", "iteration")
     count = np.arange(1, len(iterations) + 1)
     cost, residual = (
         np.array([getattr(i, name) for i in iterations], dtype=np.float64)
         for name in ("cost", "law_residual")
     )
-    axes[0, 0].plot(count, cost, color=INK, marker=".", ms=3)
-    axes[0, 0].set(ylabel="cost", title="The search")
+    upper.plot(count, cost, color=INK, marker=".", ms=3)
     if (cost > 0.0).all() and np.ptp(np.log10(cost)) > 1.5:
-        axes[0, 0].set_yscale("log")
+        upper.set_yscale("log")
     told = np.isfinite(residual)
-    axes[1, 0].semilogy(count[told], np.maximum(residual[told], LEAST_RESIDUAL), color=BAD, marker=".", ms=3)
-    axes[1, 0].set(ylabel="law residual", xlabel="iteration")
+    lower.semilogy(count[told], np.maximum(residual[told], LEAST_RESIDUAL), color=BAD, marker=".", ms=3)
     return save(figure, path)
 
 

@@ -13,7 +13,17 @@ from surefoot.log import Log
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.viz.ranges import at_least, mark_worst, most_of
 from surefoot.viz.shapes import runs_of
-from surefoot.viz.style import BAD, FOOT_COLOURS, INK, MUTED, draw_columns, new_axis, new_figure, save
+from surefoot.viz.style import (
+    BAD,
+    FOOT_COLOURS,
+    INK,
+    MUTED,
+    draw_columns,
+    new_axis,
+    new_figure,
+    new_panels,
+    save,
+)
 
 MOST_POINTS = 4000
 """Longest series that is drawn; longer ones are thinned."""
@@ -73,27 +83,25 @@ def draw_cone_use(log: Log, path: Path) -> Path:
 
 def draw_base(log: Log, path: Path) -> Path:
     """Draw how far the base moved and turned from where it started."""
-    figure, axes = new_figure(2, 1, size=(8.0, 4.6), sharex=True)
+    labels = ("base moved [mm]", "base turned [deg]")
+    figure, (place, turn) = new_panels(labels, (8.0, 4.6), "Base, from where it started")
     thin = thinned(len(log))
     time = log["time"][thin]
     moved = 1e3 * (log["q"][thin, :3] - log["q"][0, :3])
-    draw_columns(axes[0, 0], time, moved, "xyz")
-    at_least(axes[0, 0], moved, LEAST_MOVE)
-    axes[0, 0].set_ylabel("base moved [mm]")
-    axes[0, 0].legend(ncols=3, fontsize=8)
+    draw_columns(place, time, moved, "xyz")
+    at_least(place, moved, LEAST_MOVE)
+    place.legend(ncols=3, fontsize=8)
     R = rotation_from_quaternion(log["q"][thin, 3:7])
-    turn = R @ R[0].T
-    skew = 0.5 * (turn - np.swapaxes(turn, 1, 2))
+    turned = R @ R[0].T
+    skew = 0.5 * (turned - np.swapaxes(turned, 1, 2))
     axial = np.degrees(skew[:, [2, 0, 1], [1, 2, 0]])  # sin(angle) times the axis of each turn
-    draw_columns(axes[1, 0], time, axial, ("roll", "pitch", "yaw"))
+    draw_columns(turn, time, axial, ("roll", "pitch", "yaw"))
     tilt = np.degrees(tilt_angles(log["q"])[thin])
-    axes[1, 0].plot(time, tilt, color=MUTED, lw=0.8, ls=":", label="angle")
-    at_least(axes[1, 0], np.column_stack([axial, tilt]), LEAST_TURN)
-    axes[1, 0].set(xlabel="time [s]", ylabel="base turned [deg]")
-    axes[1, 0].legend(ncols=4, fontsize=8)
-    for axis in axes[:, 0]:
+    turn.plot(time, tilt, color=MUTED, lw=0.8, ls=":", label="angle")
+    at_least(turn, np.column_stack([axial, tilt]), LEAST_TURN)
+    turn.legend(ncols=4, fontsize=8)
+    for axis in (place, turn):
         mark_events(axis, log)
-    axes[0, 0].set_title("Base, from where it started")
     return save(figure, path)
 
 

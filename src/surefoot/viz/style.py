@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -57,6 +57,18 @@ def new_axis(size: tuple[float, float], title: str = "", **labels: Any) -> tuple
     figure, axes = new_figure(size=size)
     axes[0, 0].set(title=title, **labels)
     return figure, axes[0, 0]
+
+
+def new_panels(
+    labels: Sequence[str], size: tuple[float, float], title: str, xlabel: str = "time [s]", **subplots: Any
+) -> tuple[Any, Any]:
+    """Return a figure of panels below each other over one x axis, and their axes; a y label for each."""
+    figure, axes = new_figure(len(labels), 1, size, **({"sharex": True} | subplots))
+    for axis, label in zip(axes[:, 0], labels, strict=True):
+        axis.set_ylabel(label)
+    axes[0, 0].set_title(title)
+    axes[-1, 0].set_xlabel(xlabel)
+    return figure, axes[:, 0]
 
 
 def draw_columns(axis: Any, x: Any, columns: Any, names: Iterable[str], **line: Any) -> None:

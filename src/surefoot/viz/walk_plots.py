@@ -24,7 +24,17 @@ from surefoot.viz.plots import (
 )
 from surefoot.viz.ranges import mark_worst, most_of
 from surefoot.viz.shapes import runs_of
-from surefoot.viz.style import BAD, FOOT_COLOURS, GROUND, INK, MUTED, draw_columns, new_axis, new_figure, save
+from surefoot.viz.style import (
+    BAD,
+    FOOT_COLOURS,
+    GROUND,
+    INK,
+    MUTED,
+    draw_columns,
+    new_axis,
+    new_panels,
+    save,
+)
 
 FOOTFALL_SPAN = 3.0
 """Length of the footfall diagram [s]: the end of the run."""
@@ -32,22 +42,19 @@ FOOTFALL_SPAN = 3.0
 
 def draw_velocity(log: Log, path: Path) -> Path:
     """Draw the base's velocity in its heading frame against the commanded one."""
-    figure, axes = new_figure(3, 1, size=(8.0, 5.6), sharex=True)
+    labels = ("forward [m/s]", "left [m/s]", "yaw rate [rad/s]")
+    figure, axes = new_panels(labels, (8.0, 5.6), "Velocity of the base in its heading frame")
     thin, measured = thinned(len(log)), heading_velocity(log)
-    for k, label in enumerate(("forward [m/s]", "left [m/s]", "yaw rate [rad/s]")):
-        axis = axes[k, 0]
+    for k, axis in enumerate(axes):
         axis.plot(log["time"][thin], measured[thin, k], color=FOOT_COLOURS[k], lw=0.9, label="measured")
         axis.plot(log["time"][thin], log["command"][thin, k], color=INK, lw=1.1, ls="--", label="commanded")
         span = max(float(np.abs(log["command"][:, k]).max()), 0.1)
         low, high = np.percentile(measured[:, k], [0.2, 99.8])
         wanted = log["command"][:, k]
         limits = min(low, wanted.min()) - 0.3 * span, max(high, wanted.max()) + 0.3 * span
-        axis.set_ylabel(label)
         most_of(axis, log["time"], measured[:, k], *limits)
         mark_events(axis, log)
-    axes[0, 0].legend(ncols=2, fontsize=8)
-    axes[2, 0].set_xlabel("time [s]")
-    axes[0, 0].set_title("Velocity of the base in its heading frame")
+    axes[0].legend(ncols=2, fontsize=8)
     return save(figure, path)
 
 
@@ -95,20 +102,18 @@ def draw_cone_time(log: Log, path: Path) -> Path:
 
 def draw_path(log: Log, path: Path) -> Path:
     """Draw the base's path from above and from the side, with every footfall."""
-    figure, axes = new_figure(2, 1, size=(8.0, 4.6))
+    title = "Path of the base and footfalls, from above and from the side"
+    figure, axes = new_panels(("y [m]", "z [m]"), (8.0, 4.6), title, "x [m]", sharex=False)
     thin, down = thinned(len(log)), touching(log)
     owner = np.asarray(log.facts["contact_foot"])
-    for row, axis, label in ((1, axes[0, 0], "y [m]"), (2, axes[1, 0], "z [m]")):
+    for row, axis in enumerate(axes, start=1):
         axis.plot(log["q"][thin, 0], log["q"][thin, row], color=INK, lw=1.0)
         for k in range(len(log.facts["feet"])):
             begins = np.flatnonzero(down[1:, k] & ~down[:-1, k]) + 1
             place = log["contact_positions"][begins][:, np.flatnonzero(owner == k)[0]]
             axis.scatter(place[:, 0], place[:, row], s=6, color=FOOT_COLOURS[k % 8], lw=0)
-        axis.set_ylabel(label)
         axis.set_aspect("equal", adjustable="datalim")
-    _draw_ground(axes[1, 0], log)
-    axes[1, 0].set_xlabel("x [m]")
-    axes[0, 0].set_title("Path of the base and footfalls, from above and from the side")
+    _draw_ground(axes[1], log)
     return save(figure, path)
 
 

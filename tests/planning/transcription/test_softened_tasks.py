@@ -12,7 +12,7 @@ from surefoot.planning.transcription.forms import FORMS, schedule
 from surefoot.planning.transcription.judge import judge
 from surefoot.planning.transcription.program import transcribe
 from surefoot.planning.transcription.replay import replay
-from surefoot.planning.transcription.textbook import problem_named
+from surefoot.planning.transcription.textbook import PROBLEMS
 
 pytest.importorskip("casadi")
 
@@ -29,7 +29,7 @@ def test_a_task_is_solved_and_lawful(task: object) -> None:
 
 @pytest.mark.parametrize("name", ["ball", "slide", "kicker"])
 def test_exact_steps_repeat_what_was_found(name: str) -> None:
-    problem = problem_named(name)
+    problem = PROBLEMS[name]()
     answer = follow(
         transcribe(problem, FORMS["relaxed"]), problem.guess(0), schedule(0.1, 1e-8), polished=True
     )
@@ -40,7 +40,7 @@ def test_exact_steps_repeat_what_was_found(name: str) -> None:
 
 
 def test_the_judge_sees_faults() -> None:
-    problem = problem_named("ball")
+    problem = PROBLEMS["ball"]()
     exact = replay(problem, np.zeros((problem.knots, 0))).motion
     assert judge(problem, exact).solved
     exact.normal[3, 0] += 0.1  # a force in the air

@@ -16,6 +16,10 @@ class Evidence(NamedTuple):
     text: str
 
 
+Judge = Callable[[Episode], Evidence | None]
+"""From an episode to evidence; None where it does not speak for the symptom."""
+
+
 @dataclass(frozen=True)
 class Symptom:
     """A symptom.
@@ -28,6 +32,8 @@ class Symptom:
         The likely cause, the check that would confirm it, the usual cure.
     judge
         From an episode to evidence; None where it does not speak for the symptom.
+    checks
+        Without these having failed, nothing speaks for it.
     body
         Whether it is asked of the robot as a whole; else of every contact.
     """
@@ -36,5 +42,18 @@ class Symptom:
     cause: str
     confirm: str
     cure: str
-    judge: Callable[[Episode], Evidence | None]
+    judge: Judge
+    checks: tuple[str, ...] = ()
     body: bool = False
+
+    def evidence(self, episode: Episode) -> Evidence | None:
+        """Return what speaks for the symptom in an episode; None if nothing does."""
+        asked = self.body == episode.body and episode.has(*self.checks)
+        return self.judge(episode) if asked else None
+
+
+def symptom(
+    name: str, *checks: str, cause: str, confirm: str, cure: str, body: bool = False
+) -> Callable[[Judge], Symptom]:
+    """Make a function from an episode to evidence the symptom of these words; see `Symptom`."""
+    return lambda judge: Symptom(name, cause, confirm, cure, judge, checks, body)

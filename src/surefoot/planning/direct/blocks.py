@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import IntArray
+from surefoot.arrays import FloatArray, IntArray
 from surefoot.planning.transcription.forms import import_casadi
 
 Expression = Any
@@ -53,6 +53,17 @@ class Block:
     def size(self) -> int:
         """Variables that a block sees."""
         return self.stride + int(self.x.shape[0])
+
+
+def pack(states: FloatArray, inputs: FloatArray) -> FloatArray:
+    """Return the variables (V,) of states (N + 1, nx) and inputs (N, nu) in the order of the blocks."""
+    return np.concatenate([np.hstack([states[:-1], inputs]).ravel(), states[-1]])
+
+
+def unpack(variables: FloatArray, nx: int, knots: int) -> tuple[FloatArray, FloatArray]:
+    """Return the states (knots + 1, nx) and inputs (knots, nu) of variables (V,)."""
+    table = variables[:-nx].reshape(knots, -1)
+    return np.vstack([table[:, :nx], variables[-nx:]]), table[:, nx:]
 
 
 def build_nlp(block: Block, count: int) -> tuple[dict[str, Any], dict[str, Any]]:

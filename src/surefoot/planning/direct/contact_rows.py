@@ -15,6 +15,7 @@ two inequalities keep above zero. `GivenModes` has no softening left: each conta
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -121,13 +122,10 @@ class Facets:
     def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
         """See `ContactLaw.write`; variables β, λ_n, φ, σ, γ, s of all contacts, one after the other."""
         ca, form, m = import_casadi(), form_named(self.form), self.count
-        p, D = int(closing.shape[0]), ca.DM(self.directions)
-        x = ca.SX.sym("contact", (2 * m + 4) * p)
-        low = 0.0 if form.signs else -np.inf
-        own, impulses = np.full(x.shape[0], low), []
-        out = Rows(x, own, np.full(x.shape[0], np.inf), None)
-        for k in range(p):
-            beta, normal, phi, sigma, gamma, spare = _cut(x, k * (2 * m + 4), (m, 1, 1, m, 1, 1))
+        D = ca.DM(self.directions)
+
+        def contact(out: Rows, k: int, parts: list[Expression]) -> Expression:
+            beta, normal, phi, sigma, gamma, spare = parts
             u = sliding[:, k]
             equal = ca.vertcat(
                 phi - closing[k], sigma - (gamma + ca.mtimes(D.T, u)), spare - (mu * normal - ca.sum1(beta))
@@ -136,9 +134,10 @@ class Facets:
             out.pair(form, normal, phi, eps)
             out.pair(form, beta, sigma, eps)
             out.pair(form, gamma, spare, eps)
-            impulses.append(_with_normal(ca, ca.mtimes(D, beta), normal))
-        out.impulses = ca.horzcat(*impulses)
-        return out
+            return _with_normal(ca, ca.mtimes(D, beta), normal)
+
+        low = [0.0 if form.signs else -np.inf] * (2 * m + 4)
+        return _written(int(closing.shape[0]), (m, 1, 1, m, 1, 1), low, contact)
 
     def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
         """See `ContactLaw.start`."""
@@ -150,7 +149,7 @@ class Facets:
         normal, phi = impulses[..., 2:3], np.maximum(closing[..., None], 0.0)
         sigma = np.maximum(speed + sliding @ D, 0.0)
         spare = np.maximum(mu * normal - along.sum(axis=-1, keepdims=True), 0.0)
-        return _flat(np.concatenate([along, normal, phi, sigma, speed, spare], axis=-1))
+        return _flat(along, normal, phi, sigma, speed, spare)
 
 
 @dataclass(frozen=True)
@@ -172,28 +171,22 @@ class RoundCone:
         """See `ContactLaw.write`; variables λ_t, λ_n, φ, u_t, γ of all contacts, one after the other."""
         ca, form = import_casadi(), form_named(self.form)
         d, p = (int(n) for n in sliding.shape)
-        many = 2 * d + 3
-        x = ca.SX.sym("contact", many * p)
-        each = [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d + [0.0]
-        out = Rows(x, np.tile(each, p), np.full(many * p, np.inf), None)
-        small, impulses = _rounding(ca, eps), []
-        for k in range(p):
-            friction, normal, phi, u, gamma = _cut(x, k * many, (d, 1, 1, d, 1))
+        small = _rounding(ca, eps)
+
+        def contact(out: Rows, k: int, parts: list[Expression]) -> Expression:
+            friction, normal, phi, u, gamma = parts
             out.rows.append((ca.vertcat(phi - closing[k], u - sliding[:, k]), 0.0, 0.0))
             out.pair(form, normal, phi, eps)
             out.rows.append((mu * normal - _length(ca, friction, small), 0.0, np.inf))
             out.rows.append((gamma - _length(ca, u, small), 0.0, np.inf))
             out.rows.append((mu * gamma * normal + ca.dot(friction, u) - eps, -np.inf, 0.0))
-            impulses.append(_with_normal(ca, friction, normal))
-        out.impulses = ca.horzcat(*impulses)
-        return out
+            return _with_normal(ca, friction, normal)
+
+        return _written(p, (d, 1, 1, d, 1), [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d + [0.0], contact)
 
     def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
         """See `ContactLaw.start`."""
-        d = sliding.shape[-1]
-        speed = np.linalg.norm(sliding, axis=-1, keepdims=True)
-        phi = np.maximum(closing[..., None], 0.0)
-        return _flat(np.concatenate([impulses[..., :d], impulses[..., 2:3], phi, sliding, speed], axis=-1))
+        return _flat(*_seen(impulses, closing, sliding), np.linalg.norm(sliding, axis=-1, keepdims=True))
 
 
 @dataclass(frozen=True)
@@ -209,27 +202,21 @@ class GivenModes:
         """See `ContactLaw.write`."""
         ca = import_casadi()
         d, p = (int(n) for n in sliding.shape)
-        many = 2 * d + 2
-        x = ca.SX.sym("contact", many * p)
-        each = [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d
-        out = Rows(x, np.tile(each, p), np.full(many * p, np.inf), None)
-        impulses = []
-        for k in range(p):
-            friction, normal, phi, u = _cut(x, k * many, (d, 1, 1, d))
+
+        def contact(out: Rows, k: int, parts: list[Expression]) -> Expression:
+            friction, normal, phi, u = parts
             out.rows.append((ca.vertcat(phi - closing[k], u - sliding[:, k]), 0.0, 0.0))
             if d == 2:
                 out.rows.append((friction[0] * u[1] - friction[1] * u[0], -np.inf, np.inf))
             out.rows.append((mu * mu * normal * normal - ca.dot(friction, friction), 0.0, np.inf))
             out.rows.append((ca.dot(friction, u), -np.inf, np.inf))
-            impulses.append(_with_normal(ca, friction, normal))
-        out.impulses = ca.horzcat(*impulses)
-        return out
+            return _with_normal(ca, friction, normal)
+
+        return _written(p, (d, 1, 1, d), [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d, contact)
 
     def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
         """See `ContactLaw.start`."""
-        d = sliding.shape[-1]
-        phi = np.maximum(closing[..., None], 0.0)
-        return _flat(np.concatenate([impulses[..., :d], impulses[..., 2:3], phi, sliding], axis=-1))
+        return _flat(*_seen(impulses, closing, sliding))
 
     def bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
         """Return the bounds (N, m) of the variables for modes (N, p)."""
@@ -244,25 +231,21 @@ class GivenModes:
             STICK: [inf] * (d + 1) + [0.0] * (d + 1),
             SLIDE: [inf] * (d + 1) + [0.0] + [inf] * d,
         }
-        return tuple(  # type: ignore[return-value]
-            np.array([[side[int(m)] for m in row] for row in modes]).reshape(len(modes), -1)
-            for side in (low, high)
-        )
+        return _by_mode(low, modes), _by_mode(high, modes)
 
     def row_bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
         """Return the bounds (N, rows of the laws) for modes (N, p), in the order of `write`."""
-        inf, equal = np.inf, [0.0] * (d + 1)
-        along = {SLIDE: ([0.0], [0.0])}
-        low, high = list[list[float]](), list[list[float]]()
-        for row in modes:
-            least, most = list[float](), list[float]()
-            for mode in row:
-                cross = along.get(int(mode), ([-inf], [inf])) if d == 2 else ([], [])
-                least += [*equal, *cross[0], 0.0, -inf]
-                most += [*equal, *cross[1], *((0.0, 0.0) if mode == SLIDE else (inf, inf))]
-            low.append(least)
-            high.append(most)
-        return np.array(low), np.array(high)
+        inf, equal, cross = np.inf, [0.0] * (d + 1), d - 1
+        free = [*equal, *[-inf] * cross, 0.0, -inf]
+        low = {OPEN: free, STICK: free, SLIDE: [*equal, *[0.0] * cross, 0.0, -inf]}
+        free = [*equal, *[inf] * cross, inf, inf]
+        high = {OPEN: free, STICK: free, SLIDE: [*equal, *[0.0] * cross, 0.0, 0.0]}
+        return _by_mode(low, modes), _by_mode(high, modes)
+
+
+def _by_mode(values: dict[int, list[float]], modes: IntArray) -> FloatArray:
+    """Return the m numbers of every contact's mode side by side, (N, p m) of modes (N, p)."""
+    return np.array([values[mode] for mode in modes.ravel().tolist()]).reshape(len(modes), -1)
 
 
 def read_modes(impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> IntArray:
@@ -282,12 +265,29 @@ def read_modes(impulses: FloatArray, closing: FloatArray, sliding: FloatArray, m
     return np.where(closed, np.where(slides, SLIDE, STICK), OPEN).astype(np.int64)
 
 
-def _cut(x: Expression, start: int, sizes: tuple[int, ...]) -> list[Expression]:
-    """Return pieces of x, one after the other."""
-    out = []
-    for size in sizes:
-        out.append(x[start : start + size])
-        start += size
+def _written(
+    p: int,
+    sizes: tuple[int, ...],
+    low: list[float],
+    contact: Callable[[Rows, int, list[Expression]], Expression],
+) -> Rows:
+    """Return the rows of p contacts, one after the other.
+
+    Parameters
+    ----------
+    p
+        Number of contacts.
+    sizes, low
+        Of the parts of a contact's variables, and the least values of all of them.
+    contact
+        Adds the rows of a contact, given its number and parts, and returns its impulse (3, 1).
+    """
+    ca, many = import_casadi(), sum(sizes)
+    x = ca.SX.sym("contact", many * p)
+    out = Rows(x, np.tile(low, p), np.full(many * p, np.inf), None)
+    ends = np.cumsum([0, *sizes]).tolist()
+    each = [ca.vertsplit(x[k * many : (k + 1) * many], ends) for k in range(p)]
+    out.impulses = ca.horzcat(*(contact(out, k, parts) for k, parts in enumerate(each)))
     return out
 
 
@@ -307,6 +307,15 @@ def _length(ca: Any, x: Expression, small: Expression) -> Expression:
     return ca.sqrt(ca.dot(x, x) + small * small) - small
 
 
-def _flat(values: FloatArray) -> FloatArray:
-    """Return (N, p, m) as (N, p m)."""
+def _seen(
+    impulses: FloatArray, closing: FloatArray, sliding: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return λ_t, λ_n, φ (not below zero) and u_t of motions, (N, p, ...) each."""
+    friction, normal = impulses[..., : sliding.shape[-1]], impulses[..., 2:3]
+    return friction, normal, np.maximum(closing[..., None], 0.0), sliding
+
+
+def _flat(*parts: FloatArray) -> FloatArray:
+    """Return parts (N, p, m) of the contacts' variables side by side, as (N, p times their sum)."""
+    values = np.concatenate(parts, axis=-1)
     return values.reshape(len(values), -1)

@@ -7,16 +7,20 @@ are. The torques that were applied in the end are those of the plan: they need n
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import NoSolution
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
-from surefoot.robot import Robot
 from surefoot.stepping import Knot, StepOptions, Stepper
-from surefoot.terrain import Terrain
+
+if TYPE_CHECKING:
+    from surefoot.planning.direct.guess import Guess
+    from surefoot.planning.direct.problem import DirectProblem
+    from surefoot.planning.schedule.problem import ScheduleProblem
+    from surefoot.planning.schedule.search import ScheduledMotion
 
 EFFORT = 1e-4
 """Weight of a torque's square against that of a distance [m, rad] and of a velocity [m/s, rad/s]."""
@@ -24,68 +28,10 @@ SMOOTHING = 1e-6
 """Of the steps' derivative [J]: less than what contacts exchange, more than what solvers leave."""
 
 
-class Followed(Protocol):
-    """What is known of a motion that is followed.
-
-    Attributes
-    ----------
-    robot, terrain, mu
-        Who moves on what.
-    q, v
-        (nq,), (nv,) the start.
-    dt, knots
-        Length [s] and number of knots.
-    torque_limits
-        (joints,) [N m].
-    """
-
-    @property
-    def robot(self) -> Robot:
-        """Who moves."""
-
-    @property
-    def terrain(self) -> Terrain:
-        """On what."""
-
-    @property
-    def mu(self) -> float:
-        """Friction of the ground."""
-
-    @property
-    def q(self) -> FloatArray:
-        """(nq,) of the start."""
-
-    @property
-    def v(self) -> FloatArray:
-        """(nv,) of the start."""
-
-    @property
-    def dt(self) -> float:
-        """Length of a knot [s]."""
-
-    @property
-    def knots(self) -> int:
-        """Their number."""
-
-    @property
-    def torque_limits(self) -> FloatArray | None:
-        """(joints,) [N m]."""
-
-
-class Motion(Protocol):
-    """An optimiser's motion: (N + 1, nq) q, (N + 1, nv) v, (N, joints) torques [N m]."""
-
-    @property
-    def q(self) -> FloatArray:
-        """(N + 1, nq)."""
-
-    @property
-    def v(self) -> FloatArray:
-        """(N + 1, nv)."""
-
-    @property
-    def torques(self) -> FloatArray:
-        """(N, joints) [N m]."""
+Followed: TypeAlias = "DirectProblem | ScheduleProblem"
+"""Who moves on what, from where, how long, and how large torques may be."""
+Motion: TypeAlias = "Guess | ScheduledMotion"
+"""An optimiser's states q (N + 1, nq) and v (N + 1, nv), and torques (N, joints) [N m]."""
 
 
 def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajectory:

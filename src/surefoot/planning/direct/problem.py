@@ -49,6 +49,16 @@ class Window:
             sides += [np.where(np.isnan(middle), s * np.inf, middle + s * reach) for s in (-1.0, 1.0)]
         return cls(*sides)
 
+    def narrow(self, low: FloatArray, high: FloatArray, nq: int, unit: FloatArray | float = 1.0) -> None:
+        """Write the window into bounds (nq + nv,) of a state whose velocities are in a unit of their own."""
+        places, speeds = slice(0, nq), slice(nq, None)
+        sides = ((places, self.q_low, self.q_high, 1.0), (speeds, self.v_low, self.v_high, unit))
+        for part, least, most, of in sides:
+            if least is not None:
+                low[part] = np.maximum(low[part], least / of)
+            if most is not None:
+                high[part] = np.minimum(high[part], most / of)
+
 
 @dataclass(frozen=True)
 class Weights:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.blocks import build_nlp
+from surefoot.planning.direct.blocks import build_nlp, pack, unpack
 from surefoot.planning.direct.contact_rows import ContactLaw
 from surefoot.planning.direct.guess import Guess
 from surefoot.planning.direct.problem import DirectProblem
@@ -64,9 +64,6 @@ class DirectSearch:
         self.transcription = transcribe(problem, law)
         self._nlp, self._derivatives = build_nlp(self.transcription.block, problem.knots)
         self._seen = contact_velocities(problem)
-        self._joints = problem.robot.joints
-        self._stride = self.transcription.block.stride
-        self._nx = int(self.transcription.block.x.shape[0])
 
     def bounds(
         self, contact_bounds: tuple[FloatArray, FloatArray] | None = None
@@ -79,29 +76,22 @@ class DirectSearch:
         contacts = (t.contacts.low, t.contacts.high) if contact_bounds is None else contact_bounds
         out = []
         for sign, state, contact in zip((-1.0, 1.0), states, contacts, strict=True):
-            u = np.hstack(
-                [np.tile(sign * limits, (n, 1)), np.broadcast_to(contact, (n, np.shape(contact)[-1]))]
-            )
-            out.append(np.concatenate([np.hstack([state[:-1], u]).ravel(), state[-1]]))
+            own = np.broadcast_to(contact, (n, np.shape(contact)[-1]))
+            out.append(pack(state, np.hstack([np.tile(sign * limits, (n, 1)), own])))
         return out[0], out[1]
 
     def pack(self, guess: Guess) -> FloatArray:
         """Return the NLP's variables (n,) that mean a motion."""
         closing, sliding = self.seen(guess)
         contacts = self.law.start(guess.impulses, closing, sliding, self.problem.mu)
-        states = np.hstack([guess.q, guess.v])
-        u = np.hstack([guess.torques, contacts])
-        return np.concatenate([np.hstack([states[:-1], u]).ravel(), states[-1]])
+        return pack(np.hstack([guess.q, guess.v]), np.hstack([guess.torques, contacts]))
 
     def unpack(self, variables: FloatArray) -> Guess:
         """Return the motion that the NLP's variables (n,) mean."""
-        nq = int(self.problem.robot.model.nq)
-        table = variables[: -self._nx].reshape(-1, self._stride)
-        states = np.vstack([table[:, : self._nx], variables[-self._nx :]])
-        contacts = table[:, self._nx + self._joints :]
-        impulses = np.array([np.array(self.transcription.impulses(row)).T for row in contacts])
-        torques = table[:, self._nx : self._nx + self._joints]
-        return Guess(states[:, :nq].copy(), states[:, nq:].copy(), torques.copy(), impulses)
+        nq, joints = int(self.problem.robot.model.nq), self.problem.robot.joints
+        states, inputs = unpack(variables, int(self.transcription.block.x.shape[0]), self.problem.knots)
+        impulses = np.array([np.array(self.transcription.impulses(row)).T for row in inputs[:, joints:]])
+        return Guess(states[:, :nq].copy(), states[:, nq:].copy(), inputs[:, :joints].copy(), impulses)
 
     def seen(self, guess: Guess) -> tuple[FloatArray, FloatArray]:
         """Return φ (N, p) and u_t (N, p, d - 1) of a motion [m/s]."""

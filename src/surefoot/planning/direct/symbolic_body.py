@@ -171,15 +171,6 @@ class SymbolicBody:
             columns.append(self._ca.mtimes(poses[j - 1].rotation_world, own))
         return self._ca.horzcat(*columns)
 
-    def centre_of_mass(self, q: Expression) -> Expression:
-        """Return the centre of mass (3,) in world axes [m]."""
-        total, masses = self._ca.SX.zeros(3), 0.0
-        for joint, pose in zip(self._joints, self._poses(q), strict=True):
-            lever = self._ca.mtimes(pose.rotation_world, self._constant(joint.lever))
-            total += joint.mass * (pose.translation_world + lever)
-            masses += joint.mass
-        return total / masses
-
     def integrate(self, q: Expression, step: Expression) -> Expression:
         """Return the configuration (nq,) that lies a (nv,) step from q, as `pinocchio.integrate`.
 

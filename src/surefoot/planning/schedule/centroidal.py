@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
+from surefoot.planning.direct.blocks import unpack
 from surefoot.planning.schedule.centroidal_problem import CentroidalProblem, CentroidalWeights
 from surefoot.planning.schedule.centroidal_transcribe import (
     STATE,
@@ -16,14 +17,14 @@ from surefoot.planning.schedule.centroidal_transcribe import (
     centroidal_start,
     centroidal_variables,
 )
-from surefoot.planning.schedule.search import ACCEPTED, Found, Search, Tell, solve_blocks
+from surefoot.planning.schedule.search import Found, Search, Tell, solve_blocks
 
 __all__ = ["CentroidalMotion", "CentroidalProblem", "CentroidalWeights", "optimise_centroidal"]
 
 
 @dataclass(frozen=True, eq=False)
-class CentroidalMotion:
-    """What the optimiser found; motion of T = N + 1 times under forces of N knots.
+class CentroidalMotion(Found):
+    """What the optimiser found, and the motion of T = N + 1 times under forces of N knots that it means.
 
     Attributes
     ----------
@@ -39,14 +40,6 @@ class CentroidalMotion:
         (N, n, 3) where the feet stand [m], NaN in the air.
     stance
         (N, n) which feet stand.
-    cost, violation
-        Objective, and the largest violation of a row or bound in its own scale [-].
-    found
-        Whether the violation is within `search.ACCEPTED`.
-    iterations
-        Ipopt's.
-    said
-        Its return status.
     """
 
     times: FloatArray
@@ -57,11 +50,6 @@ class CentroidalMotion:
     forces: FloatArray
     footholds: FloatArray
     stance: BoolArray
-    cost: float
-    violation: float
-    found: bool
-    iterations: int
-    said: str
 
 
 def optimise_centroidal(
@@ -101,15 +89,13 @@ def optimise_centroidal(
 def _read(problem: CentroidalProblem, found: Found) -> CentroidalMotion:
     """Return the motion that variables mean."""
     n, N, stance = problem.schedule.feet, problem.knots, problem.stance
-    size = STATE + 2 * n
-    table = found.variables[:-size].reshape(N, -1)
-    states = np.vstack([table[:, :size], found.variables[-size:]])
-    forces = problem.weight * table[:, size:].reshape(N, n, 3) @ problem.frame.T
+    states, inputs = unpack(found.variables, STATE + 2 * n, N)
+    forces = problem.weight * inputs.reshape(N, n, 3) @ problem.frame.T
     places = problem.origin + states[:-1, STATE:].reshape(N, n, 2) @ problem.frame[:, :2].T
     places[~stance] = np.nan
     times = np.asarray(problem.dt * np.arange(N + 1), dtype=np.float64)
     return CentroidalMotion(
-        times, states[:, :3], states[:, 7:10], problem.mass * states[:, 10:13],
-        states[:, 3:7], forces, places, stance, found.cost, found.violation,
-        bool(found.violation <= ACCEPTED), found.iterations, found.said,
+        **vars(found), times=times, com=states[:, :3], velocity=states[:, 7:10],
+        momentum=problem.mass * states[:, 10:13], quaternion=states[:, 3:7], forces=forces, footholds=places,
+        stance=stance,
     )  # fmt: skip

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.planning.direct.blocks import pack
 from surefoot.planning.direct.problem import Window
 from surefoot.planning.schedule.centroidal import (
     CentroidalMotion,
     CentroidalProblem,
-    CentroidalWeights,
 )
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.robot import Robot
@@ -22,9 +22,7 @@ STEPS, DAMPING, LONGEST = 20, 1e-3, 0.3
 """Of the inverse kinematics: steps a knot, damping [m²], largest change of a joint per step [rad]."""
 
 
-def centroidal_problem(
-    problem: ScheduleProblem, weights: CentroidalWeights | None = None, **changes: Any
-) -> CentroidalProblem:
+def centroidal_problem(problem: ScheduleProblem, **changes: Any) -> CentroidalProblem:
     """Return the centroidal problem of a whole-body one: its schedule, start, reference and windows.
 
     Mass, inertia and the feet's places are those of the start. The windows of the base's pose become those of
@@ -36,10 +34,8 @@ def centroidal_problem(
     ----------
     problem
         Of the whole body; one contact point a foot or more.
-    weights
-        See `CentroidalWeights`.
     changes
-        Any other field of `CentroidalProblem`.
+        Any field of `CentroidalProblem`.
     """
     robot, q, v = problem.robot, problem.q, problem.v
     import pinocchio
@@ -58,8 +54,7 @@ def centroidal_problem(
     found = CentroidalProblem(
         robot.mass, inertia, (feet - com) @ turned, problem.schedule, problem.dt, problem.knots,
         np.concatenate([com, q[3:7]]), start, feet, reference, windows=windows,
-        weights=weights or CentroidalWeights(), mu=problem.mu, terrain=problem.terrain,
-        force_min=problem.force_min,
+        mu=problem.mu, terrain=problem.terrain, force_min=problem.force_min,
     )  # fmt: skip
     return replace(found, **changes) if changes else found
 
@@ -117,7 +112,7 @@ def _with_forces(
     points, base = robot.contact_points, robot.base_dof
     share = 1.0 / np.bincount(points.foot)[points.foot]
     frame = np.asarray(problem.terrain.frame([0.0, 0.0]))
-    table = np.empty((N, model.nq + model.nv + robot.joints + 3 * len(points)))
+    inputs = np.empty((N, robot.joints + 3 * len(points)))
     for k in range(N):
         world = motion.forces[k, points.foot] * share[:, None]
         effort = pinocchio.rnea(model, data, q[k], v[k], (v[k + 1] - v[k]) / problem.dt)
@@ -129,9 +124,8 @@ def _with_forces(
             )
             torque -= J[:3].T @ world[i]
         use = np.clip(torque[base:] / problem.torque_limits, -1.0, 1.0)
-        forces = world @ frame / problem.weight
-        table[k] = np.concatenate([q[k], v[k], use, forces.ravel()])
-    return np.concatenate([table.ravel(), q[-1], v[-1]])
+        inputs[k] = np.concatenate([use, (world @ frame / problem.weight).ravel()])
+    return pack(np.hstack([q, v]), inputs)
 
 
 def _reach(problem: ScheduleProblem, data: Any, q: FloatArray, footholds: FloatArray, stands: Any) -> None:

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.blocks import Block
+from surefoot.planning.direct.blocks import Block, pack
 from surefoot.planning.schedule.centroidal_problem import CentroidalProblem
 from surefoot.planning.schedule.search import Sides
 from surefoot.planning.transcription.forms import import_casadi
@@ -105,14 +105,7 @@ def centroidal_variables(problem: CentroidalProblem) -> Sides:
     low[1:, 10:13], high[1:, 10:13] = -bound, bound
     scale = np.concatenate([np.ones(3), np.full(3, problem.mass)])
     for k, window in problem.windows.items():
-        for part, least, most, by in (
-            (slice(0, 7), window.q_low, window.q_high, 1.0),
-            (slice(7, STATE), window.v_low, window.v_high, scale),
-        ):
-            if least is not None:
-                low[k, part] = np.maximum(low[k, part], least / by)
-            if most is not None:
-                high[k, part] = np.minimum(high[k, part], most / by)
+        window.narrow(low[k, :STATE], high[k, :STATE], 7, scale)
     low[0, :STATE] = high[0, :STATE] = np.concatenate([problem.pose, problem.velocity / scale])
     feet = ((problem.feet - problem.origin) @ problem.frame[:, :2]).ravel()
     standing = np.repeat(stance[0], 2)
@@ -121,11 +114,7 @@ def centroidal_variables(problem: CentroidalProblem) -> Sides:
     least, most = -force, force
     least[:, 2::3] = stance * (problem.force_min / problem.weight)
     most[:, 2::3] = np.where(stance, problem.force_max / problem.weight, 0.0)
-    sides = [
-        np.concatenate([np.hstack([state[:-1], u]).ravel(), state[-1]])
-        for state, u in ((low, least), (high, most))
-    ]
-    return sides[0], sides[1]
+    return pack(low, least), pack(high, most)
 
 
 def centroidal_start(problem: CentroidalProblem) -> FloatArray:
@@ -143,7 +132,7 @@ def centroidal_start(problem: CentroidalProblem) -> FloatArray:
     states = np.hstack([com, quaternion, speed, momentum, flat])
     forces = np.zeros((N, n, 3))
     forces[:, :, 2] = stance / np.maximum(stance.sum(axis=1, keepdims=True), 1)
-    return np.concatenate([np.hstack([states[:-1], forces.reshape(N, -1)]).ravel(), states[-1]])
+    return pack(states, forces.reshape(N, -1))
 
 
 def _matrix(quaternion: Any) -> Any:

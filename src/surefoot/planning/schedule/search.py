@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.planning.direct.blocks import Block, build_nlp
+from surefoot.planning.direct.blocks import Block, build_nlp, pack, unpack
 from surefoot.planning.direct.search import QUIET
 from surefoot.planning.schedule.problem import ScheduleProblem
 from surefoot.planning.schedule.transcribe import row_bounds, transcribe, variable_bounds
@@ -36,8 +36,21 @@ class Search(NamedTuple):
     options: Mapping[str, Any] = MappingProxyType({})
 
 
-class Found(NamedTuple):
-    """What Ipopt found: variables and cost in their own units, largest violation of a row or bound."""
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What Ipopt found.
+
+    Attributes
+    ----------
+    variables
+        (V,) in their own units: to start the next search from.
+    cost, violation
+        Objective, and the largest violation of a row or bound in its own scale [-].
+    iterations
+        Ipopt's.
+    said
+        Its return status.
+    """
 
     variables: FloatArray
     cost: float
@@ -45,10 +58,15 @@ class Found(NamedTuple):
     iterations: int
     said: str
 
+    @property
+    def found(self) -> bool:
+        """Whether the violation is within `ACCEPTED`: the motion keeps to dynamics, modes and limits."""
+        return bool(self.violation <= ACCEPTED)
+
 
 @dataclass(frozen=True, eq=False)
-class ScheduledMotion:
-    """What the optimiser found.
+class ScheduledMotion(Found):
+    """What the optimiser found, and the motion that it means.
 
     Attributes
     ----------
@@ -58,78 +76,27 @@ class ScheduledMotion:
         (N, joints) [N m].
     forces
         (N, p, 3) in contact axes [N].
-    cost, violation
-        Objective, and the largest violation of a row or bound.
-    found
-        Whether the violation is within `ACCEPTED`: the motion keeps to dynamics, modes and limits.
-    iterations
-        Ipopt's.
-    said
-        Its return status.
-    variables
-        To start the next search from.
     """
 
     q: FloatArray
     v: FloatArray
     torques: FloatArray
     forces: FloatArray
-    cost: float
-    violation: float
-    found: bool
-    iterations: int
-    said: str
-    variables: FloatArray
 
 
-def start_from(
-    problem: ScheduleProblem, v: FloatArray | None = None, motion: ScheduledMotion | None = None
-) -> FloatArray:
-    """Return variables to start from: the reference with the weight on the feet that stand, or a motion.
-
-    Parameters
-    ----------
-    problem
-        Whose reference it is.
-    v
-        (knots + 1, nv) velocities; None for those between the references.
-    motion
-        A motion of the same robot with other knots, stretched to those of the problem.
-    """
+def start_from(problem: ScheduleProblem) -> FloatArray:
+    """Return variables to start from: the reference with the weight on the feet that stand."""
     import pinocchio
 
-    robot, n, p = problem.robot, problem.knots, len(problem.robot.contact_points)
-    if motion is not None:
-        return _stretched(problem, motion)
+    robot, n, stance = problem.robot, problem.knots, problem.stance
     speeds = np.zeros((n + 1, robot.model.nv))
     for k in range(n):
-        speeds[k + 1] = (
-            pinocchio.difference(robot.model, problem.reference[k], problem.reference[k + 1]) / problem.dt
-        )
-    speeds = speeds if v is None else v
-    forces = np.zeros((n, p, 3))
-    standing = problem.stance.sum(axis=1, keepdims=True)
-    forces[:, :, 2] = problem.stance / np.maximum(standing, 1)
-    states = np.hstack([problem.reference, speeds])
-    u = np.hstack([np.zeros((n, robot.joints)), forces.reshape(n, -1)])
-    return np.concatenate([np.hstack([states[:-1], u]).ravel(), states[-1]])
-
-
-def _stretched(problem: ScheduleProblem, motion: ScheduledMotion) -> FloatArray:
-    """Return the variables of a motion at the times of another problem's knots."""
-    have, want = np.linspace(0.0, 1.0, len(motion.q)), np.linspace(0.0, 1.0, problem.knots + 1)
-
-    def at(values: FloatArray, places: FloatArray, of: FloatArray) -> FloatArray:
-        flat = values.reshape(len(values), -1)
-        return np.column_stack([np.interp(of, places, column) for column in flat.T])
-
-    q, v = at(motion.q, have, want), at(motion.v, have, want)
-    q[:, 3:7] /= np.linalg.norm(q[:, 3:7], axis=1, keepdims=True)
-    torques = at(motion.torques, have[:-1], want[:-1]) / problem.torque_limits
-    forces = at(motion.forces, have[:-1], want[:-1]) / problem.weight
-    forces *= np.repeat(problem.stance, 3, axis=1)
-    states = np.hstack([q, v])
-    return np.concatenate([np.hstack([states[:-1], torques, forces]).ravel(), states[-1]])
+        way = pinocchio.difference(robot.model, problem.reference[k], problem.reference[k + 1])
+        speeds[k + 1] = way / problem.dt
+    forces = np.zeros((n, *stance.shape[1:], 3))
+    forces[:, :, 2] = stance / np.maximum(stance.sum(axis=1, keepdims=True), 1)
+    inputs = np.hstack([np.zeros((n, robot.joints)), forces.reshape(n, -1)])
+    return pack(np.hstack([problem.reference, speeds]), inputs)
 
 
 def optimise(
@@ -307,14 +274,9 @@ def _callback(nlp: dict[str, Any], watch: _Watch) -> Any:
 
 def _read(problem: ScheduleProblem, found: Found) -> ScheduledMotion:
     """Return the motion that variables mean."""
-    model, joints, x = problem.robot.model, problem.robot.joints, found.variables
-    nq, nx, p = int(model.nq), int(model.nq + model.nv), len(problem.robot.contact_points)
-    table = x[:-nx].reshape(problem.knots, -1)
-    states = np.vstack([table[:, :nx], x[-nx:]])
-    torques = table[:, nx : nx + joints] * problem.torque_limits
-    forces = table[:, nx + joints :].reshape(-1, p, 3) * problem.weight
-    motion = states[:, :nq].copy(), states[:, nq:].copy(), torques, forces
-    return ScheduledMotion(
-        *motion, found.cost, found.violation, found=bool(found.violation <= ACCEPTED),
-        iterations=found.iterations, said=found.said, variables=x,
-    )  # fmt: skip
+    robot, model = problem.robot, problem.robot.model
+    states, inputs = unpack(found.variables, int(model.nq + model.nv), problem.knots)
+    q, v = np.split(states, [int(model.nq)], axis=1)
+    torques = inputs[:, : robot.joints] * problem.torque_limits
+    forces = inputs[:, robot.joints :].reshape(-1, len(robot.contact_points), 3) * problem.weight
+    return ScheduledMotion(**vars(found), q=q.copy(), v=v.copy(), torques=torques, forces=forces)

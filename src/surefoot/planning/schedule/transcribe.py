@@ -18,7 +18,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.control.motor_limits import MotorLimits
-from surefoot.planning.direct.blocks import Block
+from surefoot.planning.direct.blocks import Block, pack
 from surefoot.planning.direct.problem import limit_joints
 from surefoot.planning.direct.symbolic_body import SymbolicBody
 from surefoot.planning.schedule.problem import ScheduleProblem
@@ -233,21 +233,11 @@ def variable_bounds(problem: ScheduleProblem) -> tuple[FloatArray, FloatArray]:
     high = -low
     limit_joints(robot, low, high, problem.speed_share)
     for k, window in problem.windows.items():
-        for part, least, most in (
-            (slice(0, nq), window.q_low, window.q_high),
-            (slice(nq, nx), window.v_low, window.v_high),
-        ):
-            if least is not None:
-                low[k, part] = np.maximum(low[k, part], least)
-            if most is not None:
-                high[k, part] = np.minimum(high[k, part], most)
+        window.narrow(low[k], high[k], nq)
     low[0] = high[0] = np.concatenate([problem.q, problem.v])
     force = np.repeat(problem.stance, 3, axis=1)
     most = np.where(force, np.inf, 0.0)
     least = -most
     least[:, 2::3] = problem.stance * (problem.force_min / problem.weight)
     ones = np.ones((n, robot.joints))
-    sides = []
-    for state, torque, contact in ((low, -ones, least), (high, ones, most)):
-        sides.append(np.concatenate([np.hstack([state[:-1], torque, contact]).ravel(), state[-1]]))
-    return sides[0], sides[1]
+    return pack(low, np.hstack([-ones, least])), pack(high, np.hstack([ones, most]))

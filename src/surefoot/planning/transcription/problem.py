@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.planning.transcription.forms import import_casadi
 from surefoot.planning.transcription.systems import System
 
+CLOSE = 1e-6
+"""A goal is reached where it is missed by no more than this [m, m/s, rad, rad/s]."""
 Expressions = Callable[[Any, Any], Any]
 """(q, v) to a CasADi column."""
 
@@ -55,8 +58,8 @@ class SmallProblem:
     goal
         (q, v) at the end to a column that is to be zero; None for a motion without inputs, which the laws
         alone determine.
-    reached
-        Whether a motion does what was asked for; asked of every method's answer alike.
+    done
+        Whether a motion does what was asked for; None where that is to meet the goal.
     low, high
         (n,) bounds of the coordinates.
     limit
@@ -76,14 +79,23 @@ class SmallProblem:
     v: FloatArray
     knots: int
     dt: float
-    reached: Callable[[Motion], bool]
     towards: FloatArray
     spread: FloatArray
+    done: Callable[[Motion], bool] | None = None
     goal: Expressions | None = None
     low: FloatArray = field(default_factory=lambda: np.array(-np.inf))
     high: FloatArray = field(default_factory=lambda: np.array(np.inf))
     limit: FloatArray = field(default_factory=lambda: np.zeros(0))
     effort: float = 1.0
+
+    def reached(self, motion: Motion) -> bool:
+        """Return whether a motion does what was asked for; asked of every method's answer alike."""
+        if self.done is not None:
+            return self.done(motion)
+        assert self.goal is not None
+        casadi = import_casadi()
+        missed = np.array(self.goal(casadi.DM(motion.q[-1]), casadi.DM(motion.v[-1])))
+        return bool(np.abs(missed).max() < CLOSE)
 
     def guess(self, seed: int) -> Motion:
         """Return a random start: a noisy line, velocities of 1 m/s, and impulses of the size of the weight's.

@@ -7,24 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.errors import ProblemError, unknown_name
 from surefoot.planning.transcription.forms import import_casadi
-from surefoot.planning.transcription.problem import Expressions, Motion, SmallProblem
+from surefoot.planning.transcription.problem import CLOSE, SmallProblem
 from surefoot.planning.transcription.systems import Touch, along_ground, point_masses
-
-CLOSE = 1e-6
-"""A goal is reached where it is missed by no more than this [m, m/s, rad, rad/s]."""
 
 
 def falling_ball(height: float = 1.0, knots: int = 50, dt: float = 0.02) -> SmallProblem:
     """Return a ball of 1 kg that falls and stays where it lands: no input, the laws alone decide."""
-    system = point_masses(
-        "ball",
-        ["z"],
-        [],
-        [(1.0, lambda q: (0.0, q[0]))],
-        [Touch("ball", along_ground(lambda q: (0.0, q[0])))],
-    )
+
+    def place(q: Any) -> tuple[Any, Any]:
+        return 0.0, q[0]
+
+    system = point_masses("ball", ["z"], [], [(1.0, place)], [Touch("ball", along_ground(place))])
     return SmallProblem(
         "ball",
         f"falls from {height:g} m: fall, contact, rest",
@@ -33,7 +27,7 @@ def falling_ball(height: float = 1.0, knots: int = 50, dt: float = 0.02) -> Smal
         v=np.zeros(1),
         knots=knots,
         dt=dt,
-        reached=lambda m: bool(max(abs(m.q[-1, 0]), abs(m.v[-1, 0])) < CLOSE),
+        done=lambda m: bool(max(abs(m.q[-1, 0]), abs(m.v[-1, 0])) < CLOSE),
         towards=np.zeros(1),
         spread=np.full(1, 0.3),
     )
@@ -54,7 +48,7 @@ def sliding_point(speed: float = 2.0, mu: float = 0.5, knots: int = 40, dt: floa
         v=np.array([speed, 0.0]),
         knots=knots,
         dt=dt,
-        reached=lambda m: bool(np.abs(m.v[-1]).max() < CLOSE and m.q[-1, 0] > 0.0),
+        done=lambda m: bool(np.abs(m.v[-1]).max() < CLOSE and m.q[-1, 0] > 0.0),
         towards=np.array([0.5, 0.0]),
         spread=np.full(2, 0.1),
     )
@@ -85,7 +79,6 @@ def hopper(distance: float = 0.3, mu: float = 0.6, knots: int = 30, dt: float = 
         [Touch("foot", along_ground(foot), mu)],
     )
     start, end = np.array([0.0, LEG, 0.0, LEG]), np.array([distance, LEG, 0.0, LEG])
-    goal = _standing_at(end)
     return SmallProblem(
         "hopper",
         f"from standing to standing {distance:g} m further on",
@@ -94,10 +87,9 @@ def hopper(distance: float = 0.3, mu: float = 0.6, knots: int = 30, dt: float = 
         v=np.zeros(4),
         knots=knots,
         dt=dt,
-        reached=_meets(goal),
         towards=end,
         spread=np.array([0.1, 0.1, 0.3, 0.05]),
-        goal=goal,
+        goal=lambda q, v: casadi.vertcat(q - end, v),
         low=np.array([-np.inf, 0.2, -1.2, 0.25]),
         high=np.array([np.inf, np.inf, 1.2, 0.65]),
         limit=np.array(HOPPER_LIMIT),
@@ -137,10 +129,6 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
     )  # fmt: skip
     start = np.array([0.0, 0.0, -0.5 * BLOCK_WIDTH - FOOT_RADIUS - 0.1, 0.1])
 
-    def goal(q: Any, v: Any) -> Any:
-        casadi = import_casadi()
-        return casadi.vertcat(q[0] - distance, v)
-
     return SmallProblem(
         "push",
         f"a foot pushes a block {distance:g} m on, to rest",
@@ -149,10 +137,9 @@ def pushed_block(distance: float = 0.3, mu: float = 0.4, knots: int = 25, dt: fl
         v=np.zeros(4),
         knots=knots,
         dt=dt,
-        reached=_meets(goal),
         towards=start + np.array([distance, 0.0, distance + 0.1, 0.0]),
         spread=np.array([0.1, 0.02, 0.1, 0.02]),
-        goal=goal,
+        goal=lambda q, v: import_casadi().vertcat(q[0] - distance, v),
         low=np.array([-np.inf, -np.inf, -np.inf, FOOT_RADIUS]),
         high=np.array([np.inf, np.inf, np.inf, 0.18]),
         limit=np.array(PUSH_LIMIT),
@@ -199,9 +186,6 @@ def kicker(distance: float = 0.8, knots: int = 25, dt: float = 0.03) -> SmallPro
     start = np.array([0.0, -0.6, 0.25, BALL_RADIUS])
     end = start[2] + distance
 
-    def goal(q: Any, v: Any) -> Any:
-        return casadi.vertcat(q[2] - end, v[0], v[1])
-
     return SmallProblem(
         "kicker",
         f"a leg kicks a ball, which arrives {distance:g} m on",
@@ -210,10 +194,9 @@ def kicker(distance: float = 0.8, knots: int = 25, dt: float = 0.03) -> SmallPro
         v=np.zeros(4),
         knots=knots,
         dt=dt,
-        reached=_meets(goal),
         towards=np.array([0.5, -0.2, end, BALL_RADIUS]),
         spread=np.array([0.3, 0.3, 0.1, 0.05]),
-        goal=goal,
+        goal=lambda q, v: casadi.vertcat(q[2] - end, v[0], v[1]),
         low=np.array([-1.5, -2.0, -np.inf, -np.inf]),
         high=np.array([1.5, 0.0, np.inf, np.inf]),
         limit=np.array([30.0, 30.0]),
@@ -229,36 +212,3 @@ PROBLEMS: dict[str, Callable[[], SmallProblem]] = {
     "kicker": kicker,
 }
 """The problems by name."""
-
-
-def problem_named(name: str) -> SmallProblem:
-    """Return a problem by name.
-
-    Raises
-    ------
-    ProblemError
-        If there is none; the message lists them.
-    """
-    if name not in PROBLEMS:
-        raise ProblemError(unknown_name("small problem", name, PROBLEMS))
-    return PROBLEMS[name]()
-
-
-def _standing_at(end: Any) -> Expressions:
-    """Return the goal of being at rest in a configuration (n,)."""
-
-    def goal(q: Any, v: Any) -> Any:
-        return import_casadi().vertcat(q - end, v)
-
-    return goal
-
-
-def _meets(goal: Expressions) -> Callable[[Motion], bool]:
-    """Return whether a motion ends where a goal asks it to."""
-
-    def reached(motion: Motion) -> bool:
-        casadi = import_casadi()
-        missed = np.array(goal(casadi.DM(motion.q[-1]), casadi.DM(motion.v[-1])))
-        return bool(np.abs(missed).max() < CLOSE)
-
-    return reached

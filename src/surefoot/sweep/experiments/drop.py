@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
 from surefoot.sweep.bodies import BODY, GROUNDS, altered, ground, soft_law
@@ -59,6 +59,10 @@ class Drop(Experiment):
     }
     chunk: ClassVar[int] = 16
     packages: ClassVar[tuple[str, ...]] = ("pin",)
+    limits: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "size": (1e-3, 100.0), "body_mass": (1e-3, 1e6), "height": (0.0, 100.0), "speed": (-100.0, 100.0),
+        "duration": (1e-2, 600.0), "dt": (1e-5, 0.05),
+    }  # fmt: skip
 
     body: str = "box"
     size: float = 0.1
@@ -74,11 +78,7 @@ class Drop(Experiment):
             raise ProblemError(unknown_name("body", self.body, BODIES))
         if not isinstance(self.tumble, bool):
             raise ProblemError(f"tumble must be true or false, got {self.tumble!r:.40}")
-        limits = {"size": (1e-3, 100.0), "body_mass": (1e-3, 1e6), "height": (0.0, 100.0),
-                  "speed": (-100.0, 100.0), "duration": (1e-2, 600.0), "dt": (1e-5, 0.05)}  # fmt: skip
-        for name, (low, high) in limits.items():
-            value = real_number(name, getattr(self, name), low=low, high=high)
-            object.__setattr__(self, name, value)
+        super().__post_init__()
 
     def run(self, sample: Sample) -> dict[str, Any]:
         """Return how the body came to rest."""

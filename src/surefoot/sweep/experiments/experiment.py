@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.sweep.space import Sample, Space
 
@@ -28,12 +29,19 @@ class Experiment(ABC):
         Samples that are sent to a worker at a time: a quarter of a second's worth or so.
     packages
         That it needs.
+    limits
+        Settings that are numbers, to their least and largest values.
     """
 
     parameters: ClassVar[tuple[str, ...]]
     columns: ClassVar[Mapping[str, str]]
     chunk: ClassVar[int] = 1
     packages: ClassVar[tuple[str, ...]] = ()
+    limits: ClassVar[Mapping[str, tuple[float, float]]] = {}
+
+    def __post_init__(self) -> None:
+        for name, (low, high) in self.limits.items():
+            object.__setattr__(self, name, real_number(name, getattr(self, name), low=low, high=high))
 
     @abstractmethod
     def run(self, sample: Sample) -> dict[str, Any]:

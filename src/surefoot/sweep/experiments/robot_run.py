@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.sweep.bodies import BODY, GROUNDS, altered, check_ground, ground_options
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
     from surefoot.control.controller import Controller
     from surefoot.log import Log
     from surefoot.robot import Robot
-    from surefoot.simulation.faults import Faults
-    from surefoot.simulation.scenario import Push, Scenario
+    from surefoot.simulation.scenario import Scenario
     from surefoot.simulation.world import World
 
 PUSH_LENGTH = 0.2
@@ -68,6 +66,9 @@ class RobotRun(Experiment):
         "end_time": "float",  # of the run [s]
     }
     packages: ClassVar[tuple[str, ...]] = ("pin", "example-robot-data")
+    limits: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "duration": (0.1, 600.0), "mu": (0.0, 1e3), "believed_mu": (0.0, 1e3), "push_time": (0.0, 600.0),
+    }  # fmt: skip
 
     robot: str = "go2"
     world: str = "mujoco"
@@ -81,10 +82,7 @@ class RobotRun(Experiment):
             raise ProblemError(f"robot must be the name of a known robot, got {self.robot!r:.60}")
         if self.world not in tuple(WORLDS):  # a list would not be hashable
             raise ProblemError(unknown_name("world", self.world, WORLDS))
-        limits = {"duration": (0.1, 600.0), "mu": (0.0, 1e3), "believed_mu": (0.0, 1e3),
-                  "push_time": (0.0, 600.0)}  # fmt: skip
-        for name, (low, high) in limits.items():
-            object.__setattr__(self, name, real_number(name, getattr(self, name), low=low, high=high))
+        super().__post_init__()
 
     def check(self, space: Space) -> None:
         """Refuse what the world does not have, and robots that are not known."""
@@ -94,29 +92,25 @@ class RobotRun(Experiment):
             raise ProblemError(f"push_time {self.push_time:g} s is after the end, {self.duration:g} s")
         known_robot(self.robot)
 
-    def faults(self, sample: Sample) -> Faults:
-        """Return what is wrong with a sample's sensors and motors."""
+    def log(self, sample: Sample, robot: Robot, terrain: Terrain, controller: Controller, **more: Any) -> Log:
+        """Run a sample: its world, faults of sensors and motors, and push; `more` is of the scenario."""
         from surefoot.simulation.faults import Faults
+        from surefoot.simulation.scenario import Push, Scenario
 
-        return Faults(
+        mu = sample.number("mu", self.mu)
+        world = make_world(
+            self.world, altered(robot, sample), terrain, mu, payload=sample.number("payload", 0.0),
+            **ground_options(self.world, sample),
+        )  # fmt: skip
+        faults = Faults(
             noise=sample.number("noise", 0.0),
             delay=sample.number("delay", 0.0),
             strength=sample.number("motor_strength", 1.0),
         )
-
-    def pushes(self, sample: Sample) -> list[Push]:
-        """Return a sample's push."""
-        from surefoot.simulation.scenario import Push
-
         force = (sample.number("push_x", 0.0), sample.number("push_y", 0.0), 0.0)
-        return [Push(self.push_time, force, PUSH_LENGTH)] if any(force) else []
-
-    def build_world(self, sample: Sample, robot: Robot, terrain: Terrain) -> World:
-        """Return the world with what a sample changes in it."""
-        return make_world(
-            self.world, altered(robot, sample), terrain, sample.number("mu", self.mu),
-            payload=sample.number("payload", 0.0), **ground_options(self.world, sample),
-        )  # fmt: skip
+        pushes = [Push(self.push_time, force, PUSH_LENGTH)] if any(force) else []
+        scenario = Scenario(self.duration, mu, pushes, seed=sample.seed, faults=faults, **more)
+        return run_quietly(world, controller, scenario)
 
     def measured(self, log: Log, summary: RunSummary, tilt: float) -> dict[str, Any]:
         """Return the results of a run."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from surefoot.sweep.bodies import ground
-from surefoot.sweep.experiments.robot_run import RobotRun, known_robot, run_quietly
+from surefoot.sweep.experiments.robot_run import RobotRun, known_robot
 from surefoot.sweep.space import Sample
 
 
@@ -27,18 +27,15 @@ class Stand(RobotRun):
         from surefoot.control.standing import StandingController
         from surefoot.control.standing_plan import StandingPlan
         from surefoot.robot import place
-        from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH, Scenario
+        from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
 
         robot, terrain = known_robot(self.robot), ground(sample)
         q = place(robot, terrain)
         plan = StandingPlan(robot, terrain, q, [])
         believed = sample.number("believed_mu", self.believed_mu)
         controller = StandingController(robot, plan, terrain, q, believed)
-        scenario = Scenario(
-            self.duration, sample.number("mu", self.mu), self.pushes(sample), seed=sample.seed,
-            faults=self.faults(sample), start=q, depth=START_DEPTH, fall=STANDING_FALL,
-        )  # fmt: skip
-        log = run_quietly(self.build_world(sample, robot, terrain), controller, scenario)
+        still = {"start": q, "depth": START_DEPTH, "fall": STANDING_FALL}
+        log = self.log(sample, robot, terrain, controller, **still)
         summary = summarise_stand(log)
         out = self.measured(log, summary, summary.base.tilt_max_deg)
         return {**out, "moved": summary.base.position_end}

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from surefoot.arrays import real_number
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.sweep.bodies import ground
-from surefoot.sweep.experiments.robot_run import RobotRun, known_robot, run_quietly
+from surefoot.sweep.experiments.robot_run import RobotRun, known_robot
 from surefoot.sweep.space import Sample, Space
 
 
@@ -33,6 +32,8 @@ class Walk(RobotRun):
         "velocity": "float",  # mean forward velocity after 2 s, or of all if it ended before [m/s]
     }
 
+    limits: ClassVar[Mapping[str, tuple[float, float]]] = {**RobotRun.limits, "speed": (-10.0, 10.0)}
+
     gait: str = "trot"
     speed: float = 0.5
     duration: float = 4.0
@@ -44,7 +45,6 @@ class Walk(RobotRun):
         if self.gait not in gait_names() or self.gait == "stand":
             walks = [name for name in gait_names() if name != "stand"]
             raise ProblemError(unknown_name("gait", self.gait, walks))
-        object.__setattr__(self, "speed", real_number("speed", self.speed, low=-10.0, high=10.0))
 
     def check(self, space: Space) -> None:
         """Refuse robots that cannot walk, too."""
@@ -54,16 +54,11 @@ class Walk(RobotRun):
     def run(self, sample: Sample) -> dict[str, Any]:
         """Return how the robot walked."""
         from surefoot.audit import summarise_walk
-        from surefoot.simulation.scenario import Scenario
         from surefoot.simulation.walk_terrain import start_pose
 
         controller = self._controller(sample)
         robot, terrain = controller.robot, controller.terrain
-        scenario = Scenario(
-            self.duration, sample.number("mu", self.mu), self.pushes(sample), seed=sample.seed,
-            faults=self.faults(sample), start=start_pose(robot, terrain),
-        )  # fmt: skip
-        log = run_quietly(self.build_world(sample, robot, terrain), controller, scenario)
+        log = self.log(sample, robot, terrain, controller, start=start_pose(robot, terrain))
         summary = summarise_walk(log)
         out = self.measured(log, summary, summary.tilt_max_deg)
         return {**out, "velocity": summary.velocity.forward.measured}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from surefoot.arrays import FloatArray, real_number
+from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.simulation.worlds import WORLDS, make_world
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
@@ -59,6 +59,10 @@ class Worlds(Experiment):
     }
     chunk: ClassVar[int] = 4
     packages: ClassVar[tuple[str, ...]] = ("pin",)
+    limits: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "body_mass": (1e-3, 1e6), "start_speed": (-100.0, 100.0), "settle": (0.0, 60.0),
+        "duration": (1e-2, 60.0), "dt": (1e-5, 0.02), "tolerance": (0.0, 100.0),
+    }  # fmt: skip
 
     world: str = "mujoco"
     body_mass: float = 2.0
@@ -71,10 +75,7 @@ class Worlds(Experiment):
     def __post_init__(self) -> None:
         if self.world not in tuple(WORLDS):  # a list would not be hashable
             raise ProblemError(unknown_name("world", self.world, WORLDS))
-        limits = {"body_mass": (1e-3, 1e6), "start_speed": (-100.0, 100.0), "settle": (0.0, 60.0),
-                  "duration": (1e-2, 60.0), "dt": (1e-5, 0.02), "tolerance": (0.0, 100.0)}  # fmt: skip
-        for name, (low, high) in limits.items():
-            object.__setattr__(self, name, real_number(name, getattr(self, name), low=low, high=high))
+        super().__post_init__()
 
     def check(self, space: Space) -> None:
         """Refuse what the world does not have."""

@@ -37,11 +37,6 @@ class DaskPool(Pool):
         self.workers = workers or max(1, sum(self._client.nthreads().values()))
         self._task, self._running = task, dict[Any, Chunk]()
 
-    @property
-    def waiting(self) -> int:
-        """Number of chunks that have not been returned."""
-        return len(self._running)
-
     def submit(self, chunk: Chunk) -> None:
         """Have a chunk run."""
         self._running[self._client.submit(run_chunk, self._task, chunk, pure=False)] = chunk

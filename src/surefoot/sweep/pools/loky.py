@@ -30,11 +30,6 @@ class LokyPool(Pool):
             self.workers, initializer=start_local_worker, initargs=(os.getpid(),), env=one_thread()
         )
 
-    @property
-    def waiting(self) -> int:
-        """Number of chunks that have not been returned."""
-        return len(self._running)
-
     def submit(self, chunk: Chunk) -> None:
         """Have a chunk run."""
         try:

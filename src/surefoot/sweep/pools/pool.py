@@ -7,7 +7,7 @@ import os
 import socket
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from surefoot.arrays import whole_number
 from surefoot.errors import ProblemError, unknown_name
@@ -38,6 +38,8 @@ class Pool(ABC):
     """
 
     workers: int
+    _running: dict[Any, Chunk]
+    """What a backend knows a chunk by -> the chunk, until it is returned."""
 
     @abstractmethod
     def submit(self, chunk: Chunk) -> None:
@@ -48,9 +50,9 @@ class Pool(ABC):
         """Return the chunks that have ended, waiting for one if there is none yet, but not for ever."""
 
     @property
-    @abstractmethod
     def waiting(self) -> int:
         """Number of chunks that have not been returned."""
+        return len(self._running)
 
     @abstractmethod
     def close(self) -> None:

@@ -34,11 +34,6 @@ class RayPool(Pool):
         self._run: Any = ray.remote(max_retries=0)(run_chunk)
         self._task, self._running = ray.put(task), dict[Any, Chunk]()
 
-    @property
-    def waiting(self) -> int:
-        """Number of chunks that have not been returned."""
-        return len(self._running)
-
     def submit(self, chunk: Chunk) -> None:
         """Have a chunk run."""
         self._running[self._run.remote(self._task, chunk)] = chunk

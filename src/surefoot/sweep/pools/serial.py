@@ -14,23 +14,18 @@ class SerialPool(Pool):
         if address is not None or workers not in (None, 1):
             raise ProblemError("--backend serial has one worker and no address")
         self.workers, self._task = 1, task
-        self._chunks: list[Chunk] = []
-
-    @property
-    def waiting(self) -> int:
-        """Number of chunks that have not been returned."""
-        return len(self._chunks)
+        self._running = {}
 
     def submit(self, chunk: Chunk) -> None:
         """Have a chunk run."""
-        self._chunks.append(chunk)
+        self._running[chunk] = chunk
 
     def wait(self, seconds: float) -> list[Ended]:
         """Run the next chunk and return it."""
         del seconds
-        if not self._chunks:
+        if not self._running:
             return []
-        chunk = self._chunks.pop(0)
+        chunk = self._running.pop(next(iter(self._running)))
         return [Ended(chunk, run_chunk(self._task, chunk))]
 
     def close(self) -> None:

@@ -1,0 +1,227 @@
+"""Symptoms of contact itself: forces that no contact with the ground gives."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.audit.episode import Episode
+from surefoot.audit.symptoms.symptom import Evidence, symptom
+
+
+@symptom(
+    "pull",
+    "pull",
+    cause="a row f_n >= 0 is missing, or z is not the surface normal",
+    confirm="print the normal and the smallest normal force",
+    cure="add the row; turn the frame so that z leaves the ground",
+)
+def pull(e: Episode) -> Evidence | None:
+    """Tell whether the ground pulls."""
+    return Evidence(0.97, f"normal force down to {float(e.force[:, 2].min()):.3g} N")
+
+
+@symptom(
+    "coarse facets",
+    "friction",
+    cause="an outer pyramid of too few facets: 41 % more friction on its corners for four, 8 % for eight",
+    confirm="plot f_t / f_n: the points fill a square or an octagon, not a circle",
+    cure="use the exact cone, or an inner pyramid of eight facets or more",
+)
+def coarse_facets(e: Episode) -> Evidence | None:
+    """Tell whether the force sits in the corner of a friction pyramid outside the cone."""
+    if not e.sideways:
+        return None
+    fast = (e.force[:, 2] > 0.005 * e.weight) & np.isfinite(e.mu)
+    use = e.force[:, :2] / np.maximum(e.mu * e.force[:, 2], 1e-12)[:, None]
+    over = fast & (np.hypot(use[:, 0], use[:, 1]) > 1.01)
+    if over.sum() < 3:
+        return None
+    for facets in (4, 8):
+        angle = 2.0 * np.pi * np.arange(facets) / facets
+        reach = (use[over] @ np.stack([np.cos(angle), np.sin(angle)])).max(axis=1)
+        if np.percentile(reach, 90) < 1.005 and np.percentile(reach, 10) > 0.98:
+            return Evidence(0.995, f"forces lie on the edge of a pyramid of {facets} facets about the cone")
+    return None
+
+
+@symptom(
+    "too much friction",
+    "friction",
+    cause="the simulated friction is higher than the material's, or the log's mu is not the ground's",
+    confirm="pull the robot sideways with a spring balance until it slides",
+    cure="measure mu, and lower it in training and in the controller",
+)
+def too_much_friction(e: Episode) -> Evidence | None:
+    """Tell whether more friction than the material has."""
+    needed = np.hypot(e.force[:, 0], e.force[:, 1]) / np.maximum(e.force[:, 2], 1e-12)
+    over = (needed > 1.001 * e.mu) & (e.force[:, 2] > e.rows.setting.threshold)
+    if not over.any():
+        return None
+    worst = float(needed[over].max())
+    return Evidence(
+        0.985 if e.sideways else 0.9,
+        f"needs mu of {worst:.3g} where the ground has {float(e.mu[over].min()):.3g}",
+    )
+
+
+@symptom(
+    "friction in the air",
+    "distance",
+    cause="friction is computed from a stale or padded contact, or from a foot's speed near the ground",
+    confirm="plot f_t against the gap",
+    cure="tie the friction to the normal force of the same instant",
+)
+def friction_in_the_air(e: Episode) -> Evidence | None:
+    """Tell whether a force across the ground where there is no contact."""
+    air = (e.gap > 1e-3) & (e.force[:, 2] <= 0.005 * e.weight)
+    side = np.hypot(e.force[:, 0], e.force[:, 1])
+    if (air & (side > e.rows.setting.threshold)).mean() < 0.5:
+        return None
+    return Evidence(
+        0.98,
+        f"{float(side[air].max()):.3g} N across the ground, {1e3 * float(e.gap[air].max()):.3g} mm above it",
+    )
+
+
+@symptom(
+    "friction drives",
+    "work",
+    cause="the sign of the tangential force or of the velocity, or a conveyor that the log does not know",
+    confirm="f_t . v_t of a sliding foot must be negative",
+    cure="check the sign; give the ground's own velocity",
+)
+def friction_drives(e: Episode) -> Evidence | None:
+    """Tell whether friction works with the slip and not against it."""
+    if e.has("distance"):
+        return None
+    return Evidence(0.992, f"{e.failed['work'].value:.3g} J given by friction in 50 ms")
+
+
+@symptom(
+    "frictionless slide",
+    "dissipation",
+    cause="friction is missing: creep of a soft contact, unknown ice, or a regularised law",
+    confirm="compare f_t with mu f_n while it slides",
+    cure="a stiffer friction (impratio, stiction), or the true mu",
+)
+def frictionless_slide(e: Episode) -> Evidence | None:
+    """Tell whether a loaded foot slides and hardly anything brakes it."""
+    if e.has("distance"):
+        return None
+    return Evidence(0.986, f"{1e3 * e.failed['dissipation'].value:.3g} mm without friction")
+
+
+@symptom(
+    "invisible geometry",
+    "distance",
+    cause="it leans on what is not the ground: a wide contact margin, a collision shape, a wrong map",
+    confirm="draw the collision geometry at that instant",
+    cure="set margins to zero, and measure the gap to what really touches",
+)
+def invisible_geometry(e: Episode) -> Evidence | None:
+    """Tell whether something carries the foot above the ground that the log knows."""
+    if e.has("motion"):
+        return None
+    real = "and the motion needs it" if e.consistent else "and nothing contradicts it"
+    height = 1e3 * float(e.gap[e.loaded].max(initial=0.0))
+    return Evidence(0.95, f"{float(e.force[:, 2].max()):.3g} N at a gap of {height:.3g} mm, {real}")
+
+
+@symptom(
+    "sinking",
+    "penetration",
+    cause="contact stiffness too low for the load, or the step too long",
+    confirm="halve the step; the depth of a soft contact stays, that of a missed one halves",
+    cure="stiffer with a shorter step, or a pressure-field contact",
+)
+def sinking(e: Episode) -> Evidence | None:
+    """Tell whether the foot sinks into the ground."""
+    depth = 1e3 * e.failed["penetration"].value
+    return Evidence(0.95, f"{depth:.3g} mm deep" + (", more than 5 mm" if depth > 5.0 else ""))
+
+
+@symptom(
+    "push off penetration",
+    "penetration",
+    cause="the engine turns depth into speed (projection, a stiff spring), and the policy uses it",
+    confirm="add up f_n v_n over the contact: it must not be positive",
+    cure="limit the depenetration speed, shorten the step, punish depth in training",
+)
+def push_off_penetration(e: Episode) -> Evidence | None:
+    """Tell whether the ground gives back more than it took: the foot is thrown out of it."""
+    power = e.force[:, 2] * e.velocity[:, 2] * e.dt
+    gained, rising = float(power[e.gap < 0.0].sum()), e.gap < -1e-3
+    speed = float(e.velocity[rising, 2].max(initial=0.0))
+    if gained < 2e-4 * e.weight or speed < 0.05:
+        return None
+    return Evidence(
+        0.97,
+        f"{gained:.3g} J won while it left {-1e3 * float(e.gap.min()):.3g} mm of depth at {speed:.2g} m/s",
+    )
+
+
+@symptom(
+    "chatter",
+    "chatter",
+    cause="contact too stiff for an explicit integrator, or a threshold without hysteresis",
+    confirm="halve the step: the frequency doubles",
+    cure="implicit integration, damping, a softer contact",
+)
+def chatter(e: Episode) -> Evidence | None:
+    """Tell whether the contact opens and closes, or its force rings, at high frequency."""
+    return Evidence(0.993, f"as if {e.failed['chatter'].value:.0f} switches in 0.1 s")
+
+
+@symptom(
+    "skating",
+    "chatter",
+    cause="between blows nothing brakes the foot, and the policy has learnt to travel on that",
+    confirm="add up the way of a foot while its force switches on and off",
+    cure="average the contact over a few steps in the reward; damp the contact",
+)
+def skating(e: Episode) -> Evidence | None:
+    """Tell whether the foot travels by chattering."""
+    way = e.velocity[:, :2] * e.dt[:, None]
+    gone = float(np.hypot(*way.sum(axis=0)))
+    if gone < 2e-3:
+        return None
+    return Evidence(0.995, f"{1e3 * gone:.3g} mm while it chattered")
+
+
+@symptom(
+    "one step impulse",
+    "blow",
+    cause="a contact resolved in one step: a missed collision, a reset, or a force read as impulse over dt",
+    confirm="halve the step: the force doubles and its impulse stays",
+    cure="restitution zero, shorter steps, limit forces before they enter a reward",
+)
+def one_step_impulse(e: Episode) -> Evidence | None:
+    """Tell whether a blow of one step that no foot gives."""
+    if e.failed["blow"].rows > 6:
+        return None
+    return Evidence(0.975, f"{e.failed['blow'].value:.3g} m g above the rows on both sides")
+
+
+@symptom(
+    "solver asymmetry",
+    "lean",
+    cause="the solver favours the contacts that it visits first: too few sweeps",
+    confirm="change the order of the contacts, or the number of sweeps: the share moves",
+    cure="more iterations, a solver that converges, or contacts in random order",
+)
+def solver_asymmetry(e: Episode) -> Evidence | None:
+    """Tell whether one diagonal of feet carries more than the other, for no reason of the motion's."""
+    text = f"one diagonal carries {e.failed['lean'].value:.2g} m g more than the other"
+    return Evidence(0.9 if e.consistent else 0.6, text)
+
+
+@symptom(
+    "odd pressure",
+    "pressure",
+    cause="pulling corners, or a wrench about another point than is told",
+    confirm="print the corner forces",
+    cure="take moments about the sole's own frame",
+)
+def odd_pressure(e: Episode) -> Evidence | None:
+    """Tell whether the centre of pressure lies outside the sole."""
+    return Evidence(0.9, f"{1e3 * e.failed['pressure'].value:.3g} mm beyond the edge")

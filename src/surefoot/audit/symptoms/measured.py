@@ -1,0 +1,300 @@
+"""Symptoms of what is measured: the logged force is not the true one, or the joints tell another."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surefoot.audit.episode import Episode
+from surefoot.audit.symptoms.fits import best_shift, rotation_between
+from surefoot.audit.symptoms.symptom import Evidence, symptom
+
+_SIGNS = np.array([[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
+AT_STOP = 0.01
+"""A joint is at its stop within this [rad, m]."""
+
+
+@symptom(
+    "wrong frame",
+    "motion",
+    cause="forces and Jacobian are in different frames (LOCAL with world forces, another normal)",
+    confirm="the power test f . J v = tau . v, in each frame",
+    cure="state the frame in the name and rotate once, at the door",
+)
+def wrong_frame(e: Episode) -> Evidence | None:
+    """Tell whether the logged force is the true one, turned."""
+    true = e.true
+    if true is None:
+        return None
+    turn = rotation_between(true, e.force)
+    angle = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+    share = e.explained(true @ turn.T)
+    if angle < 3.0 or share < 0.8:
+        return None
+    return Evidence(
+        share - 0.03, f"turning the forces by {angle:.0f} deg explains {100 * share:.0f} % of the mismatch"
+    )
+
+
+@symptom(
+    "mirrored",
+    "motion",
+    cause="one tangent has the wrong sign: a left-handed contact frame or another order of axes",
+    confirm="push the robot sideways and compare the sign of the forces",
+    cure="build the frame from the normal and a heading, right-handed",
+)
+def mirrored(e: Episode) -> Evidence | None:
+    """Tell whether the logged force is the true one in a mirror."""
+    true = e.true
+    if true is None:
+        return None
+    best, which = max((e.explained(true * sign), k) for k, sign in enumerate(_SIGNS))
+    if best < 0.9:
+        return None
+    return Evidence(
+        best - 0.005, f"the sign of {'xy'[which]} reversed explains {100 * best:.0f} % of the mismatch"
+    )
+
+
+@symptom(
+    "reversed",
+    cause="action and reaction are exchanged: the force on the ground, not on the robot",
+    confirm="a standing robot's forces must add up to +m g",
+    cure="reverse the sign where the forces are read",
+)
+def reversed_force(e: Episode) -> Evidence | None:
+    """Tell whether the logged force acts on the ground."""
+    true = e.true
+    if true is None:
+        if e.has("pull") and float(np.mean(e.force[:, 2])) < -0.05 * e.weight:
+            return Evidence(0.9, "the ground pulls with a share of the weight throughout")
+        return None
+    share = e.explained(-true)
+    if share <= 0.9:
+        return None
+    return Evidence(share, f"the sign reversed explains {100 * share:.0f} % of the mismatch")
+
+
+@symptom(
+    "wrong scale",
+    "motion",
+    cause="wrong unit (kgf, lbf), gain, or share of a foot",
+    confirm="a standing robot's forces must add up to m g",
+    cure="convert once, where the log is read",
+)
+def wrong_scale(e: Episode) -> Evidence | None:
+    """Tell whether the logged force is a multiple of the true one."""
+    true = e.true
+    if true is None:
+        return None
+    known = np.isfinite(true).all(axis=1)
+    factor = float((e.force[known] * true[known]).sum() / max(float((true[known] ** 2).sum()), 1e-12))
+    share = e.explained(factor * true)
+    if factor <= 0.02 or abs(factor - 1.0) < 0.02 or share < 0.9:
+        return None
+    return Evidence(
+        share - 0.002, f"{factor:.3g} times the force that the legs carry ({100 * share:.0f} % explained)"
+    )
+
+
+@symptom(
+    "bias",
+    "motion",
+    cause="the sensor's zero has drifted, or the foot's own weight is in it",
+    confirm="read the sensor with the foot in the air",
+    cure="zero it in flight",
+)
+def bias(e: Episode) -> Evidence | None:
+    """Tell whether a constant has been added to the force."""
+    true = e.true
+    if true is None:
+        return None
+    offset = np.nanmean(e.force - true, axis=0)
+    share = e.explained(true + offset)
+    if share < 0.9:
+        return None
+    flies = bool((np.linalg.norm(np.nan_to_num(true), axis=1) < 0.03 * e.weight).mean() > 0.1)
+    doubt = 0.02 if flies else 0.15  # where the load never changes a gain or a turn explains as much
+    return Evidence(
+        share - doubt, f"a constant of {float(np.linalg.norm(offset)):.3g} N explains {100 * share:.0f} %"
+    )
+
+
+@symptom(
+    "delayed",
+    "motion",
+    cause="two clocks, or a filter before the log",
+    confirm="knock on the foot and compare the stamps with the joints'",
+    cure="stamp at the source; shift or filter all channels alike",
+)
+def delayed(e: Episode) -> Evidence | None:
+    """Tell whether the force comes late or early."""
+    whole = e.whole_true(e.column)
+    if whole is None:
+        return None
+    best, shift = best_shift(whole, e.rows.forces[:, e.column], e.rows.window(0.08), e.rows.core)
+    if best < 0.8 or abs(shift) < 3:
+        return None
+    late = "late" if shift > 0 else "early"
+    return Evidence(
+        best - 0.004,
+        f"{1e3 * abs(shift) * e.rows.setting.dt:.0f} ms {late} explains {100 * best:.0f} % of the mismatch",
+    )
+
+
+@symptom(
+    "swapped feet",
+    "motion",
+    cause="the order of the feet differs between the sensor and the robot",
+    confirm="lift one foot: which channel goes to zero?",
+    cure="map by name, never by position",
+)
+def swapped_feet(e: Episode) -> Evidence | None:
+    """Tell whether the force belongs to another foot."""
+    if e.true is None:
+        return None
+    fits = []
+    for other in range(e.rows.points):
+        theirs = None if other == e.column else e.true_of(other)
+        if theirs is not None:
+            fits.append((e.explained(theirs), other))
+    share, other = max(fits, default=(0.0, 0))
+    if share < 0.9:
+        return None
+    return Evidence(
+        share,
+        f"what is logged here is the force of {e.rows.setting.names[other]} ({100 * share:.0f} % explained)",
+    )
+
+
+@symptom(
+    "dropout",
+    "motion",
+    cause="the sensor or its message was lost, or the contact was not found",
+    confirm="compare with the leg's torques: they carry on",
+    cure="hold or flag lost samples; check the contact filter",
+)
+def dropout(e: Episode) -> Evidence | None:
+    """Tell whether a foot that carries reports nothing."""
+    true = e.true
+    if true is None:
+        return None
+    none = np.linalg.norm(e.force, axis=1) <= e.rows.setting.threshold
+    carried = np.nan_to_num(true[:, 2]) > 0.04 * e.weight
+    share = float((none & carried).mean())
+    if share < 0.7:
+        return None
+    return Evidence(0.999, f"zero where the leg carries {float(np.nanmean(true[:, 2])):.3g} N")
+
+
+@symptom(
+    "frozen",
+    "frozen",
+    cause="the same sample again: a stale buffer or a driver that repeats",
+    confirm="compare the message's own time stamp",
+    cure="log the sensor's stamp, drop repeats",
+)
+def frozen(e: Episode) -> Evidence | None:
+    """Tell whether the force does not change in the last digit."""
+    if e.true is not None and not e.has("motion"):
+        return None
+    same = (np.diff(e.force, axis=0) == 0.0).all(axis=1)
+    if same.mean() < 0.7 or float(np.median(e.gap)) > 1e-3:
+        return None
+    value = float(np.median(e.force[:, 2]))
+    return Evidence(1.0, f"{value:.6g} N in {e.failed['frozen'].rows} rows, not one digit moves")
+
+
+@symptom(
+    "clipped",
+    "motion",
+    cause="the sensor or its channel is at the end of its range",
+    confirm="load the foot by hand beyond it",
+    cure="a larger range; treat the limit as unknown, not as a value",
+)
+def clipped(e: Episode) -> Evidence | None:
+    """Tell whether the force stops at a value that it never exceeds."""
+    whole = e.rows.normal[:, e.column]
+    top = float(whole.max())
+    at = np.isclose(e.force[:, 2], top, rtol=1e-9)
+    if (
+        e.true is None
+        or top <= 0.0
+        or at.mean() < 0.3
+        or float(np.nanmin(e.true[at, 2] - top)) < -0.01 * e.weight
+    ):
+        return None
+    return Evidence(0.985, f"stays at {top:.4g} N in {100 * at.mean():.0f} % of the rows, none is higher")
+
+
+@symptom(
+    "phantom force",
+    "distance",
+    "motion",
+    cause="the sensor has an offset, or another foot's force got into this channel",
+    confirm="lift the foot by hand: it should read zero",
+    cure="zero the sensors in flight",
+)
+def phantom_force(e: Episode) -> Evidence | None:
+    """Tell whether a sensor reports force on a foot that is in the air."""
+    if e.true is None:
+        return None
+    air = e.gap > 1e-3
+    none = np.linalg.norm(e.true[air], axis=1) < 0.03 * e.weight
+    if air.mean() < 0.5 or none.mean() < 0.8:
+        return None
+    return Evidence(0.98, f"{float(np.abs(e.force[air, 2]).max()):.3g} N while the leg carries nothing")
+
+
+@symptom(
+    "joint stop",
+    "motion",
+    cause="a joint rests on its stop (the robot fell, or squats too deep), whose torque is not in the log",
+    confirm="compare the joint's angle with its range",
+    cure="keep away from the range's ends; log the constraint torques of the simulator",
+)
+def joint_stop(e: Episode) -> Evidence | None:
+    """Tell whether a joint rests on its mechanical stop, whose torque no log has."""
+    robot = e.rows.setting.robot
+    if robot is None:
+        return None
+    leg = robot.contact_points.support[e.column][robot.base_dof :]
+    q = np.asarray(e.rows.log["q"])[e.rows.core, 7:]
+    low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    if q.shape[1] != len(leg):
+        return None  # joints whose configuration has more numbers than their velocity
+    beyond = ((q < low + AT_STOP) | (q > high - AT_STOP)) & leg
+    share = float(beyond.any(axis=1).mean())
+    if share < 0.3:
+        return None
+    name = robot.joint_names[int(beyond.sum(axis=0).argmax())]
+    return Evidence(1.0, f"{name} is at the end of its range in {100 * share:.0f} % of the rows")
+
+
+@symptom(
+    "wrong torques",
+    "motion",
+    cause="joint torques are permuted, of the other sign, or not those that were applied",
+    confirm="the power test tau . v = f . J v, joint by joint",
+    cure="map joints by name; log the applied torque, not the commanded one",
+)
+def wrong_torques(e: Episode) -> Evidence | None:
+    """Tell whether forces explain the body's motion, the joint torques do not."""
+    rest = e.rows.unexplained
+    if rest is None:
+        return None
+    body = np.linalg.norm(rest.force[e.rows.core], axis=1)
+    if float(np.nanmean(body)) > 0.02 * e.weight:
+        return None
+    return Evidence(0.97, "the forces add up to the body's motion, and this leg's torques ask for others")
+
+
+@symptom(
+    "unexplained motion",
+    "motion",
+    cause="a measurement of this leg is wrong: force, torque or joints",
+    confirm="stand still and compare J^T f with the torques",
+    cure="check units, order and time of the channels of this leg",
+)
+def unexplained_motion(e: Episode) -> Evidence | None:
+    """Tell whether forces and motion do not belong together."""
+    return Evidence(0.3, f"{e.failed['motion'].value:.3g} N of this foot's force are unaccounted for")
