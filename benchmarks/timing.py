@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
+from surefoot.control.controller import Command, Controller, RobotState
 
 Answer = TypeVar("Answer")
 Key = TypeVar("Key", bound=Hashable)
@@ -112,3 +113,42 @@ def interleaved(
                 seconds[key].append(took)
                 spent[key] += took
     return {key: Timing.of(s) for key, s in seconds.items()}
+
+
+class Stopwatch(Controller):
+    """A controller whose steps are timed.
+
+    Parameters
+    ----------
+    inner
+        The controller.
+
+    Attributes
+    ----------
+    cpu, wall
+        Processor and wall time of every step so far [s].
+    """
+
+    def __init__(self, inner: Controller) -> None:
+        self.inner = inner
+        self.channels, self.facts = inner.channels, inner.facts
+        self.cpu: list[float] = []
+        self.wall: list[float] = []
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self.inner.reset()
+        self.cpu.clear()
+        self.wall.clear()
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that a step calls."""
+        self.inner.warm_up(state)
+
+    def step(self, state: RobotState) -> Command:
+        """Return the controller's command."""
+        wall, cpu = time.perf_counter(), time.process_time()
+        command = self.inner.step(state)
+        self.cpu.append(time.process_time() - cpu)
+        self.wall.append(time.perf_counter() - wall)
+        return command
