@@ -235,7 +235,8 @@ def compare(
                 for k, named in enumerate(problems):
                     progress(named.name)
                     runs.extend(_runs(named, tol, solvers, rivals, max_time, budget))
-                    runs.extend(_siconos(named, name, *found[k]) for name, found in siconos.items())
+                    for name, found in siconos.items():
+                        runs.append(_run(named, name, _timings(name, found[k][0]), found[k][1], tol))
         except BaseException as fault:
             faults.append(fault)
 
@@ -282,6 +283,13 @@ def _runs(
     return [_run(named, name, timings, gap, tol) for name, gap in gaps.items()]
 
 
+def _timings(name: str, found: siconos_rival.SiconosRun | None) -> dict[tuple[str, Kind], Timing]:
+    """Return the times of Siconos, which was timed in its own process."""
+    if found is None:
+        return {}
+    return {(name, "ready"): Timing.of([found.solve]), (name, "fresh"): Timing.of([found.fresh])}
+
+
 def _run(
     named: NamedProblem, solver: str, timings: Mapping[tuple[str, Kind], Timing], residual: float, tol: float
 ) -> Run:
@@ -290,13 +298,4 @@ def _run(
     return Run(
         named.name, named.family, named.problem.contacts, solver, ready.median, residual, solved, ready.p99,
         fresh.median, fresh.p99,
-    )  # fmt: skip
-
-
-def _siconos(named: NamedProblem, name: str, found: siconos_rival.SiconosRun | None, residual: float) -> Run:
-    """Return the run of Siconos, which was timed in its own process."""
-    solve, fresh = (found.solve, found.fresh) if found is not None else (float("inf"), float("inf"))
-    return Run(
-        named.name, named.family, named.problem.contacts, name, solve, residual, found is not None, solve,
-        fresh, fresh,
     )  # fmt: skip
