@@ -177,8 +177,8 @@ def performance_profile(times: dict[str, FloatArray], ratios: FloatArray) -> dic
     return out
 
 
-def problems_in(folder: Path, most: int | None = None) -> list[NamedProblem]:
-    """Return the problems of all files in a folder that we can read, by name; at most so many contacts.
+def problems_in(folder: Path) -> list[NamedProblem]:
+    """Return the problems of all files in a folder that we can read, by name.
 
     Raises
     ------
@@ -190,8 +190,7 @@ def problems_in(folder: Path, most: int | None = None) -> list[NamedProblem]:
     files = sorted(f for f in folder.iterdir() if f.suffix in KINDS)
     if not files:
         raise ProblemError(f"no contact problems ({', '.join(KINDS)}) in {folder}")
-    found = [NamedProblem(f.name, "files", read_problem(f)) for f in files]
-    return [p for p in found if most is None or p.problem.contacts <= most]
+    return [NamedProblem(f.name, "files", read_problem(f)) for f in files]
 
 
 def compare(
