@@ -103,21 +103,15 @@ class PinocchioCall:
         self.operator = (
             pinocchio.DelassusOperatorSparse if setting.sparse else pinocchio.DelassusOperatorDense
         )
+        name = setting.method.upper()
+        self.solver = getattr(pinocchio, f"{name}ConstraintSolver")(problem.g.size)
+        options = getattr(pinocchio, f"{name}SolverSettings")()
+        self.make = getattr(pinocchio, f"{name}SolverResult")
         if setting.method == "admm":
-            self.solver, options = (
-                pinocchio.ADMMConstraintSolver(problem.g.size),
-                pinocchio.ADMMSolverSettings(),
-            )
             options.admm_update_rule = getattr(pinocchio.ADMMUpdateRule, setting.rule)
             options.anderson_capacity = setting.anderson
-            self.make = pinocchio.ADMMSolverResult
         else:
-            self.solver, options = (
-                pinocchio.PGSConstraintSolver(problem.g.size),
-                pinocchio.PGSSolverSettings(),
-            )
             options.over_relaxation = setting.relaxation
-            self.make = pinocchio.PGSSolverResult
         options.max_iterations = iterations
         options.absolute_feasibility_tol = options.absolute_complementarity_tol = tol
         options.relative_feasibility_tol = options.relative_complementarity_tol = 0.0

@@ -93,11 +93,7 @@ class Stack(Protocol):
 
     @property
     def name(self) -> str:
-        """On the command line."""
-
-    @property
-    def title(self) -> str:
-        """In tables."""
+        """On the command line, and in tables."""
 
     def missing(self) -> str:
         """Return why it cannot run here, in one line; empty where it can."""
@@ -140,7 +136,6 @@ class Surefoot:
     """Surefoot's own walking controller, with the defaults of `surefoot walk`."""
 
     name = "surefoot"
-    title = "Surefoot"
 
     def missing(self) -> str:
         """See `Stack.missing`."""
