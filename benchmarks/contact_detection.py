@@ -72,11 +72,11 @@ def _delays(delays: FloatArray) -> str:
     return f"{1e3 * np.median(delays):.0f}, {1e3 * worst:.0f}"
 
 
-def slippery_walk(world: str, mu: float, duration: float = 2.0) -> Log:
+def slippery_walk(world: str, mu: float) -> Log:
     """Return the log of a Go2 that trots at 0.6 m/s, and is pushed, on less friction than it was told."""
     push = Push(0.8, PUSH, 0.2)
     walk = Walk(velocity=(0.6, 0.0, 0.0), mu=mu, believed_mu=BELIEVED, world=world, pushes=(push,))
-    return walk.log(0, duration)
+    return walk.log(0, 2.0)
 
 
 def friction_answers(world: str, mu: float) -> tuple[float, FloatArray, float]:

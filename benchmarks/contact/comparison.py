@@ -198,7 +198,6 @@ def compare(
     tol: float = 1e-8,
     solvers: Sequence[str] = OURS,
     rivals: bool = True,
-    max_time: float = 10.0,
     progress: Callable[[str], None] = lambda _: None,
     budget: float = TIMED,
 ) -> Comparison:
@@ -214,8 +213,6 @@ def compare(
         Our solvers; with "auto" also the real-time path `ContactSolver`, where it takes the problem.
     rivals
         Whether to run Pinocchio's solvers, and Siconos where it is installed.
-    max_time
-        Bound on one solve of ours [s].
     progress
         Is told the name of each problem.
     budget
@@ -233,7 +230,7 @@ def compare(
             with one_core():
                 for k, named in enumerate(problems):
                     progress(named.name)
-                    runs.extend(_runs(named, tol, solvers, rivals, max_time, budget))
+                    runs.extend(_runs(named, tol, solvers, rivals, budget))
                     for name, found in siconos.items():
                         runs.append(_run(named, name, _timings(name, found[k][0]), found[k][1], tol))
         except BaseException as fault:
@@ -260,14 +257,12 @@ def copies_of(problem: ContactProblem) -> list[ContactProblem]:
     ]
 
 
-def _runs(
-    named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, max_time: float, budget: float
-) -> list[Run]:
+def _runs(named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, budget: float) -> list[Run]:
     """Return the runs of ours and of Pinocchio's solvers on one problem, timed in turns."""
     problem, copies = named.problem, copies_of(named.problem)
     calls: dict[tuple[str, Kind], Callable[[int], Any]] = {}
     gaps: dict[str, float] = {}
-    for name, (ready, fresh) in our_calls(problem, copies, solvers, tol, max_time).items():
+    for name, (ready, fresh) in our_calls(problem, copies, solvers, tol).items():
         answers = [ready(0), *(fresh(k) for k in range(len(copies)))]
         gaps[name] = max(judge(p, f) for p, f in zip([problem, *copies], answers, strict=True))
         if gaps[name] <= tol:

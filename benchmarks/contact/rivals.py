@@ -141,21 +141,17 @@ def matrix(problem: ContactProblem, setting: Setting) -> Any:
 
 
 def best_call(
-    problem: ContactProblem,
-    setting: Setting,
-    tol: float,
-    copies: Sequence[ContactProblem] = (),
-    budget: float = BUDGET,
+    problem: ContactProblem, setting: Setting, tol: float, copies: Sequence[ContactProblem] = ()
 ) -> tuple[PinocchioCall | None, float]:
     """Return the loosest call that satisfies our judge on the problem and its copies, and its residual.
 
-    None and the least residual found, if none does within the budget [s] (a started solve is finished).
+    None and the least residual found, if none does within `BUDGET` (a started solve is finished).
     """
     scale = float(np.abs(problem.g).max(initial=0.0)) or 1.0  # its tolerances are absolute velocities
     iterations = ITERATIONS if problem.contacts <= FEW else ITERATIONS_MANY
     formats = [(p, (matrix(p, setting), p.g)) for p in copies]
     least = [float("inf")]
-    stop = time.perf_counter() + budget
+    stop = time.perf_counter() + BUDGET
 
     def attempt(step: float) -> tuple[PinocchioCall, float] | None:
         call = PinocchioCall(problem, setting, tol * step * scale, iterations)
