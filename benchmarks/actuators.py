@@ -6,27 +6,24 @@ links may touch, the state is estimated from ordinary sensors.
 
 from __future__ import annotations
 
-import argparse
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from rich.table import Table
 
-from benchmarks.printing import show
-from surefoot.audit import WalkSummary, summarise_walk
+from benchmarks import walks
+from benchmarks.printing import options, show
+from benchmarks.printing import table as table_of
 from surefoot.cli.command_options import Wiring
-from surefoot.control.actuators import actuators_of
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.robot import load_robot
+from surefoot.control.controller import Controller
+from surefoot.control.walkers import walking_controller
+from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
-from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.walk_terrain import start_pose
-from surefoot.simulation.worlds import make_world
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import FlatTerrain
+from surefoot.terrain import Terrain
 
 TORQUES, TARGETS = Wiring(latency=0.0), Wiring(targets=True, latency=0.0)
 WIRINGS = {
@@ -36,31 +33,22 @@ WIRINGS = {
     "targets, delay made up for": replace(TARGETS, latency=None),
     "targets, controller at 250 Hz": Wiring(targets=True, every=4),
 }
-ROBOTS = ("anymal_c", "a1", "go1", "b1", "solo12", "hyq", "laikago")
 
 
 @dataclass(frozen=True)
-class Walk:
-    """A trot on level ground; delays in seconds."""
+class Walk(walks.Walk):
+    """A trot on level ground whose commands reach the motors in some way."""
 
-    robot: str = "go2"
-    speed: float = 0.5
-    actuators: str = "real"
+    options: Mapping[str, Any] = field(default_factory=lambda: walks.HARD)
+    sensors: SensorModel | None = field(default_factory=SensorModel)
     wired: Wiring = TORQUES
-    delay: float = 0.0
 
-    def summary(self, seed: int, duration: float) -> WalkSummary:
-        """Return what the walk with a seed came to."""
-        robot, ground = load_robot(self.robot), FlatTerrain()
-        command = VelocityCommand.constant(self.speed, 0.0, 0.0)
-        settings = WalkSettings(actuators=actuators_of(robot, self.actuators))
-        walking = WalkingController(robot, command, "trot", ground, settings, self.wired.dt)
-        scenario = Scenario(
-            duration, settings.mu, seed=seed, start=start_pose(robot, ground), sensors=SensorModel(),
-            faults=Faults(delay=self.delay),
-        )  # fmt: skip
-        world = make_world("mujoco", robot, ground, settings.mu, actuators=self.actuators, collision="full")
-        return summarise_walk(run(world, self.wired.around(walking, robot), scenario))
+    def controller(self, robot: Robot, terrain: Terrain) -> Controller:
+        """Return the walking controller and what is around it."""
+        walking = walking_controller(
+            robot, self.command, self.gait, terrain, self.mu, self.motors(robot), self.wired.dt
+        )
+        return self.wired.around(walking, robot)
 
 
 COLUMNS = (
@@ -85,21 +73,17 @@ def row(walk: Walk, seeds: int, duration: float) -> Iterator[str]:
     yield f"{sum(touched)} of {seeds}"
 
 
-def table(title: str, walks: dict[str, Walk], seeds: int, duration: float) -> Table:
+def table(title: str, chosen: dict[str, Walk], seeds: int, duration: float) -> Table:
     """Return one row for every walk."""
-    out = Table(title=f"{title}; {duration:g} s, worst of {seeds} seeds")
-    for column in ("walk", *COLUMNS):
-        out.add_column(column, justify="left" if column == "walk" else "right")
-    for name, walk in walks.items():
-        out.add_row(name, *row(walk, seeds, duration))
-    return out
+    rows = [(name, *row(walk, seeds, duration)) for name, walk in chosen.items()]
+    return table_of(("walk", *COLUMNS), rows, f"{title}; {duration:g} s, worst of {seeds} seeds")
 
 
 def speeds() -> dict[str, Walk]:
     """Return trots at rising speeds, with ideal and real motors."""
     return {
         f"{speed:g} m/s, {actuators}, {'targets' if wired.targets else 'torques'}": Walk(
-            speed=speed, actuators=actuators, wired=wired
+            velocity=(speed, 0.0, 0.0), options={**walks.HARD, "actuators": actuators}, wired=wired
         )
         for speed in (0.5, 1.0, 1.5, 2.0)
         for actuators, wired in (("ideal", TORQUES), ("real", TORQUES), ("real", TARGETS))
@@ -109,7 +93,7 @@ def speeds() -> dict[str, Walk]:
 def delays() -> dict[str, Walk]:
     """Return trots at 0.5 m/s whose commands come late."""
     return {
-        f"{1e3 * delay:g} ms, {name}": Walk(wired=wired, delay=delay)
+        f"{1e3 * delay:g} ms, {name}": Walk(wired=wired, faults=Faults(delay=delay))
         for delay in (0.005, 0.01)
         for name, wired in WIRINGS.items()
     }
@@ -118,11 +102,11 @@ def delays() -> dict[str, Walk]:
 def robots() -> dict[str, Walk]:
     """Return trots of other robots at 0.5 sqrt(g h)."""
     out = {}
-    for name in ROBOTS:
-        robot = load_robot(name)
-        speed = 0.5 * math.sqrt(GRAVITY * float(robot.nominal[2]))
+    for name in walks.QUADRUPEDS:
+        speed = 0.5 * math.sqrt(GRAVITY * float(walks.known_robot(name).nominal[2]))
         for label, wired in (("torques", TORQUES), ("targets", TARGETS)):
-            out[f"{name}, {speed:.2f} m/s, {label}"] = Walk(robot=name, speed=round(speed, 2), wired=wired)
+            velocity = round(speed, 2), 0.0, 0.0
+            out[f"{name}, {speed:.2f} m/s, {label}"] = Walk(name, velocity, wired=wired)
     return out
 
 
@@ -131,13 +115,8 @@ PARTS = {"speeds": speeds, "delays": delays, "robots": robots}
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="one short run")
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--duration", type=float, default=6.0)
-    parser.add_argument("--only", default="", help="walks whose names hold this")
+    parser = options(__doc__, "one short run", seeds=3, duration=6.0)
     parser.add_argument("--part", choices=tuple(PARTS), action="append")
-    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     if given.quick:
         quick = table("quick", {"0.5 m/s, real, targets": Walk(wired=TARGETS)}, 1, 1.0)

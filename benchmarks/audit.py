@@ -32,12 +32,20 @@ class FaultScore:
 
     fault: LogFault
     trials: int
-    unlawful: int
+    noticed: int
     foot: int
     time: int
     cause: int
     found: int
     wrong: tuple[str, ...]
+
+    @property
+    def record(self) -> dict[str, object]:
+        """What ``--json`` prints of it."""
+        fault = {
+            name: getattr(self.fault, name) for name in ("name", "title", "amplitude", "unit", "symptom")
+        }
+        return fault | {name: value for name, value in vars(self).items() if name != "fault"}
 
 
 def judge(fault: LogFault, spoilt: SpoiltLog, report: AuditReport) -> tuple[bool, bool, bool, bool]:
@@ -70,16 +78,18 @@ def judge(fault: LogFault, spoilt: SpoiltLog, report: AuditReport) -> tuple[bool
 
 def score(fault: LogFault, logs: Iterator[Log], runs: int = 8) -> FaultScore:
     """Spoil `runs` logs that suit and audit them."""
-    counts, wrong, trials = [0] * 5, list[str](), 0
+    rows, wrong = [], list[str]()
     for spoilt in spoilt_logs(fault, logs, runs):
         report = audit_log(spoilt.log)
         right = judge(fault, spoilt, report)
-        trials += 1
-        for k, one in enumerate((*right, all(right))):
-            counts[k] += int(one)
+        rows.append((*right, all(right)))
         if not all(right):
             wrong.append(f"{spoilt.contact} {spoilt.start:.3f}..{spoilt.end:.3f}: {report.sentence}")
-    return FaultScore(fault, trials, counts[0], counts[1], counts[2], counts[3], counts[4], tuple(wrong))
+    counts = {
+        name: sum(row[k] for row in rows)
+        for k, name in enumerate(("noticed", "foot", "time", "cause", "found"))
+    }
+    return FaultScore(fault, len(rows), wrong=tuple(wrong), **counts)
 
 
 def measure(
@@ -122,7 +132,9 @@ def main() -> None:
     if given.folder is not None:
         given.folder.mkdir(parents=True, exist_ok=True)
     if given.json:
-        print(json.dumps(_record(given.runs, given.clean, given.folder, given.only), ensure_ascii=False))
+        faults = [s.record for s in measure(given.runs, given.only, given.folder)]
+        alarms = false_alarms(given.clean, given.folder)
+        print(json.dumps({"faults": faults, "clean": given.clean, "alarms": alarms}, ensure_ascii=False))
         return
     heads = ("trials", "noticed", "foot", "time", "cause", "all")
     print(f"{'fault':12} {'amplitude':>14}" + "".join(f"{head:>8}" for head in heads))
@@ -131,7 +143,7 @@ def main() -> None:
         size = f"{s.fault.amplitude:.3g} {s.fault.unit}"
         print(
             f"{s.fault.name:12} {size:>14}"
-            + "".join(f"{n:8}" for n in (s.trials, s.unlawful, s.foot, s.time, s.cause, s.found)),
+            + "".join(f"{n:8}" for n in (s.trials, s.noticed, s.foot, s.time, s.cause, s.found)),
             flush=True,
         )
         for line in s.wrong:
@@ -142,19 +154,6 @@ def main() -> None:
     print(f"{len(alarms)} false alarms on {given.clean} clean runs")
     for line in alarms:
         print("    " + line[:250])
-
-
-def _record(runs: int, clean: int, folder: Path | None, only: Sequence[str] | None) -> dict[str, object]:
-    """Return what --json prints."""
-    faults = [
-        {
-            "name": s.fault.name, "title": s.fault.title, "amplitude": s.fault.amplitude,
-            "unit": s.fault.unit, "symptom": s.fault.symptom, "trials": s.trials, "noticed": s.unlawful,
-            "foot": s.foot, "time": s.time, "cause": s.cause, "found": s.found, "wrong": s.wrong,
-        }
-        for s in measure(runs, only, folder)
-    ]  # fmt: skip
-    return {"faults": faults, "clean": clean, "alarms": false_alarms(clean, folder)}
 
 
 if __name__ == "__main__":

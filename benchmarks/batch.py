@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import importlib.util
 from collections import Counter
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 import surefoot as sf
 from benchmarks.batch_rivals import jax_sweeps, robots_together, step_derivatives
+from benchmarks.contact.rivals import ITERATIONS, PinocchioCall, Setting
 from benchmarks.mjx_rival import mjx_present, mjx_row
 from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
@@ -86,65 +89,44 @@ def batches(G: FloatArray, g: FloatArray, weights: FloatArray, repeats: int) -> 
     """Seconds per problem of `solve_batch`, on one and on all threads."""
     out = {}
     f, u = weights[:, :4], weights[:, 4:]
-    for threads in (1, None):
-        name = "solve_batch, one thread" if threads == 1 else "solve_batch, all threads"
+    for name, threads in (("one thread", 1), ("all threads", None)):
+        solve = partial(sf.solve_batch, G, g, MU, tol=TOL, threads=threads)
 
-        def solve(threads: int | None = threads) -> None:
-            sf.solve_batch(G, g, MU, tol=TOL, threads=threads)
-
-        def both(threads: int | None = threads) -> None:
-            found = sf.solve_batch(G, g, MU, tol=TOL, threads=threads, derivative=True).derivative
+        def both(solve: Callable[..., Any] = solve) -> None:
+            found = solve(derivative=True).derivative
             assert found is not None
             found.vjp(f, u)
 
-        out[name] = least_time(solve, repeats) / len(G)
-        out[f"{name}, with vjp"] = least_time(both, repeats) / len(G)
+        out[f"solve_batch, {name}"] = least_time(solve, repeats) / len(G)
+        out[f"solve_batch, {name}, with vjp"] = least_time(both, repeats) / len(G)
     return out
 
 
 def pinocchio_loop(G: FloatArray, g: FloatArray, repeats: int) -> tuple[float, float]:
     """Seconds per problem of Pinocchio's ADMM at the loosest tolerance that meets ours; its worst error."""
-    import pinocchio as pin
-
-    model, place = pin.Model(), pin.SE3.Identity()
-    model.addJoint(0, pin.JointModelFreeFlyer(), place, "body")
-    models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-    for _ in range(4):
-        contact = pin.PointContactConstraintModel(model, 0, place, 1, place)
-        contact.setFriction(MU)
-        models.append(pin.ConstraintModel(contact))
-    for item in models:
-        datas.append(item.createData())
-    solver, result = pin.ADMMConstraintSolver(12), pin.ADMMSolverResult()
-    options = pin.ADMMSolverSettings()
-    options.max_iterations, options.solve_ncp = 20_000, True
-    options.relative_feasibility_tol = options.relative_complementarity_tol = 0.0
-
-    def one(A: FloatArray, a: FloatArray) -> FloatArray:
-        solver.reset()
-        solver.solve(pin.DelassusOperatorDense(A), a, models, datas, options, result)
-        return np.asarray(result.retrieveConstraintImpulses()).reshape(-1, 3)
-
     problems = [sf.ContactProblem(A, a, MU) for A, a in zip(G, g, strict=True)]
     worst = np.inf
     for tol in (1e-6, 1e-8, 1e-10, 1e-12):
-        options.absolute_feasibility_tol = options.absolute_complementarity_tol = tol
-        worst = max(sf.residuals(p, one(p.G, p.g)).velocity_error for p in problems)
+        rival = PinocchioCall(problems[0], Setting("admm"), tol, ITERATIONS)
+        worst = max(sf.residuals(p, rival.fresh((p.G, p.g))).velocity_error for p in problems)
         if worst <= TOL:
             break
-    return least_time(lambda: [one(A, a) for A, a in zip(G, g, strict=True)], repeats) / len(G), worst
+    return least_time(lambda: [rival.fresh((p.G, p.g)) for p in problems], repeats) / len(G), worst
+
+
+def slope_error(G: FloatArray, g: FloatArray, weights: FloatArray, slope: FloatArray) -> float:
+    """Largest relative error of one problem's gradient by g, against the polished derivative."""
+    wanted = sf.solve(sf.ContactProblem(G, g, MU)).derivative().vjp(weights[:4], weights[4:]).g
+    return float(np.abs(slope - wanted).max() / np.abs(wanted).max())
 
 
 def gradient_error(G: FloatArray, g: FloatArray, weights: FloatArray) -> float:
     """Largest relative error of the batch's gradients, against the polished derivative, away from kinks."""
     found = sf.solve_batch(G, g, MU, tol=TOL, derivative=True).derivative
     assert found is not None
-    back, worst = found.vjp(weights[:, :4], weights[:, 4:]), 0.0
-    for k in np.flatnonzero(found.distance > 1e-6):
-        d = sf.solve(sf.ContactProblem(G[k], g[k], MU)).derivative()
-        wanted = d.vjp(weights[k, :4], weights[k, 4:]).g
-        worst = max(worst, float(np.abs(back.g[k] - wanted).max() / np.abs(wanted).max()))
-    return worst
+    back = found.vjp(weights[:, :4], weights[:, 4:])
+    smooth = np.flatnonzero(found.distance > 1e-6)
+    return max((slope_error(G[k], g[k], weights[k], back.g[k]) for k in smooth), default=0.0)
 
 
 def jax_gradients(
@@ -152,15 +134,11 @@ def jax_gradients(
 ) -> tuple[float, float, float]:
     """Seconds per problem of JAX through sweeps; its worst velocity error, and the gradients'."""
     call, (forces, slopes) = jax_sweeps(G, g, MU, weights)
-    error = off = 0.0
-    for k in range(len(G)):
-        problem = sf.ContactProblem(G[k], g[k], MU)
-        error = max(error, sf.residuals(problem, forces[k].reshape(-1, 3)).velocity_error)
-        d = sf.solve(problem).derivative()
-        wanted = d.vjp(weights[k, :4], weights[k, 4:]).g
-        gap = float(np.abs(slopes[k] - wanted).max() / np.abs(wanted).max())
-        off = max(off, gap) if gap == gap and off == off else np.nan
-    return least_time(call, repeats) / len(G), error, off
+    problems = [sf.ContactProblem(A, a, MU) for A, a in zip(G, g, strict=True)]
+    answers = zip(problems, forces.reshape(len(G), -1, 3), strict=True)
+    error = max(sf.residuals(p, f).velocity_error for p, f in answers)
+    off = np.max([slope_error(*one) for one in zip(G, g, weights, slopes, strict=True)])
+    return least_time(call, repeats) / len(G), error, float(off)
 
 
 def measure(quick: bool = False) -> dict[str, Any]:

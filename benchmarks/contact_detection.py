@@ -7,34 +7,29 @@ The tracker of friction sees walks onto ground that is more slippery than the co
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 from rich.table import Table
 
-from benchmarks.printing import show
+from benchmarks.printing import options, show, table
+from benchmarks.walks import Walk, known_robot
 from surefoot.arrays import FloatArray
 from surefoot.audit.motion import touching
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
 from surefoot.estimation import ContactDetector, FrictionTracker, detection_errors
 from surefoot.log import Log
-from surefoot.problems.logged_runs import CleanRun
-from surefoot.robot import load_robot
-from surefoot.simulation.run import Push, Scenario, run
-from surefoot.simulation.walk_terrain import start_pose
-from surefoot.simulation.worlds import make_world
+from surefoot.simulation.run import Push
 from surefoot.spatial import GRAVITY
-from surefoot.terrain import FlatTerrain
 
 WALKS = tuple(
-    CleanRun(robot, world, terrain, "trot", (0.4, 0.0, 0.0), duration=1.5)
+    Walk(robot, (0.4, 0.0, 0.0), "trot", terrain, world=world)
     for robot, world, terrain in (
         ("go2", "mujoco", "flat"), ("go2", "rigid", "flat"), ("go2", "mujoco", "slope:10"),
         ("anymal_c", "mujoco", "flat"), ("solo12", "mujoco", "flat"),
     )
 )  # fmt: skip
+DURATION = 1.5
+"""Of these walks [s]."""
 LINEAR, ANGULAR, JOINTS, TORQUE = 0.03, 0.02, 0.05, 0.01
 """Noise (standard deviation, white in every row) of the base's velocity [m/s, rad/s], the joints' [rad/s],
 and of a torque as a share of m g times 1 m over the number of joints."""
@@ -52,13 +47,12 @@ def noisy(log: Log, seed: int) -> Iterator[tuple[FloatArray, FloatArray, FloatAr
     yield from zip(log["q"], v, tau, strict=True)
 
 
-def detection_table(walks: Sequence[CleanRun]) -> Table:
+def detection_table(walks: Sequence[Walk]) -> Table:
     """Return delays and errors of the contact detector."""
-    table = Table(title="contacts from torques and kinematics, delays in ms: median, worst")
-    for column in ("run", "noise", "touchdown", "lift-off", "missed", "false", "contacts", "rows wrong"):
-        table.add_column(column, justify="left" if column == "run" else "right")
+    columns = ("run", "noise", "touchdown", "lift-off", "missed", "false", "contacts", "rows wrong")
+    cells = []
     for walk in walks:
-        robot, log = load_robot(walk.robot), walk.make()
+        robot, log = known_robot(walk.robot), walk.log(0, DURATION)
         truth = touching(log)
         exact = zip(log["q"], log["v"], log["torques"], strict=True)
         for name, rows in (("no", exact), ("yes", noisy(log, 0))):
@@ -67,8 +61,8 @@ def detection_table(walks: Sequence[CleanRun]) -> Table:
             e = detection_errors(told, truth, log.fact("dt"))
             times = [_delays(d) for d in (e.touchdown_delays, e.lift_off_delays)]
             counts = (str(e.missed), str(e.false), str(e.contacts), f"{100 * e.wrong_share:.1f} %")
-            table.add_row(f"{walk.robot} {walk.world} {walk.terrain}", name, *times, *counts)
-    return table
+            cells.append((f"{walk.robot} {walk.world} {walk.terrain}", name, *times, *counts))
+    return table(columns, cells, "contacts from torques and kinematics, delays in ms: median, worst")
 
 
 def _delays(delays: FloatArray) -> str:
@@ -78,14 +72,11 @@ def _delays(delays: FloatArray) -> str:
     return f"{1e3 * np.median(delays):.0f}, {1e3 * worst:.0f}"
 
 
-def slippery_walk(world: str, mu: float, duration: float = 2.0) -> Log:
+def slippery_walk(world: str, mu: float) -> Log:
     """Return the log of a Go2 that trots at 0.6 m/s, and is pushed, on less friction than it was told."""
-    robot, ground = load_robot("go2"), FlatTerrain()
-    q = start_pose(robot, ground)
-    command = VelocityCommand.constant(0.6, 0.0, 0.0)
-    controller = WalkingController(robot, command, "trot", ground, WalkSettings(mu=BELIEVED))
-    scenario = Scenario(duration, mu, (Push(0.8, PUSH, 0.2),), seed=0, start=q)
-    return run(make_world(world, robot, ground, mu), controller, scenario)
+    push = Push(0.8, PUSH, 0.2)
+    walk = Walk(velocity=(0.6, 0.0, 0.0), mu=mu, believed_mu=BELIEVED, world=world, pushes=(push,))
+    return walk.log(0, 2.0)
 
 
 def friction_answers(world: str, mu: float) -> tuple[float, FloatArray, float]:
@@ -105,22 +96,18 @@ def friction_answers(world: str, mu: float) -> tuple[float, FloatArray, float]:
 
 def friction_table(cases: Sequence[tuple[str, float]]) -> Table:
     """Return how soon and how well a slide tells friction."""
-    table = Table(title=f"friction while it goes, believed {BELIEVED}, forces with 10 % noise")
-    for column in ("world", "true mu", "ms to answer", "answers (all feet, all times)", "highest low"):
-        table.add_column(column, justify="left" if column == "world" else "right")
+    rows = []
     for world, mu in cases:
         wait, answers, low = friction_answers(world, mu)
         ends = f"{answers.min():.3f} to {answers.max():.3f}"
-        table.add_row(world, f"{mu:g}", f"{1e3 * wait:.0f}", ends, f"{low:.3f}")
-    return table
+        rows.append((world, f"{mu:g}", f"{1e3 * wait:.0f}", ends, f"{low:.3f}"))
+    columns = ("world", "true mu", "ms to answer", "answers (all feet, all times)", "highest low")
+    return table(columns, rows, f"friction while it goes, believed {BELIEVED}, forces with 10 % noise")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="one run for each table")
-    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
-    given = parser.parse_args(arguments)
+    given = options(__doc__, "one run for each table").parse_args(arguments)
     cases = [(world, mu) for world in ("rigid", "mujoco") for mu in (0.15, 0.25)]
     detection = detection_table(WALKS[:1] if given.quick else WALKS)
     show([detection, friction_table(cases[1:2] if given.quick else cases)], given.json)

@@ -10,10 +10,10 @@ problems a second at a velocity error of 1e-6.
 from __future__ import annotations
 
 import argparse
-import time
 
 import numpy as np
 
+from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
 
 REPEATS = 5
@@ -67,18 +67,19 @@ def main() -> None:
     found = sfw.solve(G, g, mu, tol=chosen.tol)  # compiles
     weights = wp.full((chosen.problems, 4, 3), real(1.0), dtype=real, device=chosen.device)
     sfw.vjp(G, g, mu, found, forces=weights)
-    for name in ("solves", "gradients"):
-        best = np.inf
-        for _ in range(REPEATS):
-            wp.synchronize_device(chosen.device)
-            start = time.perf_counter()
-            if name == "solves":
-                sfw.solve(G, g, mu, tol=chosen.tol, out=found)
-            else:
-                sfw.vjp(G, g, mu, found, forces=weights)
-            wp.synchronize_device(chosen.device)
-            best = min(best, time.perf_counter() - start)
-        print(f"{name}: {chosen.problems / best:,.0f} a second on {chosen.device}")
+
+    def solves() -> None:
+        sfw.solve(G, g, mu, tol=chosen.tol, out=found)
+        wp.synchronize_device(chosen.device)
+
+    def gradients() -> None:
+        sfw.vjp(G, g, mu, found, forces=weights)
+        wp.synchronize_device(chosen.device)
+
+    wp.synchronize_device(chosen.device)
+    for call in (solves, gradients):
+        rate = chosen.problems / least_time(call, REPEATS)
+        print(f"{call.__name__}: {rate:,.0f} a second on {chosen.device}")
     status, residual = found.status.numpy(), found.residual.numpy()
     print(f"solved: {np.mean(status == 0):.4%}")
     print(f"velocity error: median {np.median(residual):.1e}, most {residual.max():.1e}")

@@ -7,16 +7,16 @@ its own, of second order and 1 ms.
 
 from __future__ import annotations
 
-import argparse
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.printing import show
+from benchmarks.printing import options, show, table
 from surefoot.audit import audit_log
 from surefoot.planning.direct import (
     DirectPlan,
@@ -35,8 +35,8 @@ from surefoot.planning.trajectory import Trajectory
 from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
 
-AGAIN = (1e-2, 1e-4, 1e-6, 1e-8)
-"""Smoothings from a plan that is there [J]."""
+AGAIN, LAST = (1e-2, 1e-4, 1e-6, 1e-8), 1e-8
+"""Smoothings from a plan that is there, and the last of all [J]."""
 
 
 @dataclass(frozen=True)
@@ -96,68 +96,59 @@ def row_of(name: str, problem: DirectProblem, found: DirectPlan, spent: float) -
     ]  # fmt: skip
 
 
+def timed(problem: DirectProblem, **settings: Any) -> tuple[DirectPlan, float]:
+    """Return a plan and the processor time that it took [s]."""
+    begin = time.process_time()
+    return plan_direct(problem, **settings), time.process_time() - begin
+
+
+def _figures(found: DirectPlan, spent: float) -> tuple[str, ...]:
+    """Return status, iterations, cost and time."""
+    plan = found.plan
+    return plan.status.value, str(plan.iterations), f"{plan.cost:.4g}", f"{spent:.1f}"
+
+
 def plan_table(chosen: Sequence[Case]) -> Table:
     """Return the table of plans, coarse and fine."""
-    table = Table(title="motions whose contacts nobody gave")
     columns = (
         "motion", "knots", "status", "CPU s", "iterations", "cost", "law residual", "min(phi dt, impulse)",
         "off with feedback", "off without", "rigid world, same step", "rigid world, 1 ms", "audit",
         "contacts [s]",
     )  # fmt: skip
-    for column in columns:
-        table.add_column(column)
+    rows = []
     for case in chosen:
-        begin = time.process_time()
-        coarse = plan_direct(case.problem, smoothings=SMOOTHINGS)
-        table.add_row(*row_of(case.name, case.problem, coarse, time.process_time() - begin))
+        coarse, spent = timed(case.problem, smoothings=SMOOTHINGS)
+        rows.append(row_of(case.name, case.problem, coarse, spent))
         problem = finer(case.problem, case.factor)
-        begin = time.process_time()
-        fine = plan_direct(problem, guess=coarse.trajectory, smoothings=AGAIN)
-        table.add_row(*row_of("  finer, from there", problem, fine, time.process_time() - begin))
-    return table
+        fine, spent = timed(problem, guess=coarse.trajectory, smoothings=AGAIN)
+        rows.append(row_of("  finer, from there", problem, fine, spent))
+    return table(columns, rows, "motions whose contacts nobody gave", left=len(columns))
 
 
-def start_table(problem: DirectProblem, firsts: Sequence[float], last: float = 1e-8) -> Table:
+def start_table(problem: DirectProblem, firsts: Sequence[float]) -> Table:
     """Return what comes of the first smoothing."""
-    table = Table(title="the first smoothing decides which motion is found")
-    for column in ("first eps [J]", "status", "iterations", "cost", "CPU s"):
-        table.add_column(column, justify="right")
+    rows = []
     for first in firsts:
-        smoothings = [e for e in SMOOTHINGS if last <= e <= first]
-        begin = time.process_time()
-        found = plan_direct(problem, smoothings=smoothings)
-        spent = time.process_time() - begin
-        table.add_row(
-            f"{first:g}",
-            found.plan.status.value,
-            str(found.plan.iterations),
-            f"{found.plan.cost:.4g}",
-            f"{spent:.1f}",
-        )
-    return table
+        found, spent = timed(problem, smoothings=[e for e in SMOOTHINGS if LAST <= e <= first])
+        rows.append((f"{first:g}", *_figures(found, spent)))
+    columns = ("first eps [J]", "status", "iterations", "cost", "CPU s")
+    return table(columns, rows, "the first smoothing decides which motion is found")
 
 
 def friction_table(problem: DirectProblem, laws: Sequence[ContactLaw]) -> Table:
     """Return what comes of the ways to write friction."""
-    table = Table(title="friction in space: the round cone, or pyramids")
-    for column in ("friction", "status", "iterations", "cost", "CPU s", "off with feedback"):
-        table.add_column(column, justify="left" if column == "friction" else "right")
+    rows = []
     for law in laws:
-        begin = time.process_time()
-        found = plan_direct(problem, law=law)
-        plan, spent = found.plan, time.process_time() - begin
+        found, spent = timed(problem, law=law)
         name = type(law).__name__ + f"({getattr(law, 'count', '')})"
-        numbers = str(plan.iterations), f"{plan.cost:.4g}", f"{spent:.1f}", f"{found.departure:.1e}"
-        table.add_row(name, plan.status.value, *numbers)
-    return table
+        rows.append((name, *_figures(found, spent), f"{found.departure:.1e}"))
+    columns = ("friction", "status", "iterations", "cost", "CPU s", "off with feedback")
+    return table(columns, rows, "friction in space: the round cone, or pyramids")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.direct_planning", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="the hopper only")
-    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
-    given = parser.parse_args(arguments)
+    given = options(__doc__, "the hopper only").parse_args(arguments)
     show(_tables(given.quick), given.json, Console(width=230))
 
 

@@ -13,23 +13,21 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
-from functools import cache, partial
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from benchmarks import walks
 from surefoot.cli.estimators import ESTIMATORS
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
+from surefoot.control.controller import Controller
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Ending
-from surefoot.robot import Robot, load_robot, place
-from surefoot.simulation.faults import Faults, believed_robot
-from surefoot.simulation.mujoco import MujocoWorld
-from surefoot.simulation.run import Ice, Push, Scenario, run
+from surefoot.robot import Robot, load_robot
+from surefoot.simulation.faults import Faults
+from surefoot.simulation.run import Ice, Push
 from surefoot.simulation.sensors import SensorModel
-from surefoot.terrain import FlatTerrain, PitTerrain, Terrain
+from surefoot.terrain import FlatTerrain, Terrain
 
 DISTURBED = 1.5
 """Time of the disturbance, plus up to one cycle of the gait [s]."""
@@ -40,29 +38,23 @@ ICE_TIME = 1.5
 """Length of the way over ice [s]."""
 HOLE_LENGTH = 0.25
 """Length of a ditch along the way [m]."""
-SPEED = 0.5
-"""Commanded speed [m/s]."""
 
 
 @dataclass(frozen=True)
-class Trial:
-    """One walk with something wrong."""
+class Trial(walks.Walk):
+    """A trot with something wrong; `noise` is a multiple of that of ordinary sensors."""
 
-    mu: float = 0.6
-    believed_mu: float | None = None
-    mass_factor: float = 1.0
-    payload: float = 0.0
-    pushes: tuple[Push, ...] = ()
-    ice: tuple[Ice, ...] = ()
-    faults: Faults = field(default_factory=Faults)
-    ground: Terrain | None = None
     noise: float | None = None
 
-    def told(self, estimator: str) -> tuple[Faults, SensorModel | None]:
-        """Return faults and sensors: noise is that of the sensors, or white noise on the true state."""
+    def controller(self, robot: Robot, terrain: Terrain) -> Controller:
+        """Return the walking controller; it takes the ground for flat."""
+        return super().controller(robot, FlatTerrain())
+
+    def felt(self, estimator: str) -> Trial:
+        """Return the trial with its noise: that of the sensors, or white noise on the true state."""
         if estimator == "inekf":
-            return self.faults, SensorModel().scaled(1.0 if self.noise is None else self.noise)
-        return replace(self.faults, noise=self.noise or 0.0), None
+            return replace(self, sensors=SensorModel().scaled(1.0 if self.noise is None else self.noise))
+        return replace(self, faults=replace(self.faults or Faults(), noise=self.noise or 0.0))
 
 
 Make = Callable[[Robot, float, np.random.Generator], Trial]
@@ -102,11 +94,11 @@ def _ice(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
 
 
 def _payload(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
-    return Trial(payload=level * robot.mass)
+    return Trial(options={"payload": level * robot.mass})
 
 
 def _mass(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
-    return Trial(mass_factor=level)
+    return Trial(believed_mass=level)
 
 
 def _wrong_mu(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
@@ -128,7 +120,7 @@ def _delay(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
 
 
 def _hole(robot: Robot, level: float, rng: np.random.Generator) -> Trial:
-    return Trial(ground=PitTerrain(0.6 + 0.2 * float(rng.random()), HOLE_LENGTH, level))
+    return Trial(terrain=f"pit:{0.6 + 0.2 * float(rng.random())},{HOLE_LENGTH},{level}")
 
 
 PUSHES = (100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0, 500.0, 600.0)
@@ -204,26 +196,11 @@ def choose_faults(names: Sequence[str] | None) -> dict[str, Fault]:
     return {name: FAULTS[name] for name in names}
 
 
-@cache
-def _robot(name: str) -> tuple[Robot, Any]:
-    robot = load_robot(name)
-    return robot, place(robot)
-
-
-def survives(robot_name: str, fault: str, level: float, duration: float, estimator: str, seed: int) -> bool:
+def survives(robot: str, fault: str, level: float, duration: float, estimator: str, seed: int) -> bool:
     """Return whether the robot still walks at the end of one trial."""
-    robot, q = _robot(robot_name)
-    generator = np.random.default_rng([seed, 7])
-    trial = FAULTS[fault].make(robot, level, generator)
-    believed = trial.mu if trial.believed_mu is None else trial.believed_mu
-    seen = robot if trial.mass_factor == 1.0 else believed_robot(robot, trial.mass_factor)
-    controller = WalkingController(
-        seen, VelocityCommand.constant(SPEED), "trot", FlatTerrain(), WalkSettings(mu=believed)
-    )
-    world = MujocoWorld(robot, trial.ground or FlatTerrain(), trial.mu, payload=trial.payload)
-    faults, sensors = trial.told(estimator)
-    scenario = Scenario(duration, trial.mu, trial.pushes, trial.ice, seed, faults, start=q, sensors=sensors)
-    return bool(run(world, controller, scenario).facts["outcome"] == Ending.DONE)
+    trial = FAULTS[fault].make(walks.known_robot(robot), level, np.random.default_rng([seed, 7]))
+    log = replace(trial.felt(estimator), robot=robot).log(seed, duration)
+    return bool(log.facts["outcome"] == Ending.DONE)
 
 
 def largest_level(

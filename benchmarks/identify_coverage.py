@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from benchmarks.printing import show
+from benchmarks.printing import show, table
 from surefoot.estimation import identify
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.problems.tosses import random_tosses
@@ -46,15 +46,14 @@ def one_set(seed: int, tosses: int) -> dict[str, list[float]]:
 
 def coverage(rows: Sequence[dict[str, list[float]]]) -> Table:
     """Return the table: how many intervals hold the truth, their half-width, and the error's size."""
-    table = Table(title=f"{len(rows)} sets: 95 % intervals")
-    for column in ("parameter", "truth", "hold it", "half-width (median)", "error (rms)"):
-        table.add_column(column, justify="left" if column == "parameter" else "right")
+    found = []
     for name, truth in TRUTH.items():
         error, low, high = np.array([row[name] for row in rows]).T
         held = int(np.count_nonzero((low <= 0.0) & (high >= 0.0)))
         half, size = float(np.median(high - low)) / 2.0, float(np.sqrt(np.mean(error**2)))
-        table.add_row(name, f"{truth:.4g}", f"{held} of {len(rows)}", f"{half:.2g}", f"{size:.2g}")
-    return table
+        found.append((name, f"{truth:.4g}", f"{held} of {len(rows)}", f"{half:.2g}", f"{size:.2g}"))
+    columns = ("parameter", "truth", "hold it", "half-width (median)", "error (rms)")
+    return table(columns, found, f"{len(rows)} sets: 95 % intervals")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

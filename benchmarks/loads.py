@@ -8,37 +8,32 @@ ordinary sensors, motors are real and every link may touch.
 
 from __future__ import annotations
 
-import argparse
 import math
-import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.printing import show
+from benchmarks import walks
+from benchmarks.printing import options, show
+from benchmarks.printing import table as table_of
+from benchmarks.timing import Stopwatch
 from surefoot.arrays import FloatArray
 from surefoot.audit import WalkSummary, summarise_walk
-from surefoot.control.actuators import actuators_of
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Controller
 from surefoot.control.load_adaptation import LoadSettings
 from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.log import Log
-from surefoot.robot import load_robot
+from surefoot.robot import Robot
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Ice, Push, Scenario
 from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.walk_terrain import start_pose
 from surefoot.spatial import rotation_from_quaternion
-from surefoot.terrain import FlatTerrain, SlopeTerrain, Terrain
+from surefoot.terrain import Terrain, read_terrain
 
-SPEED = 0.5
-"""Commanded speed [m/s]."""
 LATE = 2.0
 """Time from which the lean of a robot that has settled is told [s]."""
 GO2_MASS, GO2_HEIGHT = 16.085, 0.32
@@ -47,36 +42,22 @@ Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Walk:
+class Walk(walks.Walk):
     """A trot with something that the controller does not know."""
 
-    robot: str = "go2"
-    mass: float = 0.0
-    place: Place = (0.0, 0.0, 0.0)
-    hard: bool = False
     observed: bool = True
-    pushes: tuple[Push, ...] = ()
-    ice: tuple[Ice, ...] = ()
-    faults: Faults = field(default_factory=Faults)
-    terrain: Terrain = field(default_factory=FlatTerrain)
 
-    def log(self, seed: int, duration: float) -> Log:
-        """Return what happened with a seed."""
-        robot, motors = load_robot(self.robot), "real" if self.hard else "ideal"
-        settings = WalkSettings(
-            actuators=actuators_of(robot, motors), load=LoadSettings() if self.observed else None
-        )
-        command = VelocityCommand.constant(SPEED)
-        controller = WalkingController(robot, command, "trot", self.terrain, settings)
-        world = MujocoWorld(
-            robot, self.terrain, settings.mu, payload=self.mass, payload_position=self.place,
-            collision="full" if self.hard else "feet", actuators=motors,
-        )  # fmt: skip
-        scenario = Scenario(
-            duration, settings.mu, self.pushes, self.ice, seed, self.faults,
-            start=start_pose(robot, self.terrain), sensors=SensorModel() if self.hard else None,
-        )  # fmt: skip
-        return run(world, controller, scenario)
+    def controller(self, robot: Robot, terrain: Terrain) -> Controller:
+        """Return the walking controller, with the observer or without."""
+        load = LoadSettings() if self.observed else None
+        settings = WalkSettings(actuators=self.motors(robot), load=load)
+        return WalkingController(robot, self.command, terrain=terrain, settings=settings)
+
+
+def loaded(robot: str, mass: float, place: Place, hard: bool) -> Walk:
+    """Return a trot with an unknown point mass [kg] at a place [m], in the hard world or the ideal one."""
+    options = {**(walks.HARD if hard else {}), "payload": mass, "payload_position": place}
+    return Walk(robot, options=options, sensors=SensorModel() if hard else None)
 
 
 @dataclass(frozen=True)
@@ -114,7 +95,7 @@ def _figures(walk: Walk, seed: int, duration: float) -> tuple[WalkSummary, float
     """Return the summary of a walk, its largest lean, and that after `LATE` [deg]."""
     log = walk.log(seed, duration)
     up = rotation_from_quaternion(log["q"][:, 3:7])[:, :, 2]
-    normals = walk.terrain.normal(log["q"][:, :2])
+    normals = read_terrain(walk.terrain).normal(log["q"][:, :2])
     lean = np.degrees(np.arccos(np.clip((up * normals).sum(axis=1), -1.0, 1.0)))
     late = lean[log["time"] >= LATE]
     return summarise_walk(log), float(lean.max()), float(late.max()) if late.size else math.nan
@@ -128,23 +109,23 @@ def payloads(quick: bool) -> Iterator[tuple[str, Walk]]:
     for hard in (False,) if quick else (False, True):
         for mass, place in carried:
             at = f"{mass:g} kg at {place}" if mass else "nothing"
-            yield f"{'hard' if hard else 'ideal'}: {at}", Walk(mass=mass, place=place, hard=hard)
+            yield f"{'hard' if hard else 'ideal'}: {at}", loaded("go2", mass, place, hard)
 
 
 def robots(quick: bool) -> Iterator[tuple[str, Walk]]:
     """Return other robots with Go2's 5 kg at (.1, .08, .08) m, as shares of their masses and heights."""
     for name in ("a1",) if quick else ("anymal_c", "anymal", "a1", "go1", "b1", "solo12", "hyq", "laikago"):
-        robot = load_robot(name)
+        robot = walks.known_robot(name)
         height = float(robot.com(robot.nominal)[2] - robot.foot_positions(robot.nominal)[:, 2].mean())
         x, y, z = (height / GO2_HEIGHT * part for part in (0.1, 0.08, 0.08))
         mass = 5.0 / GO2_MASS * robot.mass
         told = f"{name}, {mass:.1f} kg at ({x:.2f}, {y:.2f}, {z:.2f})"
-        yield told, Walk(name, mass, (x, y, z), hard=not quick)
+        yield told, loaded(name, mass, (x, y, z), not quick)
 
 
 def disturbances(quick: bool) -> Iterator[tuple[str, Walk]]:
     """Return what else pushes, pulls and misleads; without a payload where none is named."""
-    plain = Walk(hard=not quick)
+    plain = loaded("go2", 0.0, (0.0, 0.0, 0.0), not quick)
     angles = (0,) if quick else range(0, 360, 45)
     for angle in angles:
         turned = math.radians(angle)
@@ -153,17 +134,14 @@ def disturbances(quick: bool) -> Iterator[tuple[str, Walk]]:
     if quick:
         return
     yield "150 N down for 0.1 s", replace(plain, pushes=(Push(2.5, (0.0, 0.0, -150.0), 0.1),))
-    yield (
-        "a pull of 30 N to the left from 1 s on",
-        replace(plain, pushes=(Push(1.0, (0.0, 30.0, 0.0), 99.0),)),
-    )
-    yield "a pull of 30 N back from 1 s on", replace(plain, pushes=(Push(1.0, (-30.0, 0.0, 0.0), 99.0),))
+    for side, pull in (("to the left", (0.0, 30.0, 0.0)), ("back", (-30.0, 0.0, 0.0))):
+        yield f"a pull of 30 N {side} from 1 s on", replace(plain, pushes=(Push(1.0, pull, 99.0),))
     yield "ice, mu 0.2 from 2 s on", replace(plain, ice=(Ice(2.0, 0.2),))
     yield "commands 5 ms late", replace(plain, faults=Faults(delay=0.005))
-    loaded = replace(plain, mass=5.0, place=(0.1, 0.08, 0.08))
-    yield "5 kg, slope of 15 deg", replace(loaded, terrain=SlopeTerrain(15.0))
-    yield "5 kg, ice", replace(loaded, ice=(Ice(2.0, 0.2),))
-    yield "5 kg, 150 N to the left", replace(loaded, pushes=(Push(2.5, (0.0, 150.0, 0.0), 0.1),))
+    heavy = loaded("go2", 5.0, (0.1, 0.08, 0.08), not quick)
+    yield "5 kg, slope of 15 deg", replace(heavy, terrain="slope:15")
+    yield "5 kg, ice", replace(heavy, ice=(Ice(2.0, 0.2),))
+    yield "5 kg, 150 N to the left", replace(heavy, pushes=(Push(2.5, (0.0, 150.0, 0.0), 0.1),))
 
 
 PARTS = {"payloads": payloads, "robots": robots, "disturbances": disturbances}
@@ -171,70 +149,44 @@ PARTS = {"payloads": payloads, "robots": robots, "disturbances": disturbances}
 
 def table(part: str, quick: bool, only: str, seeds: int, duration: float) -> Table:
     """Return what a part comes to, without and with the observer."""
-    shown = Table(title=f"{part}: {seeds} seeds of {duration:g} s each, worst of them")
-    for name in (
+    names = (
         "walk", "observer", "walked", "lawful", "lean [deg]", f"after {LATE:g} s", "velocity off [m/s]",
         "slip [mm]", "found [kg]", "at [m]",
-    ):  # fmt: skip
-        shown.add_column(name, justify="left" if name in ("walk", "observer") else "right")
+    )  # fmt: skip
+    rows = []
     for title, walk in PARTS[part](quick):
         if only not in title:
             continue
         for observed in (False, True):
             r = Row.of(replace(walk, observed=observed), seeds, duration)
             at = "" if np.isnan(r.place).any() else f"({r.place[0]:.3f}, {r.place[1]:.3f})"
-            shown.add_row(
+            rows.append((
                 title, "on" if observed else "off", f"{r.walked}/{r.seeds}", f"{r.lawful}/{r.seeds}",
                 f"{r.lean:.2f}", f"{r.lean_late:.2f}", f"{r.missed:.3f}", f"{1e3 * r.slip:.1f}",
                 f"{r.mass:.2f}" if observed else "", at,
-            )  # fmt: skip
-    return shown
-
-
-class Stopwatch(Controller):
-    """A controller whose steps are timed [s]."""
-
-    def __init__(self, controller: Controller) -> None:
-        self.controller, self.spent = controller, list[float]()
-        self.channels, self.facts = controller.channels, controller.facts
-
-    def warm_up(self, state: RobotState) -> None:
-        """Compile or load all that a step calls."""
-        self.controller.warm_up(state)
-
-    def step(self, state: RobotState) -> Command:
-        """Return the controller's command."""
-        begin = time.process_time()
-        command = self.controller.step(state)
-        self.spent.append(time.process_time() - begin)
-        return command
+            ))  # fmt: skip
+    return table_of(names, rows, f"{part}: {seeds} seeds of {duration:g} s each, worst of them", left=2)
 
 
 def cost(quick: bool) -> Table:
     """Return the processor time of a controller's step in a trot, without and with the observer."""
-    robot, duration = load_robot("go2"), 0.5 if quick else 4.0
-    medians, means = [], []
-    for load in (None, LoadSettings()):
-        settings = WalkSettings(load=load)
-        watch = Stopwatch(WalkingController(robot, VelocityCommand.constant(SPEED), settings=settings))
-        run(MujocoWorld(robot, payload=2.0), watch, Scenario(duration, settings.mu, seed=0))
-        medians.append(1e6 * float(np.median(watch.spent)))
-        means.append(1e6 * float(np.mean(watch.spent)))
-    shown = Table("", "observer off", "on", title="processor time of a controller's step [us]")
-    for title, times in (("median", medians), ("mean", means)):
-        shown.add_row(title, *(f"{time:.1f}" for time in times))
-    return shown
+    robot, duration, spent = walks.known_robot("go2"), 0.5 if quick else 4.0, []
+    for observed in (False, True):
+        walk = Walk(observed=observed)
+        watch = Stopwatch(walk.controller(robot, read_terrain(walk.terrain)))
+        run(MujocoWorld(robot, payload=2.0), watch, Scenario(duration, walk.mu, seed=0))
+        spent.append(watch.cpu)
+    rows = [
+        (title, *(f"{1e6 * float(how(times)):.1f}" for times in spent))
+        for title, how in (("median", np.median), ("mean", np.mean))
+    ]
+    return table_of(("", "observer off", "on"), rows, "processor time of a controller's step [us]")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="a walk or two of a second")
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--duration", type=float, default=5.0)
-    parser.add_argument("--only", default="", help="walks whose names hold this")
+    parser = options(__doc__, "a walk or two of a second", seeds=3, duration=5.0)
     parser.add_argument("--part", choices=(*PARTS, "cost"), action="append")
-    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     seeds, duration = (1, 1.0) if given.quick else (given.seeds, given.duration)
     tables = (

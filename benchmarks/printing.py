@@ -1,12 +1,20 @@
-"""Tables of benchmarks, printed for people or as JSON."""
+"""What benchmarks print and write: tables for people or as JSON, records as files, options that all share."""
 
 from __future__ import annotations
 
+import argparse
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
+import typer
 from rich.console import Console
 from rich.table import Table
+
+from surefoot.cli.console import plain_console
+from surefoot.cli.console import table as right_table
+from surefoot.cli.output import new_run_folder, to_json
 
 
 def show(tables: Iterable[Table], as_json: bool = False, console: Console | None = None) -> None:
@@ -19,6 +27,21 @@ def show(tables: Iterable[Table], as_json: bool = False, console: Console | None
         console.print(table)
 
 
+def table(
+    header: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    title: str,
+    left: int = 1,
+    texts: Collection[str] = (),
+) -> Table:  # fmt: skip
+    """Return a table; its first columns, `left` of them, and those named in `texts` are flush left."""
+    out: Table = right_table(header, rows, title, left)
+    for column in out.columns:
+        if column.header in texts:
+            column.justify = "left"
+    return out
+
+
 def cells(table: Table) -> dict[str, object]:
     """Return title, columns and rows of a table, as they are printed."""
     columns = [[str(cell) for cell in column.cells] for column in table.columns]
@@ -27,3 +50,58 @@ def cells(table: Table) -> dict[str, object]:
         "columns": [str(column.header) for column in table.columns],
         "rows": [list(row) for row in zip(*columns, strict=True)],
     }
+
+
+def report(
+    record: Any, as_json: bool, in_words: Callable[[Console], None], width: int = 0, out: Path | None = None,
+    name: str = "",
+) -> Path | None:  # fmt: skip
+    """Print a record as JSON or in words; keep it as NAME.json in a new folder below `out`, and return that.
+
+    Parameters
+    ----------
+    record
+        What JSON can hold, arrays and numbers that are none included.
+    as_json
+        Whether to print JSON and nothing else.
+    in_words
+        Prints it for people.
+    width
+        Columns that this needs: a narrower terminal wraps its lines.
+    out, name
+        Where it is kept, None for nowhere, and what it is called.
+    """
+    if as_json:
+        print(to_json(record))
+    else:
+        console = plain_console()
+        in_words(console if console.width >= width else plain_console(width=width))
+    if out is None:
+        return None
+    folder = new_run_folder(out, f"bench-{name}")
+    (folder / f"{name}.json").write_text(to_json(record) + "\n", encoding="utf-8")
+    typer.echo(f"written: {folder / f'{name}.json'}", err=True)
+    return folder
+
+
+def options(about: str | None, quick: str, seeds: int = 0, duration: float = 0.0) -> argparse.ArgumentParser:
+    """Return a parser of the options that programs of tables share.
+
+    Parameters
+    ----------
+    about
+        The program's docstring.
+    quick
+        What ``--quick`` leaves to do.
+    seeds, duration
+        Defaults of ``--seeds`` and, for programs of walks, ``--duration`` [s] and ``--only``; zero for none.
+    """
+    parser = argparse.ArgumentParser(description=about)
+    parser.add_argument("--quick", action="store_true", help=quick)
+    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
+    if seeds:
+        parser.add_argument("--seeds", type=int, default=seeds)
+    if duration:
+        parser.add_argument("--duration", type=float, default=duration)
+        parser.add_argument("--only", default="", help="walks whose names hold this")
+    return parser

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,15 +61,41 @@ class DropResult:
 def drop(world: str, robot: str = "go2", height: float = 0.3, seconds: float = 4.0) -> DropResult:
     """Drop a robot with the standing controller active; measure one simulated second, and how it ends."""
     model = load_robot(robot)
-    q = place(model)
     with one_core():
-        _timed(world, model, q, height, 0.3)  # compiles and warms up
-        wall = _timed(world, model, q, height, 1.0)
-    return _watched(world, model, q, height, seconds, wall)
+        list(_steps(*_made(world, model, height), 0.3))  # compiles and warms up
+        dropped = _made(world, model, height)
+        begin = time.perf_counter()
+        timed = list(_steps(*dropped, 1.0))
+        wall = time.perf_counter() - begin
+    made, controller = _made(world, model, height)
+    energy = made.energy() if world == "rigid" else np.nan
+    normals, deepest, contacts, given, excess = [], 0.0, 0, 0.0, -np.inf
+    for step in _steps(made, controller, seconds):
+        reading = made.contacts()
+        normals.append(reading.forces[:, 2].sum())
+        deepest = min(deepest, float(reading.gaps.min()))
+        contacts = max(contacts, int((reading.forces[:, 2] > 0.0).sum()))
+        given += float(step.torques @ (made.state()[0] - step.q)[7:])
+        excess = max(excess, made.energy() - energy - given) if world == "rigid" else np.nan
+    resting = np.array(normals[-SETTLED:]) / (model.mass * GRAVITY)
+    return DropResult(
+        world, wall, Timing.of([s.simulation for s in timed]), Timing.of([s.controller for s in timed]),
+        contacts, float(np.abs(resting - 1.0).max()), max(0.0, -deepest), float(excess),
+        float(np.abs(made.state()[1]).max()),
+    )  # fmt: skip
 
 
-def _made(world: str, robot: Robot, q: FloatArray, height: float) -> tuple[Any, StandingController]:
-    ground = FlatTerrain()
+class _Step(NamedTuple):
+    """One step: q before it, the torques, and the wall times of both parts [s]."""
+
+    q: FloatArray
+    torques: FloatArray
+    controller: float
+    simulation: float
+
+
+def _made(world: str, robot: Robot, height: float) -> tuple[Any, StandingController]:
+    ground, q = FlatTerrain(), place(robot)
     made = make_world(world, robot, ground)
     start = q.copy()
     start[2] += height
@@ -76,58 +103,13 @@ def _made(world: str, robot: Robot, q: FloatArray, height: float) -> tuple[Any, 
     return made, StandingController(robot, StandingPlan(robot, ground, q), ground, q)
 
 
-def _timed(
-    world: str, robot: Robot, q: FloatArray, height: float, seconds: float
-) -> tuple[float, list[float], list[float]]:
-    """Return the wall time of a bare loop, and the times of its single steps [s]."""
-    made, controller = _made(world, robot, q, height)
-    steps: list[float] = []
-    commands: list[float] = []
+def _steps(made: Any, controller: StandingController, seconds: float) -> Iterator[_Step]:
+    """Take steps for so long [s] and yield each."""
     clock = time.perf_counter
-    begin = clock()
     for k in range(round(seconds / made.dt)):
-        a = clock()
-        command = controller.step(RobotState(made.state()[0], made.state()[1], k * made.dt))
-        b = clock()
-        made.step(command.torques)
-        steps.append(clock() - b)
-        commands.append(b - a)
-    return clock() - begin, steps, commands
-
-
-def _watched(
-    world: str,
-    robot: Robot,
-    q: FloatArray,
-    height: float,
-    seconds: float,
-    timed: tuple[float, list[float], list[float]],
-) -> DropResult:
-    """Run again with everything recorded."""
-    made, controller = _made(world, robot, q, height)
-    normals, deepest, contacts, given, excess = [], 0.0, 0, 0.0, -np.inf
-    rigid = world == "rigid"
-    begin = made.energy() if rigid else np.nan
-    for k in range(round(seconds / made.dt)):
-        state, v = made.state()
-        torques = controller.step(RobotState(state, v, k * made.dt)).torques
+        q, v = made.state()
+        begin = clock()
+        torques = controller.step(RobotState(q, v, k * made.dt)).torques
+        told = clock()
         made.step(torques)
-        reading, moved = made.contacts(), made.state()[0]
-        normals.append(reading.forces[:, 2].sum())
-        deepest = min(deepest, float(reading.gaps.min()))
-        contacts = max(contacts, int((reading.forces[:, 2] > 0.0).sum()))
-        if rigid:
-            given += float(torques @ (moved - state)[7:])
-            excess = max(excess, made.energy() - begin - given)
-    resting = np.array(normals[-SETTLED:]) / (robot.mass * GRAVITY)
-    return DropResult(
-        world,
-        timed[0],
-        Timing.of(timed[1]),
-        Timing.of(timed[2]),
-        contacts,
-        float(np.abs(resting - 1.0).max()),
-        max(0.0, -deepest),
-        float(excess) if rigid else np.nan,
-        float(np.abs(made.state()[1]).max()),
-    )
+        yield _Step(q, torques, told - begin, clock() - told)

@@ -6,67 +6,78 @@ Run: python -m benchmarks.terrain_knowledge --quick      (one seed of the two sh
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.printing import show
+from benchmarks import walks
+from benchmarks.printing import options, show
+from benchmarks.printing import table as table_of
 from surefoot.arrays import FloatArray
 from surefoot.audit import summarise_walk
-from surefoot.control.actuators import actuators_of
+from surefoot.control.controller import Controller
 from surefoot.control.terrain_knowledge import KNOWLEDGE, believed_ground
 from surefoot.control.walkers import walking_controller
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.robot import load_robot
+from surefoot.robot import Robot
 from surefoot.simulation.height_scan import RangeSensor
-from surefoot.simulation.run import IcePatch, Scenario, run
+from surefoot.simulation.run import IcePatch
 from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.walk_terrain import start_pose
-from surefoot.simulation.worlds import make_world
 from surefoot.sweep.survival import wilson
-from surefoot.terrain import read_terrain
+from surefoot.terrain import Terrain
 
 OFF_COURSE = 0.5
 """A walk that ends further beside its line is off course [m]."""
 
 
 @dataclass(frozen=True)
-class Task:
-    """A walk.
+class Walk(walks.Walk):
+    """A trot of Go2 on ground that it is not told all of.
 
     Attributes
     ----------
-    title, terrain, speed, duration
-        For the table, as for ``--terrain``, [m/s], [s].
-    mu, assumed, watch
-        Friction of the ground, what the controller starts from, and whether it finds out.
-    patches
-        Of ice.
+    knowledge
+        What it knows of the ground, see `KNOWLEDGE`.
+    watch
+        Whether it finds out the friction.
     """
 
-    title: str
-    terrain: str
-    speed: float
-    duration: float
-    mu: float = 0.6
-    assumed: float = 0.6
+    gait: str | None = "trot"
+    knowledge: str = "exact"
     watch: bool = False
-    patches: tuple[IcePatch, ...] = ()
+
+    def controller(self, robot: Robot, terrain: Terrain) -> Controller:
+        """Return the walking controller with its belief."""
+        return walking_controller(
+            robot, self.command, self.gait, believed_ground(self.knowledge, terrain), self.counted_on,
+            self.motors(robot), watch_friction=self.watch,
+        )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Task:
+    """A walk, what tables call it, and how long it is [s]."""
+
+    title: str
+    duration: float
+    walk: Walk
+
+
+def _walk(terrain: str, speed: float, **changed: Any) -> Walk:
+    return Walk(velocity=(speed, 0.0, 0.0), terrain=terrain, believed_mu=0.6, **changed)
+
+
+PATCH = IcePatch((0.5, -3.0), (2.0, 3.0), 0.1)
 TASKS = {
-    "up": Task("ten steps of 12 cm up", "stairs:0.12,0.3", 0.4, 11.0),
-    "down": Task("ten steps of 12 cm down", "stairs:-0.12,0.3", 0.4, 11.0),
-    "slope": Task("slope of 20 degrees", "slope:20", 0.5, 5.0),
-    "ice": Task("mu 0.2, not told", "flat", 0.5, 5.0, mu=0.2, watch=True),
-    "ice-unaware": Task("mu 0.2, told 0.6", "flat", 0.5, 5.0, mu=0.2),
-    "patch": Task(
-        "1.5 m of mu 0.1", "flat", 0.5, 8.0, watch=True, patches=(IcePatch((0.5, -3.0), (2.0, 3.0), 0.1),)
-    ),
+    "up": Task("ten steps of 12 cm up", 11.0, _walk("stairs:0.12,0.3", 0.4)),
+    "down": Task("ten steps of 12 cm down", 11.0, _walk("stairs:-0.12,0.3", 0.4)),
+    "slope": Task("slope of 20 degrees", 5.0, _walk("slope:20", 0.5)),
+    "ice": Task("mu 0.2, not told", 5.0, _walk("flat", 0.5, mu=0.2, watch=True)),
+    "ice-unaware": Task("mu 0.2, told 0.6", 5.0, _walk("flat", 0.5, mu=0.2)),
+    "patch": Task("1.5 m of mu 0.1", 8.0, _walk("flat", 0.5, watch=True, patches=(PATCH,))),
 }
 
 
@@ -85,18 +96,12 @@ class Outcome:
 
 def walk(task: Task, knowledge: str, seed: int, actuators: str = "ideal", truth: bool = False) -> Outcome:
     """Return the outcome of a walk in MuJoCo with full collision geometry."""
-    robot, ground = load_robot("go2"), read_terrain(task.terrain)
-    controller = walking_controller(
-        robot, VelocityCommand.constant(task.speed), "trot", believed_ground(knowledge, ground),
-        task.assumed, actuators_of(robot, actuators), watch_friction=task.watch,
-    )  # fmt: skip
-    scenario = Scenario(
-        task.duration, task.mu, start=start_pose(robot, ground), seed=seed, patches=task.patches,
+    chosen = replace(
+        task.walk, knowledge=knowledge, options={"collision": "full", "actuators": actuators},
         sensors=None if truth else SensorModel(heights=knowledge == "exact"),
         scanner=RangeSensor() if knowledge == "map" else None,
     )  # fmt: skip
-    world = make_world("mujoco", robot, ground, task.mu, collision="full", actuators=actuators)
-    log = run(world, controller, scenario)
+    log = chosen.log(seed, task.duration)
     summary = summarise_walk(log)
     moving = log["time"] > 1.0
     return Outcome(
@@ -123,40 +128,35 @@ def _smooth(values: FloatArray, width: int = 20) -> FloatArray:
 
 def table(tasks: Sequence[str], knowledge: Sequence[str], seeds: int, actuators: str, truth: bool) -> Table:
     """Return the table of all tasks with all kinds of knowledge."""
-    out = Table(
+    names = (
         "task", "knowledge", "upright, on course", "95 %", "lawful too", "speed [m/s]", "worst slip [mm]",
-        "pitch rate [rad/s]", "heave [m/s²]", title=f"go2, {seeds} seeds, actuators {actuators}",
+        "pitch rate [rad/s]", "heave [m/s²]",
     )  # fmt: skip
+    rows = []
     for name in tasks:
         for known in knowledge:
             runs = [walk(TASKS[name], known, seed, actuators, truth) for seed in range(1, seeds + 1)]
             good = [one for one in runs if one.upright and one.on_course]
             share = wilson(len(good), seeds)
-            out.add_row(
+            figures = np.array([(o.speed, o.slip, o.pitch_rate, o.heave) for o in good]).reshape(-1, 4)
+            numbers = ["-"] * 4
+            if good:
+                middle, worst = np.median(figures, axis=0), figures.max(axis=0)
+                numbers = [f"{value:.3g}" for value in (middle[0], worst[1], *middle[2:])]
+            rows.append((
                 TASKS[name].title, known, f"{len(good)} of {seeds}", f"{share.low:.2f} to {share.high:.2f}",
-                str(sum(one.lawful for one in good)),
-                *(
-                    f"{value:.3g}" if good else "-"
-                    for value in (
-                        np.median([one.speed for one in good] or [0.0]), max([o.slip for o in good] or [0.0]),
-                        np.median([o.pitch_rate for o in good] or [0.0]),
-                        np.median([o.heave for o in good] or [0.0]),
-                    )
-                ),
-            )  # fmt: skip
-    return out
+                str(sum(one.lawful for one in good)), *numbers,
+            ))  # fmt: skip
+    return table_of(names, rows, f"go2, {seeds} seeds, actuators {actuators}", left=2)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="one seed on ice and on the slope")
-    parser.add_argument("--seeds", type=int, default=5)
+    parser = options(__doc__, "one seed on ice and on the slope", seeds=5)
     parser.add_argument("--task", choices=sorted(TASKS), action="append")
     parser.add_argument("--knowledge", choices=KNOWLEDGE, action="append")
     parser.add_argument("--actuators", choices=("ideal", "real"), default="ideal")
     parser.add_argument("--truth", action="store_true", help="the controller is told the true state")
-    parser.add_argument("--json", action="store_true", help="print the tables as JSON")
     given = parser.parse_args(arguments)
     tasks = given.task or (["ice", "slope"] if given.quick else list(TASKS))
     knowledge = given.knowledge or (["exact"] if given.quick else list(KNOWLEDGE))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
+from surefoot.control.controller import Command, Controller, RobotState
 
 Answer = TypeVar("Answer")
 Key = TypeVar("Key", bound=Hashable)
@@ -53,15 +54,16 @@ def one_core() -> Iterator[None]:
 
 
 def best_of(
-    function: Callable[[Any], Answer], items: Sequence[Any], passes: int = 1, warm_up: int = 20
-) -> tuple[FloatArray, list[Answer]]:
-    """Return the least wall time of `function(item)` over some passes (items,) [s], and the last answers.
+    function: Callable[[Any], Answer], items: Sequence[Any], passes: int = 1, warm_up: int = 20,
+    clock: Callable[[], float] = time.perf_counter,
+) -> tuple[FloatArray, list[Answer]]:  # fmt: skip
+    """Return the least time of `function(item)` over some passes (items,) [s], and the last answers.
 
     The least, for the rest is other work on the machine. `warm_up` calls on the first items come before.
     """
     for item in items[:warm_up]:
         function(item)
-    seconds, clock = np.full(len(items), np.inf), time.perf_counter
+    seconds = np.full(len(items), np.inf)
     answers: list[Answer] = []
     for _ in range(passes):
         answers = []
@@ -73,9 +75,11 @@ def best_of(
     return seconds, answers
 
 
-def least_time(function: Callable[[], Any], repeats: int) -> float:
-    """Return the wall time of the fastest of so many calls [s]."""
-    return float(best_of(lambda _: function(), [None], repeats, warm_up=0)[0][0])
+def least_time(
+    function: Callable[[], Any], repeats: int, clock: Callable[[], float] = time.perf_counter
+) -> float:
+    """Return the time of the fastest of so many calls [s]."""
+    return float(best_of(lambda _: function(), [None], repeats, warm_up=0, clock=clock)[0][0])
 
 
 def time_calls(function: Callable[[Any], Any], items: Sequence[Any], warm_up: int = 20) -> Timing:
@@ -112,3 +116,42 @@ def interleaved(
                 seconds[key].append(took)
                 spent[key] += took
     return {key: Timing.of(s) for key, s in seconds.items()}
+
+
+class Stopwatch(Controller):
+    """A controller whose steps are timed.
+
+    Parameters
+    ----------
+    inner
+        The controller.
+
+    Attributes
+    ----------
+    cpu, wall
+        Processor and wall time of every step so far [s].
+    """
+
+    def __init__(self, inner: Controller) -> None:
+        self.inner = inner
+        self.channels, self.facts = inner.channels, inner.facts
+        self.cpu: list[float] = []
+        self.wall: list[float] = []
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self.inner.reset()
+        self.cpu.clear()
+        self.wall.clear()
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that a step calls."""
+        self.inner.warm_up(state)
+
+    def step(self, state: RobotState) -> Command:
+        """Return the controller's command."""
+        wall, cpu = time.perf_counter(), time.process_time()
+        command = self.inner.step(state)
+        self.cpu.append(time.process_time() - cpu)
+        self.wall.append(time.perf_counter() - wall)
+        return command

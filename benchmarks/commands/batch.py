@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
-from rich.table import Table
+from rich.console import Console
 
+from benchmarks.printing import table
 from surefoot.cli import extras
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli.console import show
 
 
 def batch(
@@ -20,16 +20,13 @@ def batch(
     from benchmarks.batch import measure
 
     extras.require((*extras.robot_packages("go2"), "mujoco"))
-    found = measure(quick)
-    if json:
-        print(to_json(found))
-        return
-    console = plain_console()
+    show(measure(quick), json, _print)
+
+
+def _print(console: Console, found: dict[str, Any]) -> None:
     console.print(f"{found['problems']} problems of Go2 on four feet, modes {found['modes']}")
-    table = Table("", "µs", "million/s", title="cold starts, tolerance 1e-8")
-    for name, seconds in found["times"].items():
-        table.add_row(name, f"{1e6 * seconds:.2f}", f"{1e-6 / seconds:.3f}")
-    console.print(table)
+    rates = [(name, f"{1e6 * s:.2f}", f"{1e-6 / s:.3f}") for name, s in found["times"].items()]
+    console.print(table(("", "µs", "million/s"), rates, "cold starts, tolerance 1e-8"))
     for what in ("velocity_error", "gradient_error"):
         errors = ", ".join(f"{name} {error:.1e}" for name, error in found[what].items())
         console.print(f"largest relative {what.replace('_', ' ')}: {errors}")
@@ -42,10 +39,8 @@ def batch(
             f"{1e6 * mjx['both']:.0f} µs; into the ground at {mjx['inward']:.2g} m/s after it; its Jacobian "
             f"is off by {mjx['error']:.1e}, {mjx['nan']} with NaN, {mjx['zero']} zero"
         )
-    table = Table("", "µs", title="a step of Go2 on four feet and its derivative")
-    for name, seconds in found["step"].items():
-        table.add_row(name, f"{1e6 * seconds:.0f}")
-    console.print(table)
+    steps = [(name, f"{1e6 * seconds:.0f}") for name, seconds in found["step"].items()]
+    console.print(table(("", "µs"), steps, "a step of Go2 on four feet and its derivative"))
     console.print(f"MuJoCo / Surefoot, derivative with its step: {found['step_ratio']:.2f}")
-    rates = ", ".join(f"{workers} workers {rate:.0f}" for workers, rate in found["robots"].items())
-    console.print(f"RigidBatch of Go2, steps a second: {rates}")
+    many = ", ".join(f"{workers} workers {rate:.0f}" for workers, rate in found["robots"].items())
+    console.print(f"RigidBatch of Go2, steps a second: {many}")

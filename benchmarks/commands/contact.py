@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.printing import table
 from surefoot.arrays import real_number
 from surefoot.cli import extras, parsing
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import check_out, new_run_folder, to_json
 
 if TYPE_CHECKING:
-    from benchmarks.contact.comparison import Comparison, Kind
+    from benchmarks.contact.comparison import Comparison, FamilyRow, Kind
     from surefoot.problems.contacts import NamedProblem
 
 QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES, QUICK_TIMED = 0.01, 60, 6, 0.01
@@ -115,18 +115,13 @@ def _kinds(found: Comparison) -> tuple[tuple[Kind, str], tuple[Kind, str]]:
 
 def _print(console: Console, found: Comparison) -> None:
     """Print both times of every solver, then ours by family against Pinocchio's best."""
-    table = Table(
-        title=f"Contact problems solved to {found.tol:g}: one ready problem, and a new G each call [µs]; "
-        "mean: geometric",
-        title_justify="left",
-    )
-    for name in ("solver", "solved", "of", "ready: mean", "median", "p99", "new G: mean", "median", "p99"):
-        table.add_column(name, justify="left" if name == "solver" else "right", no_wrap=True)
+    names = ("solver", "solved", "of", "ready: mean", "median", "p99", "new G: mean", "median", "p99")
+    rows = []
     for name in found.solvers:
         ready, fresh = found.families(name, "ready")[-1], found.families(name, "fresh")[-1]
-        numbers = (ready.mean, ready.median, ready.p99, fresh.mean, fresh.median, fresh.p99)
-        table.add_row(name, str(ready.solved), str(ready.problems), *(f"{1e6 * x:.1f}" for x in numbers))
-    console.print(table)
+        rows.append((name, str(ready.solved), str(ready.problems), *_times(ready), *_times(fresh)))
+    title = f"Contact problems solved to {found.tol:g}: one ready problem, and a new G each call [µs]; "
+    console.print(table(names, rows, title + "mean: geometric"))
     for kind, who in _kinds(found) if _rivals(found) else ():
         _print_families(console, found, kind, who)
 
@@ -134,24 +129,23 @@ def _print(console: Console, found: Comparison) -> None:
 def _print_families(console: Console, found: Comparison, kind: Kind, who: str) -> None:
     """Print our times by family, and how many times longer Pinocchio's best takes."""
     what = "one ready problem" if kind == "ready" else "a new G each call, set-up included"
-    table = Table(
-        title=f"{what}: {who} [µs], and the time of Pinocchio's best on each problem over it",
-        title_justify="left",
-    )
-    for name in ("family", "solved", "of", "geometric mean", "median", "p99", "ratio", "least"):
-        table.add_column(name, justify="left" if name == "family" else "right")
-    ratios = found.ratios(_rivals(found), who, kind)
+    ratios, rows = found.ratios(_rivals(found), who, kind), []
     ratios["all"] = [x for group in ratios.values() for x in group]
     for row in found.families(who, kind):
         own = ratios.get(row.family, [])
-        numbers = (1e6 * row.mean, 1e6 * row.median, 1e6 * row.p99)
         ratio = (f"{np.exp(np.mean(np.log(own))):.2f}", f"{min(own):.2f}") if own else ("no rival", "")
-        texts = (row.family, str(row.solved), str(row.problems), *(f"{x:.1f}" for x in numbers), *ratio)
-        table.add_row(*texts, style="bold" if row.family == "all" else None)
-    console.print(table)
+        rows.append((row.family, str(row.solved), str(row.problems), *_times(row), *ratio))
+    names = ("family", "solved", "of", "geometric mean", "median", "p99", "ratio", "least")
+    title = f"{what}: {who} [µs], and the time of Pinocchio's best on each problem over it"
+    console.print(table(names, rows, title))
     total = found.speed_up(_rivals(found), who, kind)
     missing = f"; on {total['no rival']:.0f} no rival reached {found.tol:g}" if total["no rival"] else ""
     console.print(f"Pinocchio's best is faster on {total['lost']:.0f} problems{missing}")
+
+
+def _times(row: FamilyRow) -> tuple[str, ...]:
+    """Return mean, median and 99th percentile in microseconds."""
+    return tuple(f"{1e6 * x:.1f}" for x in (row.mean, row.median, row.p99))
 
 
 def _draw(found: Comparison, scale: str, target: Path, ours: tuple[str, ...]) -> None:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.console import Console
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from benchmarks.printing import report, table
+from surefoot.cli.output import check_out
 from surefoot.cli.progress import progress_bar
 from surefoot.errors import ProblemError, unknown_name
 
@@ -58,16 +59,8 @@ def execution(
             made = planned(name, quick)
             with progress_bar(not as_json, f"execute {name}", 1.0) as show:
                 rows += measure(made, name, seeds, tell=show, dt=QUICK_STEP if quick else None)
-    if as_json:
-        print(to_json([asdict(row) for row in rows]))
-    else:
-        _print(rows)
-    if out is not None:
-        folder = new_run_folder(out, "bench-execution")
-        (folder / "execution.json").write_text(
-            to_json([asdict(row) for row in rows]) + "\n", encoding="utf-8"
-        )
-        typer.echo(f"written: {folder / 'execution.json'}", err=True)
+    record = [asdict(row) for row in rows]
+    report(record, as_json, lambda console: _print(console, rows), out=out, name="execution")
 
 
 def planned(task: str, quick: bool = False) -> Plan:
@@ -85,27 +78,18 @@ def planned(task: str, quick: bool = False) -> Plan:
     return make_plan(robot, task, TASKS[task])
 
 
-def _print(rows: list[Row]) -> None:
-    from rich.table import Table
-
-    table = Table(title="Go2 in MuJoCo: start, friction and mass as no plan expects them")
+def _print(console: Console, rows: list[Row]) -> None:
     names = (
-        "task",
-        "motors",
-        "landed",
-        "lawful",
-        "torque use",
-        "speed use",
-        "moved [m]",
-        "turned [deg]",
+        "task", "motors", "landed", "lawful", "torque use", "speed use", "moved [m]", "turned [deg]",
         "failures",
-    )
-    for name in names:
-        table.add_column(name, justify="left" if name in ("task", "motors", "failures") else "right")
-    for row in rows:
-        table.add_row(
+    )  # fmt: skip
+    cells = [
+        (
             row.task, row.motors, f"{row.landed} of {row.seeds}", str(row.lawful),
             f"{row.torque_use_max:.2f}", f"{row.speed_use_max:.2f}", f"{row.moved:.2f}", f"{row.turned:.0f}",
             "; ".join((*row.failures, *row.laws)) or "none",
-        )  # fmt: skip
-    plain_console().print(table)
+        )
+        for row in rows
+    ]  # fmt: skip
+    title = "Go2 in MuJoCo: start, friction and mass as no plan expects them"
+    console.print(table(names, cells, title, 2, names[-1:]))

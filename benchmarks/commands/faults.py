@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.console import Console
 
-from surefoot.cli.console import plain_console
+from benchmarks.printing import report, table
 from surefoot.cli.estimators import EstimatorName
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli.output import check_out
 from surefoot.cli.progress import progress_bar
 
 QUICK_FAULTS = ("payload", "delay")
@@ -50,24 +51,16 @@ def faults(
         "duration": duration,
         "faults": [asdict(row) for row in rows],
     }
-    if as_json:
-        print(to_json(record))
-    else:
-        _print(robot, seeds, rows)
-    if out is not None:
-        folder = new_run_folder(out, "bench-faults")
-        (folder / "faults.json").write_text(to_json(record) + "\n", encoding="utf-8")
-        typer.echo(f"written: {folder / 'faults.json'}", err=True)
+    title = f"{robot} trotting at 0.5 m/s: largest level survived by all of {seeds} seeds"
+    report(record, as_json, lambda console: _print(console, title, rows), out=out, name="faults")
 
 
-def _print(robot: str, seeds: int, rows: list[FaultRow]) -> None:
-    from rich.table import Table
-
-    table = Table(title=f"{robot} trotting at 0.5 m/s: largest level survived by all of {seeds} seeds")
-    for name in ("fault", "survived", "not survived", "unit", "levels tried (survivors / trials)"):
-        table.add_column(name, justify="right" if name in ("survived", "not survived") else "left")
+def _print(console: Console, title: str, rows: list[FaultRow]) -> None:
+    names = ("fault", "survived", "not survived", "unit", "levels tried (survivors / trials)")
+    cells = []
     for row in rows:
         tried = ", ".join(f"{level:g}: {ok}/{count}" for level, ok, count in row.tried)
-        values = ["none" if v is None else f"{v:g}" for v in (row.survived, row.next_level)]
-        table.add_row(row.title, values[0], values[1] if row.next_level is not None else "-", row.unit, tried)
-    plain_console().print(table)
+        survived = "none" if row.survived is None else f"{row.survived:g}"
+        beyond = "-" if row.next_level is None else f"{row.next_level:g}"
+        cells.append((row.title, survived, beyond, row.unit, tried))
+    console.print(table(names, cells, title, texts=names[3:]))

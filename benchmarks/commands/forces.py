@@ -9,11 +9,11 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.printing import report, table
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli.output import check_out
 from surefoot.errors import MissingExtra
 
 WIDTH = 126
@@ -60,21 +60,19 @@ def forces(
             weight: measure_accuracy(random_instances(instances), weight) if instances else None
             for weight in WEIGHTS
         }
-    if json:
-        tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
-        found = {name: [asdict(row) for row in table] for name, table in tables.items()}
-        accuracy = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
-        print(to_json({**found, "accuracy": accuracy}))
-    else:
-        console = plain_console()
-        console = console if console.width >= WIDTH else plain_console(width=WIDTH)
+
+    def in_words(console: Console) -> None:
         _print(console, rows, checks)
         _print_warm(console, warm)
         _print_torques(console, torques)
-    if out is not None:
+
+    tables: dict[str, list[Any]] = {"rows": rows, "warm": warm, "torques": torques}
+    record: dict[str, Any] = {name: [asdict(row) for row in own] for name, own in tables.items()}
+    record["accuracy"] = {str(w): None if a is None else asdict(a) for w, a in checks.items()}
+    folder = report(record, json, in_words, WIDTH, out, "forces")
+    if folder is not None:
         from benchmarks.forces.pictures import plot_accuracy, plot_warm_starts
 
-        folder = new_run_folder(out, "bench-forces")
         for path in (plot_accuracy(rows, folder), plot_warm_starts(warm, folder)):
             typer.echo(f"picture: {path}", err=True)
 
@@ -99,22 +97,22 @@ def _trajectories(
 
 def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
     """Print one table per class of instances, then the check against Clarabel."""
+    names = (
+        "cone", "solver", "tol", "median [µs]", "p99", "worst", "solved", "off the cone [N]",
+        "lost friction", "from exact [N]", "worst", "wrench error",
+    )  # fmt: skip
     for kind in dict.fromkeys(row.instances for row in rows):
-        table = Table(
-            "cone", "solver", "tol", "median [µs]", "p99", "worst", "solved", "off the cone [N]",
-            "lost friction", "from exact [N]", "worst", "wrench error", title=kind, title_justify="left",
-        )  # fmt: skip
-        for row in rows:
-            if row.instances == kind:
-                t = row.timing
-                table.add_row(
-                    row.cone, row.solver + (" warm" if row.warm else ""),
-                    f"{row.tolerance:.0e}" if row.tolerance == row.tolerance else "",
-                    *(f"{1e6 * s:.1f}" for s in (t.median, t.p99, t.worst)),
-                    f"{row.solved:.0%}", f"{row.cone_violation:.1e}", f"{row.lost_friction:+.1%}",
-                    f"{row.distance:.1e}", f"{row.distance_worst:.1e}", f"{row.shortfall:+.1e}",
-                )  # fmt: skip
-        console.print(table)
+        cells = [
+            (
+                row.cone, row.solver + (" warm" if row.warm else ""),
+                f"{row.tolerance:.0e}" if row.tolerance == row.tolerance else "",
+                *(f"{1e6 * s:.1f}" for s in (row.timing.median, row.timing.p99, row.timing.worst)),
+                f"{row.solved:.0%}", f"{row.cone_violation:.1e}", f"{row.lost_friction:+.1%}",
+                f"{row.distance:.1e}", f"{row.distance_worst:.1e}", f"{row.shortfall:+.1e}",
+            )
+            for row in rows if row.instances == kind
+        ]  # fmt: skip
+        console.print(table(names, cells, kind, left=2))
     for weight, found in checks.items():
         if found is not None:
             apart, mine, its = (
@@ -132,20 +130,21 @@ def _print(console: Console, rows: list[Any], checks: dict[float, Any]) -> None:
 
 def _print_warm(console: Console, rows: list[Any]) -> None:
     """Print what a warm start is worth, a line per trajectory."""
-    table = Table(
+    names = (
         "trajectory", "active", "iterations", "cold", "warm", "ratio", "loop cold", "loop warm", "ratio",
-        "DAQP cold", "DAQP warm", title="warm starts: median/99th percentile [µs]; DAQP with 8 inner facets",
-        title_justify="left", collapse_padding=True, pad_edge=False,
+        "DAQP cold", "DAQP warm",
     )  # fmt: skip
-    for row in rows:
-        table.add_row(
+    cells = [
+        (
             row.trajectory, f"{row.active:.0%}", f"{row.iterations_cold:.1f}→{row.iterations_warm:.1f}",
             _times(row.cold), _times(row.warm), f"{row.warm.median / row.cold.median:.2f}",
             _times(row.loop_cold), _times(row.loop_warm),
             f"{row.loop_warm.median / row.loop_cold.median:.2f}",
             *("-" if t is None else _times(t) for t in (row.daqp_cold, row.daqp_warm)),
-        )  # fmt: skip
-    console.print(table)
+        )
+        for row in rows
+    ]  # fmt: skip
+    console.print(table(names, cells, "warm starts: median/99th percentile [µs]; DAQP with 8 inner facets"))
 
 
 def _times(timing: Any) -> str:

@@ -6,10 +6,11 @@ import math
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
+from benchmarks.printing import table
 from surefoot.cli import extras
-from surefoot.cli.console import plain_console, table
-from surefoot.cli.output import to_json
+from surefoot.cli.console import show
 
 
 def lab(
@@ -27,9 +28,8 @@ def lab(
 
     program = None if quick else find_chromium()
     found = [measure(case, 1.0 if quick else seconds, program) for case in cases()]
-    if json:
-        print(to_json([vars(rates) for rates in found]))
-    else:
+
+    def in_words(console: Console, _: object) -> None:
         header = (
             "page", "CPU of an update [ms]", "sent [1/s]", "CPU with sending [ms]",
             "by Chromium's mouse [1/s]", "Chromium's pictures [1/s]",
@@ -41,10 +41,11 @@ def lab(
             )
             for r in found
         ]  # fmt: skip
-        console = plain_console()
         console.print(table(header, rows, "The mouse moves 60 times a second"))
         if program is None and not quick:
             console.print("no Chromium: set SUREFOOT_CHROMIUM to its path to measure the real page")
+
+    show([vars(rates) for rates in found], json, in_words)
     return 0 if all(rates.handled * WANTED <= 1.0 for rates in found) else 1
 
 

@@ -6,11 +6,10 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.printing import table
 from surefoot.cli import extras
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli.console import show
 
 
 def plan(
@@ -24,10 +23,10 @@ def plan(
     extras.require((*extras.robot_packages("go2"), "mujoco"))
     robot = load_robot("go2")
     found = {"solver": iteration.measure(robot, quick), "mpc": walking.measure(robot, quick)}
-    if json:
-        print(to_json(found))
-        return
-    console = plain_console()
+    show(found, json, _print)
+
+
+def _print(console: Console, found: dict[str, Any]) -> None:
     _print_solver(console, found["solver"])
     _print_walk(console, found["mpc"])
 
@@ -35,16 +34,15 @@ def plan(
 def _print_solver(console: Console, found: dict[str, Any]) -> None:
     knot = ", ".join(f"{name} {1e6 * seconds:.0f} µs" for name, seconds in found["knot"].items())
     console.print(f"a knot of Go2 on four feet, processor time: {knot}")
-    table = Table("", "derivatives", "Riccati", "rollout", "iteration", title=f"N = {found['knots']}, ms")
-    rows = {
+    keys = {
         f"ours, {1e3 * found['dt']:g} ms knots": "ours",
         f"ours, {1e3 * found['rival_dt']:g} ms knots, no feet in the cost": "same",
         f"MuJoCo, {1e3 * found['rival_dt']:g} ms knots, mjd_transitionFD": "mujoco",
     }
-    for name, key in rows.items():
-        parts = (found[key][part] for part in ("derivative", "riccati", "rollout", "iteration"))
-        table.add_row(name, *(f"{1e3 * seconds:.2f}" for seconds in parts))
-    console.print(table)
+    parts = ("derivative", "riccati", "rollout", "iteration")
+    rows = [(name, *(f"{1e3 * found[key][part]:.2f}" for part in parts)) for name, key in keys.items()]
+    names = ("", "derivatives", "Riccati", "rollout", "iteration")
+    console.print(table(names, rows, f"N = {found['knots']}, ms"))
     console.print(f"derivatives, MuJoCo / ours: {found['derivative_ratio']:.1f}")
     for name, one in found["descent"].items():
         costs = ", ".join(f"{cost:.4g}" for cost in one["costs"][:: len(one["costs"]) // 5])
@@ -59,19 +57,31 @@ def _print_walk(console: Console, found: dict[str, Any]) -> None:
         f"contact-implicit MPC: N = {found['knots']}, dt = {1e3 * found['dt']:g} ms, "
         f"{found['iterations']} iteration(s) every {1e3 * found['interval']:g} ms"
     )
-    table = Table(
-        "", "up", "s", "m/s", "lean", "duty", "diagonal", "front apart", "strides/s", "clearance", "depth"
+    names = (
+        "",
+        "up",
+        "s",
+        "m/s",
+        "lean",
+        "duty",
+        "diagonal",
+        "front apart",
+        "strides/s",
+        "clearance",
+        "depth",
     )
     walks = {f"{found['walk']['seconds']:.0f} s": found["walk"]}
     walks |= {f"push {p['direction']} +{p['phase']:g} s": p for p in found["pushes"]}
     walks |= found["variants"]
-    for name, w in walks.items():
-        table.add_row(
+    rows = [
+        (
             name, "yes" if w["done"] else "NO", f"{w['seconds']:.1f}", f"{w['speed']:.3f}",
             f"{w['tilt']:.1f}°", f"{w['duty']:.2f}", f"{w['together']:.2f}", f"{w['apart']:.2f}",
             f"{w['stride']:.1f}", f"{1e3 * w['clearance']:.0f} mm", f"{-1e3 * w['depth']:.1f} mm",
-        )  # fmt: skip
-    console.print(table)
+        )
+        for name, w in walks.items()
+    ]  # fmt: skip
+    console.print(table(names, rows, "walks"))
     drawn = found["drawn"]
     console.print(
         f"friction 0.5 to 0.7, payload to 0.8 kg, two pushes, seeds: {sum(w['done'] for w in drawn)} of "

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
+from rich.console import Console
 
+from benchmarks.printing import table
 from surefoot.arrays import real_number
 from surefoot.cli import extras
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
+from surefoot.cli.console import show
+
+if TYPE_CHECKING:
+    from benchmarks.rigid_world import DropResult
 
 
 def rigid(
@@ -28,10 +31,11 @@ def rigid(
     seconds = 1.0 if quick else real_number("--seconds", seconds, low=1.0, high=3600.0)
     real_number("--height", height, low=0.0, high=100.0)
     results = [drop(world, robot, height, seconds) for world in ("rigid", "mujoco")]
-    if json:
-        print(to_json([asdict(r) for r in results]))
-        return
-    table = Table("", *(r.world for r in results), title=f"{robot} dropped from {height:g} m, dt = 1 ms")
+    title = f"{robot} dropped from {height:g} m, dt = 1 ms"
+    show([asdict(r) for r in results], json, lambda console, _: _print(console, title, results))
+
+
+def _print(console: Console, title: str, results: list[DropResult]) -> None:
     rows = {
         "wall time of 1 s, controller included": [f"{r.wall:.3f} s" for r in results],
         "world step, median (99 %)": [
@@ -48,8 +52,6 @@ def rigid(
         ],
         "speed at the end": [f"{r.rest_speed:.4f}" for r in results],
     }
-    for name, cells in rows.items():
-        table.add_row(name, *cells)
-    console = plain_console()
-    console.print(table)
+    cells = [(name, *values) for name, values in rows.items()]
+    console.print(table(("", *(r.world for r in results)), cells, title))
     console.print(f"rigid / mujoco wall time: {results[0].wall / results[1].wall:.2f}")

@@ -11,9 +11,10 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.printing import report
 from surefoot.cli import extras
 from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli.output import check_out
 from surefoot.errors import ProblemError, unknown_name
 
 if TYPE_CHECKING:
@@ -65,26 +66,22 @@ def softening(
                 found[name].append(row)
                 if name == "recommended":
                     answers[row.problem] = answer
-    if json:
-        print(to_json({name: [asdict(row) for row in rows] for name, rows in found.items()}))
-    else:
-        console = plain_console()
-        console = console if console.width >= WIDTH else plain_console(width=WIDTH)
+
+    def in_words(console: Console) -> None:
         for name, rows in found.items():
             _print(console, TITLES[name], rows)
-    if out is not None:
+
+    record = {name: [asdict(row) for row in rows] for name, rows in found.items()}
+    folder = report(record, json, in_words, WIDTH, out, "softening")
+    if folder is not None:
         from surefoot.viz import softening_plots as plots
 
-        folder = new_run_folder(out, "bench-softening")
         paths = [plots.plot_function(folder), plots.plot_heat_maps(folder)]
         if "race" in found:
             paths.append(plots.plot_traces(folder, {(r.problem, r.variant): r.trace for r in found["race"]}))
         if answers:
-            paths.append(
-                plots.plot_motions(
-                    folder, {name: (PROBLEMS[name](), a.motion) for name, a in answers.items()}
-                )
-            )
+            motions = {name: (PROBLEMS[name](), a.motion) for name, a in answers.items()}
+            paths.append(plots.plot_motions(folder, motions))
         for path in paths:
             typer.echo(f"picture: {path}", err=True)
 

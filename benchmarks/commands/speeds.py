@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.console import Console
 
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from benchmarks.printing import report, table
+from surefoot.cli.output import check_out
 from surefoot.cli.progress import progress_bar
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 ROBOTS = "robots"
 """Stands for all the other robots, each at its own pace."""
+WIDTH = 150
+"""Columns that the table needs."""
 
 
 def speeds(
@@ -33,11 +36,12 @@ def speeds(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False,
 ) -> None:
     """Walk at a ladder of velocities; print velocity errors, slip, joint speeds, torques and their rates."""
-    from benchmarks.walk.speeds import LADDER, OTHERS, Conditions, measure, pace_of
+    from benchmarks.walk.speeds import LADDER, Conditions, measure, pace_of
+    from benchmarks.walks import QUADRUPEDS
     from surefoot.cli import extras
 
     check_out(out)
-    names = OTHERS if robot == ROBOTS else (robot,)
+    names = QUADRUPEDS if robot == ROBOTS else (robot,)
     for name in names:
         extras.require((*extras.robot_packages(name), *(("mujoco",) if world == "mujoco" else ())))
     if quick:
@@ -49,38 +53,26 @@ def speeds(
             told = Conditions(world, hard, stiff)
             some = ladder[1:2] if quick and len(ladder) > 1 else ladder
             rows += measure(name, some, seeds, told, gait, show)
-    if as_json:
-        print(to_json([asdict(row) for row in rows]))
-    else:
-        _print(rows)
-    if out is not None:
-        folder = new_run_folder(out, "bench-speeds")
-        text = to_json([asdict(row) for row in rows])
-        (folder / "speeds.json").write_text(text + "\n", encoding="utf-8")
-        typer.echo(f"written: {folder / 'speeds.json'}", err=True)
+    record = [asdict(row) for row in rows]
+    report(record, as_json, lambda console: _print(console, rows), WIDTH, out, "speeds")
 
 
-def _print(rows: list[SpeedRow]) -> None:
-    from rich.table import Table
-
-    table = Table(title="Velocities within limits; worst of all seeds")
+def _print(console: Console, rows: list[SpeedRow]) -> None:
     names = (
         "robot", "wanted", "walked", "good", "lawful", "error", "slip [mm]", "joint speed", "torque",
         "rate [N m/ms]", "99.9 %", "laws",
     )  # fmt: skip
-    for name in names:
-        table.add_column(name, justify="left" if name in ("robot", "laws") else "right")
+    cells = []
     for row in rows:
         wanted = ", ".join(f"{v:g}" for v in row.wanted)
         if row.wanted != row.commanded:
             wanted += " -> " + ", ".join(f"{v:.3g}" for v in row.commanded)
-        table.add_row(
+        cells.append((
             row.robot, wanted, f"{row.walked} of {row.seeds}", str(row.good), str(row.lawful),
             f"{row.error:.3f}", f"{1e3 * row.slip:.1f}", f"{row.speed_use:.2f}", f"{row.torque_use:.2f}",
             f"{row.rate:.1f}", f"{row.usual_rate:.1f}", "; ".join(row.laws) or "none",
-        )  # fmt: skip
-    console = plain_console(width=150)
-    console.print(table)
+        ))  # fmt: skip
+    console.print(table(names, cells, "Velocities within limits; worst of all seeds", texts=["laws"]))
     console.print(
         "good: upright, velocity over the last 2.5 s within 3 % or 0.02, slip under 10 mm, joint speeds "
         "within limits. rate: largest change of a torque in a step, and that exceeded in 0.1 % of the steps.",

@@ -6,12 +6,13 @@ import math
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.console import Console
 
+from benchmarks.printing import report, table
 from surefoot.cli import extras
-from surefoot.cli.console import plain_console
 from surefoot.cli.output import check_out, new_run_folder, to_json
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.signals import ends_softly
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from benchmarks.stacks.judging import Trial
     from benchmarks.stacks.table import Row
 
-PAGE_WIDTH = 210
-"""Width of tables that do not go to a terminal."""
+WIDTH = 210
+"""Columns that the table needs."""
 MEANINGS = (
     "survived: up, on course, lawful. held: within the task's bounds as well (* where that has to "
     "be, in 19 of 20). m/s, error: mean velocity forward, worst distance from the asked one. slip: "
@@ -93,10 +94,7 @@ def stacks(
         **bench.header(), "absent": chosen.absent, "seeds": seeds, "complete": complete,
         "fastest_held": fastest_held(found), "rows": [row.as_dict() for row in found],
     }  # fmt: skip
-    if as_json:
-        print(to_json(record))
-    else:
-        _print(found, chosen.absent, seeds, fastest_held(found))
+    report(record, as_json, lambda console: _print(console, found, record), WIDTH)
     if folder is not None:
         (folder / "stacks.json").write_text(to_json(record) + "\n", encoding="utf-8")
         typer.echo(f"written: {folder / 'stacks.json'}", err=True)
@@ -126,23 +124,16 @@ def _said(trial: Trial) -> str:
     return f"{trial.stack} {trial.task} seed {trial.seed}: {'; '.join(faults) or 'held'}"
 
 
-def _print(found: list[Row], absent: dict[str, str], seeds: int, fastest: dict[str, float]) -> None:
-    from rich.table import Table
-
-    console = plain_console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
-    table = Table(title=f"up to {seeds} seeds each; intervals of 95 %")
+def _print(console: Console, found: list[Row], record: dict[str, Any]) -> None:
     columns = (
         "task", "stack", "up", "course", "lawful", "survived", "interval", "held", "m/s", "error",
         "slip [mm]", "CoT", "torque", "speed", "hits", "cones", "CPU [us]", "p99", "x real", "what was wrong",
     )  # fmt: skip
-    for name in columns:
-        table.add_column(name, justify="left" if name in ("task", "stack", "what was wrong") else "right")
-    for row in found:
-        table.add_row(*_cells(row))
-    console.print(table)
-    for name, why in absent.items():
+    title = f"up to {record['seeds']} seeds each; intervals of 95 %"
+    console.print(table(columns, map(_cells, found), title, 2, columns[-1:]))
+    for name, why in record["absent"].items():
         console.print(f"{name}: not here: {why}", soft_wrap=True)
-    for name, speed in fastest.items():
+    for name, speed in record["fastest_held"].items():
         console.print(f"{name}: holds the ladder of speeds up to {speed:g} m/s", soft_wrap=True)
     missed = [row for row in found if row.must and not row.holds]
     console.print(

@@ -6,11 +6,10 @@ from dataclasses import asdict
 from typing import Annotated
 
 import typer
-from rich.table import Table
+from rich.console import Console
 
+from benchmarks.printing import report, table
 from surefoot.cli import extras, parsing
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import to_json
 
 
 def statics(
@@ -34,31 +33,24 @@ def statics(
     checks = [agreement(questions), agreement(questions, facets=8)]
     timed = races(calls, seed + 1)
     good = all(c.disagreed == 0 and c.verified == c.cases for c in checks)
-    if json:
-        speed = [{**asdict(r), "timing": asdict(r.timing)} for r in timed]
-        print(to_json({"agreement": [asdict(c) for c in checks], "speed": speed}))
-        return 0 if good else 1
-    console = plain_console()
-    table = Table(title=f"Verdicts on {cases} random stances, 2 to 12 contacts", title_justify="left")
-    for name in ("against", "possible", "agree", f"differ within {BAND:g} of the load", "differ", "verified"):
-        table.add_column(name, justify="left" if name == "against" else "right")
-    for c in checks:
-        row = (c.possible, c.agreed, c.in_band, c.disagreed, c.verified)
-        table.add_row(c.rival, *(str(n) for n in row))
-    console.print(table)
-    table = Table(title="Time per call on one core", title_justify="left")
-    for name in ("question", "who", "median [µs]", "99 % [µs]", "ratio"):
-        table.add_column(name, justify="right" if "[" in name or name == "ratio" else "left")
-    last = ""
-    for r in timed:
-        t = r.timing
-        table.add_row(
-            "" if r.question == last else r.question,
-            r.who,
-            f"{1e6 * t.median:.1f}",
-            f"{1e6 * t.p99:.1f}",
-            f"{r.ratio:.2f}",
-        )
-        last = r.question
-    console.print(table)
+
+    def in_words(console: Console) -> None:
+        names = (
+            "against", "possible", "agree", f"differ within {BAND:g} of the load", "differ", "verified",
+        )  # fmt: skip
+        counts = ((c.possible, c.agreed, c.in_band, c.disagreed, c.verified) for c in checks)
+        rows = [(c.rival, *map(str, own)) for c, own in zip(checks, counts, strict=True)]
+        console.print(table(names, rows, f"Verdicts on {cases} random stances, 2 to 12 contacts"))
+        firsts = {r.question: r.who for r in reversed(timed)}
+        times = [
+            (
+                r.question if r.who == firsts[r.question] else "", r.who, f"{1e6 * r.timing.median:.1f}",
+                f"{1e6 * r.timing.p99:.1f}", f"{r.ratio:.2f}",
+            )
+            for r in timed
+        ]  # fmt: skip
+        heads = ("question", "who", "median [µs]", "99 % [µs]", "ratio")
+        console.print(table(heads, times, "Time per call on one core", left=2))
+
+    report({"agreement": [asdict(c) for c in checks], "speed": [asdict(r) for r in timed]}, json, in_words)
     return 0 if good else 1

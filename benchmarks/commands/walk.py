@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
+from rich.console import Console
 
+from benchmarks.printing import report, table
 from surefoot.cli import extras
-from surefoot.cli.console import plain_console
-from surefoot.cli.output import check_out, new_run_folder, to_json
+from surefoot.cli.output import check_out
 from surefoot.cli.progress import progress_bar
 
 if TYPE_CHECKING:
+    from benchmarks.timing import Timing
     from benchmarks.walk.race import MpcRow, WalkBench
 
 QUICK_SCENES, QUICK_CALLS = ("trot", "limit"), 4
-PAGE_WIDTH = 150
-"""Width of tables that do not go to a terminal."""
+WIDTH = 150
+"""Columns that the tables need."""
 
 
 def walk(
@@ -47,41 +47,29 @@ def walk(
     names = scene or (list(QUICK_SCENES) if quick else None)
     with progress_bar(not json, "bench walk", 1.0) as show:
         bench = measure(names, QUICK_CALLS if quick else calls, horizon, robot or ["go2"], show)
-    if json:
-        print(to_json(asdict(bench)))
-    else:
-        _print(bench)
-    if out is not None:
+    folder = report(asdict(bench), json, lambda console: _print(console, bench), WIDTH, out, "walk")
+    if folder is not None:
         from benchmarks.walk.pictures import plot_mpc_bench
 
-        folder = new_run_folder(out, "bench-walk")
-        (folder / "walk.json").write_text(to_json(asdict(bench)) + "\n", encoding="utf-8")
         typer.echo(f"picture: {plot_mpc_bench(bench, folder)}", err=True)
 
 
-def _print(bench: WalkBench) -> None:
+def _print(console: Console, bench: WalkBench) -> None:
     """Print one table per scene, and what its columns mean."""
     from benchmarks.walk.race import ACCURACY
     from surefoot.problems.walking import choose_scenes
 
-    console = plain_console(width=None if sys.stdout.isatty() else PAGE_WIDTH)
+    names = (
+        "method", "run as", "median [µs]", "p99", "worst", "ratio", "error [N]", "to exact [N]",
+        "outside [N]", "lost", "cost",
+    )  # fmt: skip
     for scene in choose_scenes(list(dict.fromkeys(row.scene for row in bench.rows))):
-        table = Table(
-            "method", "run as", "median [µs]", "p99", "worst", "ratio", "error [N]", "to exact [N]",
-            "outside [N]", "lost", "cost",
-            title=f"{scene.name}: {scene.title}; {bench.horizon} steps, {bench.calls} calls",
-        )  # fmt: skip
-        for row in bench.rows:
-            if row.scene == scene.name:
-                table.add_row(*_cells(row))
-        console.print(table)
-    table = Table(
-        "robot", "call", "median [µs]", "p99", "worst", "calls", title="on the inputs of a real walk"
-    )
-    for step in bench.steps:
-        times = (f"{1e6 * t:.0f}" for t in (step.timing.median, step.timing.p99, step.timing.worst))
-        table.add_row(step.robot, step.call, *times, str(step.timing.calls))
-    console.print(table)
+        title = f"{scene.name}: {scene.title}; {bench.horizon} steps, {bench.calls} calls"
+        cells = [_cells(row) for row in bench.rows if row.scene == scene.name]
+        console.print(table(names, cells, title, left=2))
+    steps = [(s.robot, s.call, *_times(s.timing), str(s.timing.calls)) for s in bench.steps]
+    heads = ("robot", "call", "median [µs]", "p99", "worst", "calls")
+    console.print(table(heads, steps, "on the inputs of a real walk", left=2))
     console.print(
         "ratio: median time over ours. error: distance of all forces to the method's own optimum, 95th "
         f"percentile (! where not within {ACCURACY} N). to exact: the first step's forces to the optimum on "
@@ -92,14 +80,16 @@ def _print(bench: WalkBench) -> None:
     )
 
 
+def _times(timing: Timing) -> list[str]:
+    return [f"{1e6 * t:.0f}" for t in (timing.median, timing.p99, timing.worst)]
+
+
 def _cells(row: MpcRow) -> list[str]:
     lost = "-" if row.lost != row.lost else f"{100.0 * max(row.lost, 0.0):.1f} %"
     return [
         row.method,
         row.variant,
-        f"{1e6 * row.timing.median:.0f}",
-        f"{1e6 * row.timing.p99:.0f}",
-        f"{1e6 * row.timing.worst:.0f}",
+        *_times(row.timing),
         f"{row.ratio:.1f}",
         f"{row.error:.1g}" + ("" if row.accurate else " !"),
         f"{row.first_error:.2g}",

@@ -177,8 +177,8 @@ def performance_profile(times: dict[str, FloatArray], ratios: FloatArray) -> dic
     return out
 
 
-def problems_in(folder: Path, most: int | None = None) -> list[NamedProblem]:
-    """Return the problems of all files in a folder that we can read, by name; at most so many contacts.
+def problems_in(folder: Path) -> list[NamedProblem]:
+    """Return the problems of all files in a folder that we can read, by name.
 
     Raises
     ------
@@ -190,8 +190,7 @@ def problems_in(folder: Path, most: int | None = None) -> list[NamedProblem]:
     files = sorted(f for f in folder.iterdir() if f.suffix in KINDS)
     if not files:
         raise ProblemError(f"no contact problems ({', '.join(KINDS)}) in {folder}")
-    found = [NamedProblem(f.name, "files", read_problem(f)) for f in files]
-    return [p for p in found if most is None or p.problem.contacts <= most]
+    return [NamedProblem(f.name, "files", read_problem(f)) for f in files]
 
 
 def compare(
@@ -199,7 +198,6 @@ def compare(
     tol: float = 1e-8,
     solvers: Sequence[str] = OURS,
     rivals: bool = True,
-    max_time: float = 10.0,
     progress: Callable[[str], None] = lambda _: None,
     budget: float = TIMED,
 ) -> Comparison:
@@ -215,8 +213,6 @@ def compare(
         Our solvers; with "auto" also the real-time path `ContactSolver`, where it takes the problem.
     rivals
         Whether to run Pinocchio's solvers, and Siconos where it is installed.
-    max_time
-        Bound on one solve of ours [s].
     progress
         Is told the name of each problem.
     budget
@@ -234,8 +230,9 @@ def compare(
             with one_core():
                 for k, named in enumerate(problems):
                     progress(named.name)
-                    runs.extend(_runs(named, tol, solvers, rivals, max_time, budget))
-                    runs.extend(_siconos(named, name, *found[k]) for name, found in siconos.items())
+                    runs.extend(_runs(named, tol, solvers, rivals, budget))
+                    for name, found in siconos.items():
+                        runs.append(_run(named, name, _timings(name, found[k][0]), found[k][1], tol))
         except BaseException as fault:
             faults.append(fault)
 
@@ -260,14 +257,12 @@ def copies_of(problem: ContactProblem) -> list[ContactProblem]:
     ]
 
 
-def _runs(
-    named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, max_time: float, budget: float
-) -> list[Run]:
+def _runs(named: NamedProblem, tol: float, solvers: Sequence[str], rivals: bool, budget: float) -> list[Run]:
     """Return the runs of ours and of Pinocchio's solvers on one problem, timed in turns."""
     problem, copies = named.problem, copies_of(named.problem)
     calls: dict[tuple[str, Kind], Callable[[int], Any]] = {}
     gaps: dict[str, float] = {}
-    for name, (ready, fresh) in our_calls(problem, copies, solvers, tol, max_time).items():
+    for name, (ready, fresh) in our_calls(problem, copies, solvers, tol).items():
         answers = [ready(0), *(fresh(k) for k in range(len(copies)))]
         gaps[name] = max(judge(p, f) for p, f in zip([problem, *copies], answers, strict=True))
         if gaps[name] <= tol:
@@ -282,6 +277,13 @@ def _runs(
     return [_run(named, name, timings, gap, tol) for name, gap in gaps.items()]
 
 
+def _timings(name: str, found: siconos_rival.SiconosRun | None) -> dict[tuple[str, Kind], Timing]:
+    """Return the times of Siconos, which was timed in its own process."""
+    if found is None:
+        return {}
+    return {(name, "ready"): Timing.of([found.solve]), (name, "fresh"): Timing.of([found.fresh])}
+
+
 def _run(
     named: NamedProblem, solver: str, timings: Mapping[tuple[str, Kind], Timing], residual: float, tol: float
 ) -> Run:
@@ -290,13 +292,4 @@ def _run(
     return Run(
         named.name, named.family, named.problem.contacts, solver, ready.median, residual, solved, ready.p99,
         fresh.median, fresh.p99,
-    )  # fmt: skip
-
-
-def _siconos(named: NamedProblem, name: str, found: siconos_rival.SiconosRun | None, residual: float) -> Run:
-    """Return the run of Siconos, which was timed in its own process."""
-    solve, fresh = (found.solve, found.fresh) if found is not None else (float("inf"), float("inf"))
-    return Run(
-        named.name, named.family, named.problem.contacts, name, solve, residual, found is not None, solve,
-        fresh, fresh,
     )  # fmt: skip

@@ -15,22 +15,23 @@ from surefoot.solvers.compiled import COMPILED_CONTACTS
 
 CONTACT_SOLVER = "contact solver"
 """Name of the real-time path in the tables."""
+MAX_TIME = 10.0
+"""Bound on one solve [s]."""
 Call = Callable[[int], FloatArray]
 Item = tuple[Any, FloatArray]
 """A matrix and a free velocity."""
 
 
 def our_calls(
-    problem: ContactProblem, copies: Sequence[ContactProblem], solvers: Sequence[str], tol: float,
-    max_time: float,
-) -> dict[str, tuple[Call, Call]]:  # fmt: skip
+    problem: ContactProblem, copies: Sequence[ContactProblem], solvers: Sequence[str], tol: float
+) -> dict[str, tuple[Call, Call]]:
     """Return, by solver, its call on the problem and its call on a copy's raw arrays; both give forces.
 
     The second takes the number of its turn, and goes round the copies.
     """
     raw = [(matrix_of(p), p.g) for p in copies]
     own = [(matrix_of(problem), problem.g)]
-    out = {name: _by_solve(problem, raw, name, tol, max_time) for name in solvers}
+    out = {name: _by_solve(problem, raw, name, tol) for name in solvers}
     path = real_time_path(problem, tol) if "auto" in solvers else None
     if path is not None:
         out[CONTACT_SOLVER] = in_turn(path, own), in_turn(path, raw)
@@ -72,9 +73,7 @@ def in_turn(function: Callable[[Item], FloatArray], items: Sequence[Item]) -> Ca
     return lambda k: function(items[k % count])
 
 
-def _by_solve(
-    problem: ContactProblem, raw: Sequence[Item], name: str, tol: float, max_time: float
-) -> tuple[Call, Call]:
+def _by_solve(problem: ContactProblem, raw: Sequence[Item], name: str, tol: float) -> tuple[Call, Call]:
     """Return the calls of `solve`, the second with a new `ContactProblem` each."""
     low = _lower_bounds(problem)
     mu, high, law, facets, fit, mask = (
@@ -82,10 +81,10 @@ def _by_solve(
     )  # fmt: skip
 
     def ready(_: int) -> FloatArray:
-        return solve(problem, name, tol, max_time=max_time).forces
+        return solve(problem, name, tol, max_time=MAX_TIME).forces
 
     def fresh(item: Item) -> FloatArray:
         new = ContactProblem(*item, mu, low, high, law, facets, fit, bilateral=mask)
-        return solve(new, name, tol, max_time=max_time).forces
+        return solve(new, name, tol, max_time=MAX_TIME).forces
 
     return ready, in_turn(fresh, raw)

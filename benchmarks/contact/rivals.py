@@ -103,21 +103,15 @@ class PinocchioCall:
         self.operator = (
             pinocchio.DelassusOperatorSparse if setting.sparse else pinocchio.DelassusOperatorDense
         )
+        name = setting.method.upper()
+        self.solver = getattr(pinocchio, f"{name}ConstraintSolver")(problem.g.size)
+        options = getattr(pinocchio, f"{name}SolverSettings")()
+        self.make = getattr(pinocchio, f"{name}SolverResult")
         if setting.method == "admm":
-            self.solver, options = (
-                pinocchio.ADMMConstraintSolver(problem.g.size),
-                pinocchio.ADMMSolverSettings(),
-            )
             options.admm_update_rule = getattr(pinocchio.ADMMUpdateRule, setting.rule)
             options.anderson_capacity = setting.anderson
-            self.make = pinocchio.ADMMSolverResult
         else:
-            self.solver, options = (
-                pinocchio.PGSConstraintSolver(problem.g.size),
-                pinocchio.PGSSolverSettings(),
-            )
             options.over_relaxation = setting.relaxation
-            self.make = pinocchio.PGSSolverResult
         options.max_iterations = iterations
         options.absolute_feasibility_tol = options.absolute_complementarity_tol = tol
         options.relative_feasibility_tol = options.relative_complementarity_tol = 0.0
@@ -147,21 +141,17 @@ def matrix(problem: ContactProblem, setting: Setting) -> Any:
 
 
 def best_call(
-    problem: ContactProblem,
-    setting: Setting,
-    tol: float,
-    copies: Sequence[ContactProblem] = (),
-    budget: float = BUDGET,
+    problem: ContactProblem, setting: Setting, tol: float, copies: Sequence[ContactProblem] = ()
 ) -> tuple[PinocchioCall | None, float]:
     """Return the loosest call that satisfies our judge on the problem and its copies, and its residual.
 
-    None and the least residual found, if none does within the budget [s] (a started solve is finished).
+    None and the least residual found, if none does within `BUDGET` (a started solve is finished).
     """
     scale = float(np.abs(problem.g).max(initial=0.0)) or 1.0  # its tolerances are absolute velocities
     iterations = ITERATIONS if problem.contacts <= FEW else ITERATIONS_MANY
     formats = [(p, (matrix(p, setting), p.g)) for p in copies]
     least = [float("inf")]
-    stop = time.perf_counter() + budget
+    stop = time.perf_counter() + BUDGET
 
     def attempt(step: float) -> tuple[PinocchioCall, float] | None:
         call = PinocchioCall(problem, setting, tol * step * scale, iterations)

@@ -17,6 +17,8 @@ from surefoot.problems.judge import DECADES, finer, judge
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 METHODS = ("nsgs", "newton", "admm")
+TIMEOUT = 3600.0
+"""Of one process [s]."""
 
 
 class SiconosRun(NamedTuple):
@@ -36,7 +38,7 @@ def siconos_installed() -> bool:
 
 
 def siconos_best(
-    problems: Sequence[ContactProblem], tol: float, timeout: float = 3600.0
+    problems: Sequence[ContactProblem], tol: float
 ) -> dict[str, list[tuple[SiconosRun | None, float]]]:
     """Return, by method ("siconos nsgs", ...) and problem, the loosest run that satisfies our judge.
 
@@ -44,13 +46,13 @@ def siconos_best(
     a process of its own on one core: first by decades, then between the two decades that matter.
     """
     every = {(m, k): [tol * 10.0**d for d in DECADES] for m in METHODS for k in range(len(problems))}
-    rough = _run(problems, every, timeout)
+    rough = _run(problems, every)
     wanted = {}
     for key, runs in rough.items():
         good = [j for j, r in enumerate(runs) if judge(problems[key[1]], r.forces) <= tol]
         if good and good[0] > 0:
             wanted[key] = [tol * 10.0**d for d in finer(DECADES[good[0]])]
-    fine = _run(problems, wanted, timeout) if wanted else {}
+    fine = _run(problems, wanted) if wanted else {}
     table: dict[str, list[tuple[SiconosRun | None, float]]] = {}
     for method in METHODS:
         rows: list[tuple[SiconosRun | None, float]] = []
@@ -66,7 +68,7 @@ def siconos_best(
 
 
 def _run(
-    problems: Sequence[ContactProblem], wanted: Mapping[tuple[str, int], Sequence[float]], timeout: float
+    problems: Sequence[ContactProblem], wanted: Mapping[tuple[str, int], Sequence[float]]
 ) -> dict[tuple[str, int], list[SiconosRun]]:
     """Run methods on problems at tolerances, loosest first; a method out of time skips its last ones."""
     arrays: dict[str, Any] = {"count": np.array(len(problems))}
@@ -81,7 +83,7 @@ def _run(
         command = [SYSTEM_PYTHON, str(worker), str(source), str(target)]
         quiet = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
         quiet.pop("PYTHONPATH", None)
-        subprocess.run(command, check=True, capture_output=True, timeout=timeout, env=quiet)
+        subprocess.run(command, check=True, capture_output=True, timeout=TIMEOUT, env=quiet)
         with np.load(target) as data:
             found = {name: data[name] for name in data.files}
     return {

@@ -6,6 +6,8 @@ import gc
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -34,8 +36,9 @@ from surefoot.problems.allocations import (
 )
 from surefoot.problems.judge import coarsest
 
-FACETS = (4, 8, 16)
 FITS: tuple[Fit, Fit] = ("inner", "outer")
+CONES: tuple[tuple[int | None, Fit], ...] = ((None, "inner"), *product((4, 8, 16), FITS))
+"""Facets, None for exact cones, and on which side of the cone they are."""
 TRAJECTORY = "trajectory"
 OURS = "Surefoot"
 REPEATS = 5
@@ -179,13 +182,13 @@ def judge(
         violations.append(cone_violation(p.instance, f))
         distances.append(np.linalg.norm(f - ours, axis=1).max())
         short.append(shortfall(p.instance, f) - shortfall(p.instance, ours))
-    solved = len(gaps) / len(programs)
-    if not gaps:
-        nan = float("nan")
-        return Row(name, cone, kind, warm, Timing.of(times), solved, nan, nan, lost, nan, nan, nan)
+
+    def over(how: Callable[[list[float]], Any], values: list[float]) -> float:
+        return float(how(values)) if values else np.nan
+
     return Row(
-        name, cone, kind, warm, Timing.of(times), solved, max(gaps), max(violations), lost,
-        float(np.median(distances)), max(distances), float(np.mean(short)),
+        name, cone, kind, warm, Timing.of(times), len(gaps) / len(programs), over(max, gaps),
+        over(max, violations), lost, over(np.median, distances), over(max, distances), over(np.mean, short),
     )  # fmt: skip
 
 
@@ -237,8 +240,9 @@ def run_class(kind: str, instances: Sequence[Instance], say: Callable[[str], Non
     """Yield the rows of one class of instances; on a trajectory solvers that can start warm do."""
     along = kind == TRAJECTORY
     exact = run_ours(instances)
-    for cone, rivals in _cones():
-        facets, fit = (None, FITS[0]) if cone == "exact" else (int(cone.split()[0]), _fit(cone))
+    for facets, fit in CONES:
+        cone = "exact" if facets is None else f"{facets} {fit}"
+        rivals = available(EXACT_RIVALS if facets is None else FACET_RIVALS)
         programs = [program(i, facets, fit) for i in instances]
         runs: list[tuple[str, bool, FloatArray, list[FloatArray | None]]] = []
         if facets is None:
@@ -266,17 +270,6 @@ def run_class(kind: str, instances: Sequence[Instance], say: Callable[[str], Non
                 middle, worst = float(np.median(exact.errors)), float(exact.errors.max())
                 row = replace(row, distance=middle, distance_worst=worst)
             yield row
-
-
-def _cones() -> Iterator[tuple[str, list[Kind]]]:
-    yield "exact", available(EXACT_RIVALS)
-    for facets in FACETS:
-        for fit in FITS:
-            yield f"{facets} {fit}", available(FACET_RIVALS)
-
-
-def _fit(cone: str) -> Fit:
-    return "inner" if cone.endswith("inner") else "outer"
 
 
 def run_all(

@@ -28,8 +28,8 @@ from surefoot.solvers.backends import ConeProgram, Options, backend
 
 UNITS = (1.0, 0.1, 0.01, 1e-3, 0.1, 0.01, 1e-3)
 """Of the change from one round to the next."""
-GOOD = 1e-7
-"""Fixed-point residual [N] from which no further round is made."""
+TOLERANCE, GOOD = 1e-10, 1e-7
+"""Clarabel's own, and the fixed-point residual [N] from which no further round is made."""
 REGULARISATION = 1e-12
 """Clarabel's own of 1e-8 is for problems of worse scale than these."""
 
@@ -65,9 +65,7 @@ def turned_cones(forces: FloatArray, mu: FloatArray) -> tuple[FloatArray, FloatA
     return T, t
 
 
-def refined_clarabel(
-    instance: Instance, force_weight: float = FORCE_WEIGHT, tol: float = 1e-10
-) -> FloatArray:
+def refined_clarabel(instance: Instance, force_weight: float = FORCE_WEIGHT) -> FloatArray:
     """Return Clarabel's forces at a tolerance of 1e-10, refined around its own answer: (n, 3) [N].
 
     Of all rounds the one with the least `fixed_point_residual` counts.
@@ -77,7 +75,7 @@ def refined_clarabel(
     weights = np.sqrt(WRENCH_WEIGHTS)
     A, w = weights[:, None] * instance.grasp_map[:, p.columns], weights * instance.wrench
     M, b = cone_rows(p)
-    clarabel = backend("clarabel", Options(tol, own={"static_regularization_constant": REGULARISATION}))
+    clarabel = backend("clarabel", Options(TOLERANCE, own={"static_regularization_constant": REGULARISATION}))
     identity, best, x = sp.identity(3 * a + 6, format="csc"), np.inf, np.zeros(3 * a)
     for turn, unit in enumerate(UNITS):
         T, t = turned_cones(x.reshape(-1, 3), p.mu)

@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from benchmarks.gradients.landing import Landing
-from benchmarks.gradients.systems import System, penalty, rollout
+from benchmarks.gradients.systems import Path, System, penalty, rollout
 from surefoot.arrays import FloatArray, IntArray
 
 SIGMA = 0.04
@@ -67,23 +68,22 @@ class Task:
 
 def of_system(system: System) -> Task:
     """Return the task of a small system."""
-    return Task(
-        system.name, system.low, system.high,
-        lambda theta: rollout(system, theta).loss,
-        lambda theta: rollout(system, theta, derivative=True).slope,
-        lambda theta, smoothing: rollout(system, theta, derivative=True, smoothing=smoothing).slope,
-        lambda theta, stiffness: penalty(system, theta, stiffness),
-    )  # fmt: skip
+    return _task(system, partial(rollout, system), partial(penalty, system))
 
 
 def of_landing(landing: Landing) -> Task:
     """Return the task of the robot."""
+    return _task(landing, landing.run, landing.soft)
+
+
+def _task(what: System | Landing, run: Callable[..., Path], soft: Callable[[float, float], float]) -> Task:
+    """Return the task of what is run exactly, with its derivative, and on springs."""
     return Task(
-        landing.name, landing.low, landing.high,
-        lambda theta: landing.run(theta).loss,
-        lambda theta: landing.run(theta, derivative=True).slope,
-        lambda theta, smoothing: landing.run(theta, derivative=True, smoothing=smoothing).slope,
-        landing.soft,
+        what.name, what.low, what.high,
+        lambda theta: run(theta).loss,
+        lambda theta: run(theta, derivative=True).slope,
+        lambda theta, smoothing: run(theta, derivative=True, smoothing=smoothing).slope,
+        soft,
     )  # fmt: skip
 
 

@@ -6,9 +6,10 @@ Trinkle), then q⁺ = q + h v⁺. The same system with springs (penalty) takes m
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,54 +39,44 @@ class Scene(NamedTuple):
     slopes: FloatArray
 
 
-class System(Protocol):
-    """What is simulated: masses, forces and contacts, and the range of its parameter theta."""
+@dataclass(frozen=True)
+class System(ABC):
+    """What is simulated, and the range of its parameter theta.
 
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        ...
+    Attributes
+    ----------
+    name
+        What it is called.
+    masses
+        (n,) along q [kg].
+    dt, steps
+        Length of a step [s], and how many there are.
+    low, high
+        Least and greatest theta.
+    """
 
-    @property
-    def masses(self) -> FloatArray:
-        """(n,) along q [kg]."""
-        ...
+    name: str
+    masses: FloatArray
+    dt: float
+    steps: int
+    low: float
+    high: float
 
-    @property
-    def dt(self) -> float:
-        """Step [s]."""
-        ...
-
-    @property
-    def steps(self) -> int:
-        """How many."""
-        ...
-
-    @property
-    def low(self) -> float:
-        """Least theta."""
-        ...
-
-    @property
-    def high(self) -> float:
-        """Greatest theta."""
-        ...
-
+    @abstractmethod
     def start(self, theta: float) -> tuple[FloatArray, FloatArray]:
         """Return q and v (n,) at the start."""
-        ...
 
+    @abstractmethod
     def force(self, q: FloatArray, v: FloatArray, time: float, theta: float) -> FloatArray:
         """Return the applied forces (n,), linear in q, v and theta [N]."""
-        ...
 
+    @abstractmethod
     def scene(self, q: FloatArray, theta: float) -> Scene:
         """Return the contacts at q."""
-        ...
 
+    @abstractmethod
     def loss(self, q: FloatArray, v: FloatArray) -> float:
         """Return what is to be small at the end."""
-        ...
 
 
 @dataclass(frozen=True)

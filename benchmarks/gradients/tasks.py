@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from benchmarks.gradients.systems import Scene
+from benchmarks.gradients.systems import Scene, System
 from surefoot.arrays import FloatArray
 from surefoot.spatial import GRAVITY
 
@@ -15,7 +15,7 @@ THICKNESS = 0.12
 
 
 @dataclass(frozen=True)
-class Ball:
+class Ball(System):
     """A ball is thrown at an angle theta [rad]; it should land as far as it can, but there is a wall.
 
     q = (x, z). Over the wall it goes far, below its edge it drops at its foot: the loss jumps.
@@ -54,7 +54,7 @@ class Ball:
 
 
 @dataclass(frozen=True)
-class Block:
+class Block(System):
     """A hand that is drawn to theta [m] pushes a block to 0.3 m over a rough table; it may not reach it.
 
     q = (x of the hand, x of the block, z of the block).
@@ -91,7 +91,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Hopper:
+class Hopper(System):
     """A body on a springy leg pushes off with theta [N] for 0.1 s; it should reach 1.0 m.
 
     q = (z of the body, z of the foot). It falls from 0.1 m above its stance and pushes while it stands.
@@ -126,7 +126,7 @@ class Hopper:
 
 
 @dataclass(frozen=True)
-class Slide:
+class Slide(System):
     """A block slides from 1 m/s until friction theta has stopped it; it was seen to end as with mu 0.25.
 
     q = (x, z).

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from benchmarks.planning.mujoco_ilqr import MujocoEngine
+from benchmarks.timing import least_time
 from surefoot.arrays import FloatArray
 from surefoot.planning.shooting.costs import Costs, FootCost, StateCost, TorqueCost
 from surefoot.planning.shooting.engine import Engine
@@ -37,14 +39,8 @@ def problem(robot: Robot, feet: bool, dt: float) -> ShootingProblem:
     )
 
 
-def least(call: Callable[[], Any], repeats: int) -> float:
-    """Return the least processor time of so many calls [s]: other work on the machine is kept out."""
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        call()
-        best = min(best, time.process_time() - start)
-    return best
+least = partial(least_time, clock=time.process_time)
+"""Least processor time: other work on the machine is kept out."""
 
 
 def time_knot(robot: Robot, repeats: int) -> dict[str, float]:

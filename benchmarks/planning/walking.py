@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from benchmarks.timing import Stopwatch
 from surefoot.arrays import FloatArray
-from surefoot.control.controller import Controller, RobotState
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Ending, Log
-from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcCommand, MpcSettings
+from surefoot.planning.mpc.controller import ContactImplicitMpc, MpcSettings
 from surefoot.planning.mpc.cost import WalkWeights
-from surefoot.robot import Robot, place
+from surefoot.robot import Robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Push, Scenario
@@ -39,27 +38,6 @@ SETTLED = 1.5
 PRESSED = 2.0
 """Normal force from which a foot counts as on the ground [N]."""
 DIRECTIONS = {"left": (0.0, 1.0), "right": (0.0, -1.0), "forward": (1.0, 0.0), "back": (-1.0, 0.0)}
-
-
-class Timed(Controller):
-    """A controller whose ticks are timed: processor and wall time of every step that plans."""
-
-    def __init__(self, inner: ContactImplicitMpc) -> None:
-        self.inner, self.channels, self.facts = inner, inner.channels, inner.facts
-        self.ticks: list[tuple[float, float]] = []
-
-    def reset(self) -> None:
-        """Forget the past."""
-        self.inner.reset()
-        self.ticks = []
-
-    def step(self, state: RobotState) -> MpcCommand:
-        """Return the command for a state."""
-        wall, cpu = time.perf_counter(), time.process_time()
-        command = self.inner.step(state)
-        if command.tick > 0.0:
-            self.ticks.append((time.process_time() - cpu, time.perf_counter() - wall))
-        return command
 
 
 @dataclass(frozen=True)
@@ -103,10 +81,10 @@ def walk(
     mu: float = 0.6, payload: float = 0.0,
 ) -> tuple[Walk, FloatArray]:  # fmt: skip
     """Return a walk and (ticks, 2) processor and wall times of its ticks [s]."""
-    controller = Timed(ContactImplicitMpc(robot, VelocityCommand.constant(*velocity), None, settings))
-    scenario = Scenario(seconds, mu, pushes=tuple(pushes), start=place(robot))
-    log = run(MujocoWorld(robot, mu=mu, payload=payload), controller, scenario)
-    return account(log, velocity), np.array(controller.ticks)
+    watch = Stopwatch(ContactImplicitMpc(robot, VelocityCommand.constant(*velocity), None, settings))
+    log = run(MujocoWorld(robot, mu=mu, payload=payload), watch, Scenario(seconds, mu, pushes))
+    every = round(settings.interval / float(log.fact("dt")))
+    return account(log, velocity), np.column_stack([watch.cpu, watch.wall])[::every]
 
 
 def account(log: Log, velocity: Velocity) -> Walk:

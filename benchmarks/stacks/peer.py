@@ -39,7 +39,7 @@ class Peer:
 
     Attributes
     ----------
-    name, title
+    name
         See `Stack`.
     program
         What runs there, a file of `peers/`: our adapter, on top of their code.
@@ -50,7 +50,6 @@ class Peer:
     """
 
     name: str
-    title: str
     program: str
     robots: tuple[str, ...]
     checkout: Path | None = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,8 +9,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from benchmarks.stacks.setting import Motors
+from benchmarks.timing import Stopwatch
 from surefoot.arrays import FloatArray
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Controller
 from surefoot.control.latency import LatencyCompensation
 from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walkers import walking_controller
@@ -93,11 +93,7 @@ class Stack(Protocol):
 
     @property
     def name(self) -> str:
-        """On the command line."""
-
-    @property
-    def title(self) -> str:
-        """In tables."""
+        """On the command line, and in tables."""
 
     def missing(self) -> str:
         """Return why it cannot run here, in one line; empty where it can."""
@@ -140,7 +136,6 @@ class Surefoot:
     """Surefoot's own walking controller, with the defaults of `surefoot walk`."""
 
     name = "surefoot"
-    title = "Surefoot"
 
     def missing(self) -> str:
         """See `Stack.missing`."""
@@ -165,7 +160,7 @@ class Surefoot:
         return Timed(walker, LatencyCompensation(walker, job.robot, job.dt))
 
 
-class Timed(Controller):
+class Timed(Stopwatch):
     """A controller of this process, each of its steps timed.
 
     Parameters
@@ -180,9 +175,7 @@ class Timed(Controller):
     posture: FloatArray | None = None
 
     def __init__(self, walker: Any, outermost: Controller) -> None:
-        self.inner = outermost
-        self.channels, self.facts = outermost.channels, outermost.facts
-        self.cpu: list[float] = []
+        super().__init__(outermost)
         self.starts = self.gait_start = walker.settings.start
         self._schedule = walker.schedule
 
@@ -190,22 +183,6 @@ class Timed(Controller):
     def gait_period(self) -> float:
         """Length of a cycle of the gait now [s]."""
         return float(self._schedule.period)
-
-    def reset(self) -> None:
-        """Forget the past."""
-        self.inner.reset()
-        self.cpu.clear()
-
-    def warm_up(self, state: RobotState) -> None:
-        """See `Controller.warm_up`."""
-        self.inner.warm_up(state)
-
-    def step(self, state: RobotState) -> Command:
-        """Return the inner controller's command."""
-        begin = time.process_time()
-        command: Command = self.inner.step(state)
-        self.cpu.append(time.process_time() - begin)
-        return command
 
     def close(self) -> None:
         """See `TimedController.close`."""

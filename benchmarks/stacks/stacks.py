@@ -11,8 +11,8 @@ from benchmarks.stacks.stack import Stack, Surefoot
 from surefoot.errors import ProblemError, unknown_name
 
 PEERS = {
-    "go2-convex-mpc": Peer("go2-convex-mpc", "go2-convex-mpc", "go2_convex_mpc.py", ("go2",)),
-    "quadruped-pympc": Peer("quadruped-pympc", "Quadruped-PyMPC", "quadruped_pympc.py", ("go2",)),
+    "go2-convex-mpc": Peer("go2-convex-mpc", "go2_convex_mpc.py", ("go2",)),
+    "quadruped-pympc": Peer("quadruped-pympc", "quadruped_pympc.py", ("go2",)),
 }
 """Stacks that run from a user's checkout."""
 NAMES = ("surefoot", *PEERS)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -14,11 +13,12 @@ from benchmarks.stacks.measures import Measures, measured
 from benchmarks.stacks.setting import HARD, Setting, true_robot
 from benchmarks.stacks.stack import Job, Stack, TimedController, ramp_time, ramped
 from benchmarks.stacks.tasks import PUSH_AT, PUSH_TIME, Task
+from benchmarks.walks import known_robot
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, SurefootError
 from surefoot.log import Ending, Log
 from surefoot.planning.tracking.legs import Legs
-from surefoot.robot import Robot, load_robot, place
+from surefoot.robot import Robot, place
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.height_scan import RangeSensor
 from surefoot.simulation.mujoco_substeps import substeps_of
@@ -75,12 +75,6 @@ class Variation:
         )  # fmt: skip
 
 
-@cache
-def documented(name: str) -> Robot:
-    """Return a robot of the catalogue, loaded once."""
-    return load_robot(name)
-
-
 def hip_height(robot: Robot) -> float:
     """Return the mean height of the legs' first joints over the ground in the nominal pose [m]."""
     import pinocchio
@@ -100,7 +94,7 @@ def asked_velocity(task: Task) -> tuple[float, float, float]:
     """Return what a task asks for: (forward, left, yaw rate) [m/s, rad/s]."""
     if task.froude is None:
         return task.asked
-    speed = task.froude * math.sqrt(GRAVITY * hip_height(documented(task.robot)))
+    speed = task.froude * math.sqrt(GRAVITY * hip_height(known_robot(task.robot)))
     return (round(speed, 3), 0.0, 0.0)
 
 
@@ -130,7 +124,7 @@ def carry_out(stack: Stack, task: Task, seed: int, setting: Setting = HARD) -> T
     MissingExtra
         For an optional package that is not installed.
     """
-    robot, vary = documented(task.robot), Variation.drawn(seed)
+    robot, vary = known_robot(task.robot), Variation.drawn(seed)
     asked, ground = asked_velocity(task), read_terrain(task.terrain, "terrain")
     try:
         motors = setting.motors(robot)
@@ -166,7 +160,7 @@ def _scenario(
     task: Task, vary: Variation, setting: Setting, controller: TimedController, robot: Robot, seed: int
 ) -> Scenario:
     """Return what happens: the disturbed start, the push in its phase, the faults of the seed."""
-    q = start(documented(task.robot), read_terrain(task.terrain, "terrain"), controller.posture, vary)
+    q = start(known_robot(task.robot), read_terrain(task.terrain, "terrain"), controller.posture, vary)
     pushes: tuple[Push, ...] = ()
     if task.push is not None:
         pushes = (Push(push_time(controller, vary.phase), (*task.push, 0.0), PUSH_TIME),)
@@ -218,7 +212,7 @@ def push_time(controller: TimedController, phase: float) -> float:
 
 def _told(stack: Stack, task: Task, seed: int, log: Log, controller: TimedController, spent: float) -> Trial:
     """Return what a log and the clocks say."""
-    robot, asked = documented(task.robot), asked_velocity(task)
+    robot, asked = known_robot(task.robot), asked_velocity(task)
     height = float(robot.nominal[2])
     wanted = np.array([ramped(asked, float(t), height, controller.starts) for t in log["time"]])
     settled = ramp_time(asked, height, controller.starts) + SETTLED

@@ -11,6 +11,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.planning.direct import DirectProblem, Weights, Window, planar_hopper, rest_to_rest
 from surefoot.planning.direct.contact_rows import OPEN, STICK
 from surefoot.planning.direct.judge import window_miss
+from surefoot.planning.direct.planar import RADIUS
 from surefoot.planning.trajectory import TOLERANCE, Trajectory
 from surefoot.robot import load_robot
 from surefoot.terrain import SlopeTerrain
@@ -77,7 +78,7 @@ def hopper_jump() -> JumpTask:
         ground = SlopeTerrain(slope)
         robot = planar_hopper()
         q = robot.nominal.copy()
-        q[1] += robot_lift(slope)
+        q[1] += RADIUS * (1.0 / float(np.cos(np.radians(slope))) - 1.0)  # its sphere touches the slope
         made = rest_to_rest(robot, distance, rise, knots=knots, mu=mu, terrain=ground, q=q, weights=WEIGHTS)
         return loosened(made)
 
@@ -126,13 +127,6 @@ def moved(problem: DirectProblem, by: Mapping[int, float]) -> DirectProblem:
     for entry, change in by.items():
         q[entry] += change
     return replace(problem, q=q)
-
-
-def robot_lift(slope: float) -> float:
-    """Return how much higher the hopper's base has to be for its sphere to touch a slope [m]."""
-    from surefoot.planning.direct.planar import RADIUS
-
-    return RADIUS * (1.0 / float(np.cos(np.radians(slope))) - 1.0)
 
 
 TASKS: dict[str, Callable[[], JumpTask]] = {"hopper": hopper_jump, "go2": go2_jump}

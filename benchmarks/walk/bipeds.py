@@ -12,52 +12,36 @@ import argparse
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.printing import table
+from benchmarks.walks import HARD, Walk
 from surefoot.audit import audit_log, summarise_walk
-from surefoot.control.actuators import actuators_of
-from surefoot.control.walkers import walking_controller
-from surefoot.control.walking_body import VelocityCommand
-from surefoot.robot import Robot, load_robot
-from surefoot.simulation.run import run
-from surefoot.simulation.scenario import Push, Scenario
+from surefoot.simulation.scenario import Push
 from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.walk_terrain import start_pose
-from surefoot.simulation.worlds import make_world
-from surefoot.terrain import read_terrain
 
-MU = 0.6
 PUSHED, CYCLE, PUSH_TIME = 3.0, 0.8, 0.1
 """A push comes from this time on, within a cycle of the gait, and lasts so long [s]."""
 
 
-@dataclass(frozen=True)
-class Walk:
-    """Velocity forward and left [m/s], yaw rate [rad/s], the ground, a push on the base forward, left [N]."""
-
-    velocity: tuple[float, float, float]
-    terrain: str = "flat"
-    push: tuple[float, float] | None = None
-
-
 WALKS = {
-    "in place": Walk((0.0, 0.0, 0.0)),
-    "0.3 m/s": Walk((0.3, 0.0, 0.0)),
-    "0.6 m/s": Walk((0.6, 0.0, 0.0)),
-    "0.3 m/s, turning 0.5 rad/s": Walk((0.3, 0.0, 0.5)),
-    "0.3 m/s, 10 degrees up": Walk((0.3, 0.0, 0.0), "slope:10"),
-    "0.3 m/s, 10 degrees down": Walk((0.3, 0.0, 0.0), "slope:-10"),
-    "0.3 m/s, 3 cm rough": Walk((0.3, 0.0, 0.0), "rough"),
-    "0.3 m/s, 60 N forward": Walk((0.3, 0.0, 0.0), push=(60.0, 0.0)),
-    "0.3 m/s, 60 N back": Walk((0.3, 0.0, 0.0), push=(-60.0, 0.0)),
-    "0.3 m/s, 60 N left": Walk((0.3, 0.0, 0.0), push=(0.0, 60.0)),
-    "0.3 m/s, 60 N right": Walk((0.3, 0.0, 0.0), push=(0.0, -60.0)),
+    "in place": Walk(velocity=(0.0, 0.0, 0.0)),
+    "0.3 m/s": Walk(velocity=(0.3, 0.0, 0.0)),
+    "0.6 m/s": Walk(velocity=(0.6, 0.0, 0.0)),
+    "0.3 m/s, turning 0.5 rad/s": Walk(velocity=(0.3, 0.0, 0.5)),
+    "0.3 m/s, 10 degrees up": Walk(velocity=(0.3, 0.0, 0.0), terrain="slope:10"),
+    "0.3 m/s, 10 degrees down": Walk(velocity=(0.3, 0.0, 0.0), terrain="slope:-10"),
+    "0.3 m/s, 3 cm rough": Walk(velocity=(0.3, 0.0, 0.0), terrain="rough"),
+}
+PUSHES = {"forward": (60.0, 0.0), "back": (-60.0, 0.0), "left": (0.0, 60.0), "right": (0.0, -60.0)}
+"""On the base: forward, left [N]."""
+WALKS |= {
+    f"0.3 m/s, 60 N {side}": Walk(velocity=(0.3, 0.0, 0.0), pushes=(Push(PUSHED, (*push, 0.0), PUSH_TIME),))
+    for side, push in PUSHES.items()
 }
 
 
@@ -73,29 +57,15 @@ class Outcome(NamedTuple):
     slip: float
 
 
-@cache
-def _robot(name: str) -> Robot:
-    return load_robot(name)
-
-
 def walk(name: str, what: Walk, hard: bool, seed: int, duration: float) -> Outcome:
     """Return what a walk of a robot came to."""
-    robot = _robot(name)
-    ground = read_terrain(f"rough:{seed},0.03" if what.terrain == "rough" else what.terrain)
-    actuators = "real" if hard else "ideal"
-    command = VelocityCommand.constant(*what.velocity)
-    controller = walking_controller(robot, command, None, ground, MU, actuators_of(robot, actuators))
-    collision = "full" if hard else "feet"
-    world = make_world("mujoco", robot, ground, MU, actuators=actuators, collision=collision)
-    pushes = []
-    if what.push is not None:
-        moment = PUSHED + CYCLE * float(np.random.default_rng(seed).random())
-        pushes.append(Push(moment, (*what.push, 0.0), PUSH_TIME))
-    scenario = Scenario(
-        duration, MU, pushes, seed=seed, start=start_pose(robot, ground),
-        sensors=SensorModel() if hard else None,
+    moment = PUSHED + CYCLE * float(np.random.default_rng(seed).random())
+    chosen = replace(
+        what, robot=name, pushes=tuple(replace(push, start=moment) for push in what.pushes),
+        terrain=f"rough:{seed},0.03" if what.terrain == "rough" else what.terrain,
+        options=HARD if hard else {}, sensors=SensorModel() if hard else None,
     )  # fmt: skip
-    log = run(world, controller, scenario)
+    log = chosen.log(seed, duration)
     found = summarise_walk(log)
     speed = found.velocity
     return Outcome(
@@ -136,16 +106,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     pool: Executor | nullcontext[None] = nullcontext() if given.jobs == 1 else ProcessPoolExecutor(given.jobs)
     with pool as workers:
         for robot in given.robots:
-            table = Table(title=f"{robot} in the {world} world, {duration:g} s, {seeds} seeds")
-            for column in ("walk", *columns):
-                table.add_column(column, justify="left" if column == "walk" else "right")
+            rows = []
             for name, what in walks.items():
                 each = [(robot, what, not given.ideal, seed, duration) for seed in range(1, seeds + 1)]
                 found = list((map if workers is None else workers.map)(walk, *zip(*each, strict=True)))
-                table.add_row(name, *_cells(found))
+                rows.append((name, *_cells(found)))
                 ends = [f"seed {k}: {one.ending}" for k, one in enumerate(found, 1) if not one.walked]
                 print(name, *_cells(found), *ends, sep=" | ", flush=True)
-            Console(width=140).print(table)
+            title = f"{robot} in the {world} world, {duration:g} s, {seeds} seeds"
+            Console(width=140).print(table(("walk", *columns), rows, title))
 
 
 if __name__ == "__main__":

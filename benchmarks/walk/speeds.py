@@ -14,18 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import walks
 from surefoot.arrays import FloatArray
 from surefoot.audit import summarise_walk
 from surefoot.audit.motion import heading_velocity
-from surefoot.control.actuators import actuators_of
-from surefoot.control.walking import WalkingController, WalkSettings
-from surefoot.control.walking_body import VelocityCommand
 from surefoot.log import Ending, Log
-from surefoot.robot import load_robot
-from surefoot.simulation.faults import believed_robot
-from surefoot.simulation.run import Scenario, run
 from surefoot.simulation.sensors import SensorModel
-from surefoot.simulation.worlds import make_world
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain
 
@@ -37,7 +31,6 @@ SHARE, FLOOR, SLIP = 0.03, 0.02, 0.01
 """A velocity is met within this share or this much [m/s, rad/s]; the most that a foot may slide [m]."""
 FROUDE = 0.5
 """Speed of the other robots, as a share of sqrt(g h)."""
-OTHERS = ("anymal_c", "a1", "go1", "b1", "solo12", "hyq", "laikago")
 LADDER = (
     (0.2, 0.0, 0.0), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), (1.5, 0.0, 0.0), (2.0, 0.0, 0.0), (2.5, 0.0, 0.0),
     (0.0, 0.0, 3.0),
@@ -116,7 +109,7 @@ class SpeedRow:
 
 def pace_of(robot: str) -> tuple[float, float, float]:
     """Return the velocity of a robot at `FROUDE`: (forward, 0, 0) [m/s]."""
-    model = load_robot(robot)
+    model = walks.known_robot(robot)
     return round(FROUDE * math.sqrt(GRAVITY * float(model.com(model.nominal)[2])), 2), 0.0, 0.0
 
 
@@ -162,25 +155,22 @@ def walk(
     """Return the log of a walk, and the (3,) velocity that was left after limits [m/s, rad/s]."""
     rng = np.random.default_rng([seed, 17])
     mass, friction = (1.0 + e * rng.uniform(-1.0, 1.0) for e in (MASS_ERROR, FRICTION_ERROR))
-    robot, ground = load_robot(name), FlatTerrain()
-    motors = actuators_of(robot, "real" if conditions.hard else "ideal")
-    controller = WalkingController(
-        believed_robot(robot, mass), VelocityCommand.constant(*velocity), gait, ground,
-        WalkSettings(mu=MU, actuators=motors),
+    told: dict[str, Any] = dict(walks.HARD) if conditions.hard else {}
+    if conditions.world != "mujoco":
+        told.pop("collision", None)
+    elif conditions.stiff:
+        told["solref"] = (0.002, 1.0)
+    chosen = walks.Walk(
+        name, velocity, gait, mu=MU * friction, believed_mu=MU, believed_mass=mass,
+        world=conditions.world, options=told, sensors=SensorModel() if conditions.hard else None,
     )  # fmt: skip
-    told: dict[str, Any] = {"actuators": motors} if motors is not None else {}
-    if conditions.world == "mujoco":
-        told |= {"collision": "full"} if conditions.hard else {}
-        told |= {"solref": (0.002, 1.0)} if conditions.stiff else {}
-    world = make_world(conditions.world, robot, ground, MU * friction, **told)
-    sensors = SensorModel() if conditions.hard else None
-    log = run(world, controller, Scenario(DURATION, MU * friction, seed=seed, sensors=sensors))
-    return log, controller.command.at(0.0)
+    controller: Any = chosen.controller(walks.known_robot(name), FlatTerrain())
+    return chosen.log(seed, DURATION), controller.command.at(0.0)
 
 
 def judge(log: Log) -> Trial:
     """Return what a run came to."""
-    summary, limits = summarise_walk(log), load_robot(log.fact("robot")).speed_limits
+    summary, limits = summarise_walk(log), walks.known_robot(log.fact("robot")).speed_limits
     late = log["time"] > log["time"][-1] - JUDGED
     wanted, measured = log["command"][late].mean(axis=0), heading_velocity(log)[late].mean(axis=0)
     error = np.abs(measured - wanted)

@@ -6,6 +6,7 @@ kept and then given to them again, so that nothing but the call is timed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,38 +87,40 @@ def _kept(value: Any) -> Any:
 
 def _record_calls(controller: WalkingController, tape: _Tape) -> None:
     """Let a controller's own parts write what they are given onto the tape."""
-    body, mpc, step = controller.whole_body, controller.mpc, controller.step
-    update, solve, plan, shift = body.update, body.solve, mpc.solve, mpc.shift
+    body, mpc = controller.whole_body, controller.mpc
     state: list[Any] = [None, None, 0.0]
 
-    def keep_step(told: RobotState) -> Any:
+    def keep_step(told: RobotState) -> None:
         contact = None if told.contact is None else told.contact.copy()
         tape.states.append(told._replace(q=told.q.copy(), v=told.v.copy(), contact=contact))
-        return step(told)
 
-    def keep_state(q: Any, v: Any) -> Any:
+    def keep_state(q: Any, v: Any) -> None:
         state[:2] = q.copy(), v.copy()
-        return update(q, v)
 
-    def keep_tasks(tasks: Tasks) -> Any:
+    def keep_tasks(tasks: Tasks) -> None:
         copies: Any = (np.array(value) for value in tasks)
         tape.whole_body.append((state[0], state[1], Tasks(*copies)))
-        return solve(tasks)
 
     def keep_shift(elapsed: float) -> None:
         state[2] = elapsed
-        shift(elapsed)
 
-    def keep_plan(*arguments: Any, **named: Any) -> Any:
+    def keep_plan(*arguments: Any, **named: Any) -> None:
         copies = tuple(_kept(a) for a in arguments)
         tape.plans.append((state[2], copies, {name: _kept(a) for name, a in named.items()}))
-        return plan(*arguments, **named)
 
-    for owner, name, wrapped in (
-        (controller, "step", keep_step),
-        (body, "update", keep_state),
-        (body, "solve", keep_tasks),
-        (mpc, "shift", keep_shift),
-        (mpc, "solve", keep_plan),
-    ):
-        setattr(owner, name, wrapped)
+    _tap(controller, "step", keep_step)
+    _tap(body, "update", keep_state)
+    _tap(body, "solve", keep_tasks)
+    _tap(mpc, "shift", keep_shift)
+    _tap(mpc, "solve", keep_plan)
+
+
+def _tap(owner: Any, name: str, keep: Callable[..., None]) -> None:
+    """Let a method tell `keep` what it is given."""
+    method = getattr(owner, name)
+
+    def tapped(*arguments: Any, **named: Any) -> Any:
+        keep(*arguments, **named)
+        return method(*arguments, **named)
+
+    setattr(owner, name, tapped)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from benchmarks import actuators
 from benchmarks.printing import cells
+from surefoot.simulation.faults import Faults
 
 
 def test_a_row_holds_what_the_walk_came_to() -> None:
-    walk = actuators.Walk(wired=actuators.TARGETS, delay=0.003)
+    walk = actuators.Walk(wired=actuators.TARGETS, faults=Faults(delay=0.003))
     cells = dict(zip(actuators.COLUMNS, actuators.row(walk, 1, 1.2), strict=True))
     assert cells["walked"] == cells["laws and limits kept"] == "1 of 1"
     assert 0.0 < float(cells["slip [mm]"]) < 2.0
@@ -17,9 +18,9 @@ def test_a_row_holds_what_the_walk_came_to() -> None:
 
 
 def test_the_tables_hold_what_their_names_say() -> None:
-    assert {w.speed for w in actuators.speeds().values()} == {0.5, 1.0, 1.5, 2.0}
+    assert {w.velocity[0] for w in actuators.speeds().values()} == {0.5, 1.0, 1.5, 2.0}
     late = actuators.delays()
-    assert {name: w.delay for name, w in late.items() if name.startswith("5 ms")} == dict.fromkeys(
+    assert {name: w.faults.delay for name, w in late.items() if name.startswith("5 ms")} == dict.fromkeys(
         (f"5 ms, {name}" for name in actuators.WIRINGS), 0.005
     )
     shown = cells(actuators.table("none", {}, 1, 1.0))

@@ -135,7 +135,7 @@ def test_sparse_problems_get_sparse_rivals() -> None:
 def test_our_calls_solve_the_matrix_they_are_given() -> None:
     for named in problem_set("robot", copies=0.01)[:4]:
         copies = copies_of(named.problem)
-        calls = our_calls(named.problem, copies, ("auto", "newton"), 1e-8, 10.0)
+        calls = our_calls(named.problem, copies, ("auto", "newton"), 1e-8)
         assert set(calls) == {"auto", "newton", CONTACT_SOLVER}
         for ready, fresh in calls.values():
             assert judge(named.problem, ready(0)) <= 1e-8

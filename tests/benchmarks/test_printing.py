@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from rich.table import Table
 
-from benchmarks.printing import show
+from benchmarks.printing import cells, options, report, show, table
 
 
 def _table() -> Table:
@@ -33,3 +34,26 @@ def test_for_people_they_are_printed(capsys: pytest.CaptureFixture[str]) -> None
     said = capsys.readouterr().out
     assert "two solvers" in said
     assert "theirs" in said
+
+
+def test_numbers_are_flush_right_and_texts_left() -> None:
+    shown = table(("who", "time", "why"), [("ours", "1.0", "it is")], "a title", texts=["why"])
+    assert [column.justify for column in shown.columns] == ["left", "right", "left"]
+    assert cells(shown)["rows"] == [["ours", "1.0", "it is"]]
+
+
+def test_a_record_is_printed_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = report({"a": float("nan")}, True, lambda console: console.print("words"), out=tmp_path, name="x")
+    said = capsys.readouterr()
+    assert json.loads(said.out) == {"a": None}
+    assert folder is not None
+    assert json.loads((folder / "x.json").read_text()) == {"a": None}
+    assert said.err.startswith("written: ")
+    assert report({}, False, lambda console: console.print("words" * 30), width=200) is None
+    assert capsys.readouterr().out.splitlines() == ["words" * 30]
+
+
+def test_programs_share_their_options() -> None:
+    given = options("about", "little", seeds=3, duration=2.0).parse_args(["--quick", "--only", "a"])
+    assert vars(given) == {"quick": True, "json": False, "seeds": 3, "duration": 2.0, "only": "a"}
+    assert set(vars(options(None, "little").parse_args([]))) == {"quick", "json"}

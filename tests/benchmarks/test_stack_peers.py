@@ -56,7 +56,7 @@ def peer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Peer:
 def make(folder: Path, extra: str) -> Peer:
     program = folder / "stander.py"
     program.write_text(textwrap.dedent(STANDS.replace("EXTRA", extra)))
-    return Peer("stander", "a stander", str(program), ("go2",)).at(folder)
+    return Peer("stander", str(program), ("go2",)).at(folder)
 
 
 def job(slope: float = 0.0) -> Job:

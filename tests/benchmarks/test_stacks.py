@@ -233,7 +233,7 @@ def test_the_ladder_ends_where_it_is_broken() -> None:
 class Still:
     """A stack that is never asked: its trials are made up."""
 
-    name, title = "surefoot", "still"
+    name = "surefoot"
 
     def missing(self) -> str:
         return ""

@@ -9,7 +9,7 @@ from benchmarks.walk import race as walk
 from benchmarks.walk.race import ACCURACY, measure
 from benchmarks.walk.rivals import Variant, matrices, rivals, solve_exact
 from surefoot.errors import ProblemError
-from surefoot.problems.walking import SCENES, choose_scenes, controller, record, scene_names
+from surefoot.problems.walking import SCENES, choose_scenes, controller, record
 
 NAMES = [f"{r.solver}-{r.facets}" for r in rivals()]
 
@@ -66,7 +66,7 @@ def test_condensed_and_sparse_are_one_problem(programs):
         assert np.abs(a - b).max() < 5e-3
 
 
-@pytest.mark.parametrize("scene", SCENES, ids=scene_names())
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
 def test_scenes_are_what_they_say(scene):
     inputs = record(scene, 60)
     share = np.mean([item.contacts.mean() for item in inputs])

@@ -12,19 +12,15 @@ References
 from __future__ import annotations
 
 import importlib
-import json
-import os
 import sys
-import time
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
 GAIT_HZ, DUTY, CONTROL_DT, HEIGHT = 3.0, 0.6, 1.0 / 200.0, 0.27
 PLANS, TORQUE_SHARE = 16, 0.9
 LEGS = ("FL", "FR", "RL", "RR")
-REQUEST = 1 + 3 + 19 + 18 + 4
 
 
 class Stack:
@@ -42,6 +38,7 @@ class Stack:
         self.legs = importlib.import_module("convex_mpc.leg_controller").LegController()
         self.trajectory = importlib.import_module("convex_mpc.com_trajectory").ComTraj(self.go2)
         self.gait = gait.Gait(GAIT_HZ, DUTY)
+        self.dt, self.period, self.joints = CONTROL_DT, self.gait.gait_period, self.go2.q_init[7:]
         self.plan_dt = self.gait.gait_period / PLANS
         self.every = max(1, int((1.0 / CONTROL_DT) // (1.0 / self.plan_dt)))
         self.plan(0.0, np.zeros(3))
@@ -73,24 +70,7 @@ class Stack:
         return np.concatenate([np.clip(torques, -self.limits, self.limits), self.forces, stance])
 
 
-def serve(commands: BinaryIO, answers: BinaryIO) -> None:
-    """Answer requests until there are none."""
-    stack = Stack(json.loads(commands.readline()))
-    joints = stack.go2.q_init[7:].tolist()
-    described = {"dt": CONTROL_DT, "period": stack.gait.gait_period, "joints": joints}
-    answers.write((json.dumps(described) + "\n").encode())
-    answers.flush()
-    while len(raw := commands.read(8 * REQUEST)) == 8 * REQUEST:
-        request = np.frombuffer(raw)
-        begin = time.process_time()
-        answer = stack.step(float(request[0]), request[1:4], request[4:23].copy(), request[23:41].copy())
-        spent = time.process_time() - begin
-        answers.write(np.append(answer, spent).astype(np.float64).tobytes())
-        answers.flush()
-
-
 if __name__ == "__main__":
-    channel = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what the peer prints is no answer
+    serve = importlib.import_module("serving").serve
     sys.path.insert(0, str(Path(sys.argv[1]) / "src" / "python"))
-    serve(sys.stdin.buffer, channel)
+    serve(Stack)

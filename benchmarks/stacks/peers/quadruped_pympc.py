@@ -14,17 +14,13 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import json
-import os
 import sys
-import time
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
 LEGS = ("FL", "FR", "RL", "RR")
 TORQUE_SHARE = 0.9
-REQUEST = 1 + 3 + 19 + 18 + 4
 
 
 def configured(told: dict[str, Any]) -> Any:
@@ -87,7 +83,7 @@ class Stack:
         self.mujoco.mj_forward(env.mjModel, data)
         return rotation
 
-    def step(self, wanted: np.ndarray, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    def step(self, now: float, wanted: np.ndarray, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return torques, planned forces and planned stance: (28,)."""
         env, rotation = self.env, self._show(q, v)
         yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
@@ -111,23 +107,7 @@ class Stack:
         return np.concatenate([np.clip(torques, -self.limits, self.limits), forces, stance])
 
 
-def serve(commands: BinaryIO, answers: BinaryIO) -> None:
-    """Answer requests until there are none."""
-    stack = Stack(json.loads(commands.readline()))
-    described = {"dt": stack.dt, "period": stack.period, "joints": stack.joints.tolist()}
-    answers.write((json.dumps(described) + "\n").encode())
-    answers.flush()
-    while len(raw := commands.read(8 * REQUEST)) == 8 * REQUEST:
-        request = np.frombuffer(raw)
-        begin = time.process_time()
-        answer = stack.step(request[1:4], request[4:23].copy(), request[23:41].copy())
-        spent = time.process_time() - begin
-        answers.write(np.append(answer, spent).astype(np.float64).tobytes())
-        answers.flush()
-
-
 if __name__ == "__main__":
-    channel = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what the peer prints is no answer
+    serve = importlib.import_module("serving").serve
     sys.path.insert(0, sys.argv[1])
-    serve(sys.stdin.buffer, channel)
+    serve(Stack)

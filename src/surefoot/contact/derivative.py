@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.contact.derivative_kinks import Choice, choices_of, directional
 from surefoot.contact.derivative_path import SmoothSystem, central_path
-from surefoot.contact.derivative_system import ActiveSystem, polished
+from surefoot.contact.derivative_system import ActiveSystem, move, polished
 from surefoot.contact.problem import ContactProblem
 from surefoot.errors import ProblemError
 
@@ -325,24 +325,6 @@ BLOCKS = tuple(
     for what in ("forces", "velocities")
     for after in ("G", "g", "mu", "normal_min", "normal_max", "compliance")
 )
-
-
-def move(
-    system: ActiveSystem, b: FloatArray, rates: tuple[FloatArray, ...]
-) -> tuple[FloatArray, FloatArray, float]:
-    """Return λ' and u', flat or column by column, and the norm of what was taken off.
-
-    `b` is the rate of u at fixed forces, (3n,) or (3n, c); the rates are those of mu, normal_min and
-    normal_max, (n,) or (n, c) each. Differentiates the active system, A y = target, by the implicit function
-    theorem; where A misses a part of the right side, velocities keep it: no force moves there.
-    """
-    mu, low, high = rates
-    jump = system.jump_mu @ mu + system.jump_low @ low + system.jump_high @ high
-    q = system.target_mu @ mu - system.R @ (b + system.G @ jump)
-    off = system.beyond(q)
-    forces = system.C @ system.solve(q) + jump
-    velocities = system.G @ forces + b + system.S @ off
-    return forces, velocities, float(np.linalg.norm(off))
 
 
 def _per_contact(name: str, value: ArrayLike | None, n: int) -> FloatArray:

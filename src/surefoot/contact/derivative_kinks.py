@@ -36,7 +36,7 @@ from surefoot.contact.derivative_modes import (
     piece,
     slide_mode,
 )
-from surefoot.contact.derivative_system import ActiveSystem
+from surefoot.contact.derivative_system import ActiveSystem, move
 from surefoot.contact.problem import ContactProblem
 
 CONSISTENT = 1e-9
@@ -233,7 +233,8 @@ def _judge(
         if size > 0.0:
             modes[k] = slide_mode(contacts[k], modes[k].normal, w / size, 1.0)
     for _ in range(TURNS if turning else 1):
-        forces, velocities = _rates(ActiveSystem(G, modes), b, rates)
+        flat = move(ActiveSystem(G, modes), b, rates)
+        forces, velocities = flat[0].reshape(-1, 3), flat[1].reshape(-1, 3)
         moved = 0.0
         for k in turning:
             w = forces[k, :2] - velocities[k, :2] / contacts[k].weight
@@ -256,18 +257,6 @@ def _judge(
         for k in range(len(modes))
     ]
     return modes, faults
-
-
-def _rates(
-    system: ActiveSystem, b: FloatArray, rates: tuple[FloatArray, ...]
-) -> tuple[FloatArray, FloatArray]:
-    """Return the (n, 3) rates of forces and velocities."""
-    mu, low, high = rates
-    jump = system.jump_mu @ mu + system.jump_low @ low + system.jump_high @ high
-    q = system.target_mu @ mu - system.R @ (b + system.G @ jump)
-    forces = system.C @ system.solve(q) + jump
-    velocities = system.G @ forces + b + system.S @ system.beyond(q)
-    return forces.reshape(-1, 3), velocities.reshape(-1, 3)
 
 
 def _radius_rate(contact: Contact, k: int, forces: FloatArray, rates: tuple[FloatArray, ...]) -> float:

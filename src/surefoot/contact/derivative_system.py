@@ -115,6 +115,24 @@ class ActiveSystem:
         return float(np.linalg.norm(self.G @ self.C @ open_directions.T, 2)) / scale if scale > 0.0 else 0.0
 
 
+def move(
+    system: ActiveSystem, b: FloatArray, rates: tuple[FloatArray, ...]
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return λ' and u', flat or column by column, and the norm of what was taken off.
+
+    `b` is the rate of u at fixed forces, (3n,) or (3n, c); the rates are those of mu, normal_min and
+    normal_max, (n,) or (n, c) each. Differentiates the active system, A y = target, by the implicit function
+    theorem; where A misses a part of the right side, velocities keep it: no force moves there.
+    """
+    mu, low, high = rates
+    jump = system.jump_mu @ mu + system.jump_low @ low + system.jump_high @ high
+    q = system.target_mu @ mu - system.R @ (b + system.G @ jump)
+    off = system.beyond(q)
+    forces = system.C @ system.solve(q) + jump
+    velocities = system.G @ forces + b + system.S @ off
+    return forces, velocities, float(np.linalg.norm(off))
+
+
 def polished(
     problem: ContactProblem, forces: FloatArray, velocities: FloatArray
 ) -> tuple[FloatArray, FloatArray, list[Contact], list[Mode]]:

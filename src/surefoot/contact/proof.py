@@ -12,7 +12,6 @@ have a sum of norms of at least its reach |g·d| / max_k ||(G d)_k||.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,13 +115,8 @@ def check_proof(problem: ContactProblem, direction: FloatArray) -> Infeasibility
     slack = _drift(problem, d)
     worst = float(slack.max(initial=0.0))
     reach = -work / worst if worst > 0.0 else np.inf
-    pushed = np.array([np.any(own) for own in _split(problem, d)])
-    return InfeasibilityProof(d, work, reach, _needed(problem, pushed))
-
-
-def _split(problem: ContactProblem, d: FloatArray) -> Iterable[FloatArray]:
-    """Return what each contact has of a direction."""
-    return problem.contact_set.split(d) if problem.general else d
+    own = problem.contact_set.split(d) if problem.general else d
+    return InfeasibilityProof(d, work, reach, _needed(problem, np.array([np.any(part) for part in own])))
 
 
 def _drift(problem: ContactProblem, d: FloatArray) -> FloatArray:

@@ -20,6 +20,7 @@ from surefoot.errors import ProblemError, unknown_name
 from surefoot.problems.heaps import capsules, cups, masonry, rocks
 from surefoot.problems.judge import judge
 from surefoot.problems.rigid_bodies import Scene
+from surefoot.problems.robot_scenes import robot_delassus as robot
 
 TRIVIAL = 1e-6
 """A drawn problem that no forces at all solve this well is drawn again: nothing touches."""
@@ -115,22 +116,6 @@ def small_pile(rng: np.random.Generator, mu: float) -> ContactProblem:
     scene.touch(wall[0], -1, np.array([0.1, 0, height + 0.05]), np.array([-1.0, 0, 0]), mu)
     scene.touch(below, -1, np.array([0.15, 0.0, height - 0.02]), np.array([-1.0, 0, 0]), mu)
     return scene.problem()
-
-
-def robot(
-    rng: np.random.Generator,
-    name: str,
-    feet_down: int,
-    points: int,
-    push: float,
-    mu: float,
-    lift: float = 0.0,
-    gain: float = 0.0,
-) -> ContactProblem:
-    """Return one step of a robot model; see `surefoot.problems.robot_scenes.robot_delassus`."""
-    from surefoot.problems.robot_scenes import robot_delassus
-
-    return robot_delassus(rng, name, feet_down, points, push, mu, lift, gain)
 
 
 Maker = Callable[[np.random.Generator], ContactProblem]
@@ -254,10 +239,12 @@ _LARGE: dict[str, tuple[int, Maker]] = {
 }
 
 
+_SCALES = {"robot": {**_ROBOT, **_MODELS}, "large": _LARGE}
+
+
 def families(scale: str | None = None) -> tuple[str, ...]:
     """Return the names of the families of a scale ("robot", "large"), or of both."""
-    names = (*_ROBOT, *_MODELS) if scale == "robot" else tuple(_LARGE) if scale == "large" else None
-    return (*_ROBOT, *_MODELS, *_LARGE) if names is None else names
+    return tuple(name for own, table in _SCALES.items() for name in table if scale in (own, None))
 
 
 def problem_set(scale: str = "robot", seed: int = 0, copies: float = 1.0) -> list[NamedProblem]:
@@ -282,11 +269,12 @@ def problem_set(scale: str = "robot", seed: int = 0, copies: float = 1.0) -> lis
     >>> [p.name for p in problem_set("robot")][:2]
     ['cube-sticking-0', 'cube-sticking-1']
     """
-    if scale not in ("robot", "large"):
-        raise ProblemError(unknown_name("scale", scale, ["robot", "large"]))
-    table = {**_ROBOT, **(_MODELS if _has_models() else {})} if scale == "robot" else _LARGE
+    if scale not in _SCALES:
+        raise ProblemError(unknown_name("scale", scale, _SCALES))
     found = []
-    for family, (count, maker) in table.items():
+    for family, (count, maker) in _SCALES[scale].items():
+        if family in _MODELS and not _has_models():
+            continue
         for k in range(max(1, round(count * copies))):
             stream = np.random.default_rng([seed, k, *family.encode()])
             problem = maker(stream)
@@ -298,12 +286,8 @@ def problem_set(scale: str = "robot", seed: int = 0, copies: float = 1.0) -> lis
 
 def _has_models() -> bool:
     """Tell whether the robot extra is installed."""
-    return find_spec("pinocchio") is not None and _installed("example-robot-data")
-
-
-def _installed(name: str) -> bool:
     try:
-        distribution(name)
+        distribution("example-robot-data")
     except PackageNotFoundError:
         return False
-    return True
+    return find_spec("pinocchio") is not None

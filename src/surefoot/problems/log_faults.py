@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.log import Log
-from surefoot.problems.spoiling import LogCopy, Numbers, SpoiltLog, everywhere, on_flight, on_stance
+from surefoot.problems.spoiling import LogCopy, Spoil, SpoiltLog, everywhere, on_flight, on_stance
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY, rotation_about
 from surefoot.terrain.frames import surface_frames
@@ -33,7 +32,7 @@ class LogFault:
     symptom
         What an audit should tell first; empty for a fault of the log itself, which must not be lawful.
     spoil
-        From log, generator and amplitude to the spoilt log, or None.
+        From a copy of a log and the amplitude to the spoilt log, or None.
     """
 
     name: str
@@ -41,11 +40,11 @@ class LogFault:
     amplitude: float
     unit: str
     symptom: str
-    spoil: Callable[[Log, Numbers, float], SpoiltLog | None]
+    spoil: Spoil
 
     def apply(self, log: Log, seed: int) -> SpoiltLog | None:
         """Return the spoilt log, or None where the run does not suit the fault."""
-        return self.spoil(log, np.random.default_rng([seed, len(self.name)]), self.amplitude)
+        return self.spoil(LogCopy(log, np.random.default_rng([seed, len(self.name)])), self.amplitude)
 
 
 def spoilt_logs(fault: LogFault, logs: Iterator[Log], count: int = 8) -> Iterator[SpoiltLog]:
@@ -96,13 +95,12 @@ def _turn_all(c: LogCopy, amplitude: float) -> None:
     c.arrays["forces"] = c.arrays["forces"] @ _lean(c, amplitude).T
 
 
-def _mirror(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    side = np.abs(copy.arrays["forces"][..., 1]).max(axis=0)
-    if (side < 0.04 * copy.weight).any():
+def _mirror(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    side = np.abs(c.arrays["forces"][..., 1]).max(axis=0)
+    if (side < 0.04 * c.weight).any():
         return None  # hardly any force across: its sign does not matter
-    copy.arrays["forces"][..., 1] *= -1.0
-    return copy.whole()
+    c.arrays["forces"][..., 1] *= -1.0
+    return c.whole()
 
 
 def _reverse(c: LogCopy, amplitude: float) -> None:
@@ -151,20 +149,17 @@ def _silence(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] = 0.0
 
 
-def _silence_all(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    need = round(amplitude / copy.dt)
-    start = int(rng.integers(50, copy.rows - need - 50))
+def _silence_all(c: LogCopy, amplitude: float) -> SpoiltLog:
+    need = round(amplitude / c.dt)
+    start = int(c.rng.integers(50, c.rows - need - 50))
     part = slice(start, start + need)
-    copy.arrays["forces"][part] = 0.0
-    return copy.done("body", part)
+    c.arrays["forces"][part] = 0.0
+    return c.done("body", part)
 
 
-def _levitate(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    spoilt = _silence_all(log, rng, 0.2)
-    if spoilt is None:
-        return None
-    rows = slice(round(spoilt.start / float(log.fact("dt"))), round(spoilt.end / float(log.fact("dt"))))
+def _levitate(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    spoilt = _silence_all(c, 0.2)
+    rows = slice(round(spoilt.start / c.dt), round(spoilt.end / c.dt))
     gaps = spoilt.log.arrays["gaps"]
     gaps[rows] = np.maximum(gaps[rows], 0.0) + amplitude
     return spoilt
@@ -174,15 +169,14 @@ def _freeze(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] = c.arrays["forces"][part.start, foot] * amplitude
 
 
-def _clip(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    at = copy.stance(amplitude + 0.08)
+def _clip(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    at = c.stance(amplitude + 0.08)
     if at is None:
         return None
-    foot, f = at[0], copy.arrays["forces"]
-    top = amplitude * copy.weight
+    foot, f = at[0], c.arrays["forces"]
+    top = amplitude * c.weight
     f[:, foot, 2] = np.minimum(f[:, foot, 2], top)
-    return copy.done(copy.feet[foot], at[1])
+    return c.done(c.feet[foot], at[1])
 
 
 def _scale(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
@@ -193,44 +187,38 @@ def _scale_all(c: LogCopy, amplitude: float) -> None:
     c.arrays["forces"] *= amplitude
 
 
-def _offset(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    if not ((copy.normal == 0.0).mean(axis=0) > 0.2).all():
+def _offset(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    if not ((c.normal == 0.0).mean(axis=0) > 0.2).all():
         return None  # in a stand an offset and a gain are one
-    foot = int(rng.integers(len(copy.feet)))
-    copy.arrays["forces"][:, foot] += amplitude * copy.weight * np.array([0.3, 0.2, 0.93])
-    return copy.whole(copy.feet[foot])
+    foot = int(c.rng.integers(len(c.feet)))
+    c.arrays["forces"][:, foot] += amplitude * c.weight * np.array([0.3, 0.2, 0.93])
+    return c.whole(c.feet[foot])
 
 
-def _delay(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    if not ((copy.normal == 0.0).mean(axis=0) > 0.2).all():
+def _delay(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    if not ((c.normal == 0.0).mean(axis=0) > 0.2).all():
         return None  # nothing changes in a stand
-    rows = round(amplitude / copy.dt)
-    copy.arrays["forces"] = np.concatenate(
-        [copy.arrays["forces"][:1].repeat(rows, 0), copy.arrays["forces"][:-rows]]
-    )
-    return copy.whole()
+    rows = round(amplitude / c.dt)
+    c.arrays["forces"] = np.concatenate([c.arrays["forces"][:1].repeat(rows, 0), c.arrays["forces"][:-rows]])
+    return c.whole()
 
 
-def _swap(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    order = np.arange(len(copy.feet))
-    a, b = rng.choice(len(order), 2, replace=False).tolist()
-    if np.abs(copy.normal[:, a] - copy.normal[:, b]).mean() < 0.1 * copy.weight:
+def _swap(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    order = np.arange(len(c.feet))
+    a, b = c.rng.choice(len(order), 2, replace=False).tolist()
+    if np.abs(c.normal[:, a] - c.normal[:, b]).mean() < 0.1 * c.weight:
         return None  # both carry the same: nothing to see
     order[[a, b]] = order[[b, a]]
-    copy.arrays["forces"] = copy.arrays["forces"][:, order]
-    return copy.whole(copy.feet[a])
+    c.arrays["forces"] = c.arrays["forces"][:, order]
+    return c.whole(c.feet[a])
 
 
-def _hide_push(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    rows = np.flatnonzero(np.linalg.norm(copy.arrays["push"], axis=1) > amplitude * copy.weight)
+def _hide_push(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    rows = np.flatnonzero(np.linalg.norm(c.arrays["push"], axis=1) > amplitude * c.weight)
     if not rows.size:
         return None
-    copy.arrays["push"][:] = 0.0
-    return copy.done("body", slice(int(rows[0]), int(rows[-1]) + 1))
+    c.arrays["push"][:] = 0.0
+    return c.done("body", slice(int(rows[0]), int(rows[-1]) + 1))
 
 
 def _mass(c: LogCopy, amplitude: float) -> None:
@@ -251,17 +239,16 @@ def _glide(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["contact_velocities"][part, foot, :2] = amplitude * np.column_stack([-d[:, 1], d[:, 0]])
 
 
-def _diagonal(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    if len(copy.feet) != 4 or not (copy.normal > 0.15 * copy.weight).all():
+def _diagonal(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    if len(c.feet) != 4 or not (c.normal > 0.15 * c.weight).all():
         return None  # only while all four stand
-    change = np.zeros(copy.arrays["forces"].shape)
-    change[..., 2] = 0.25 * amplitude * copy.weight * np.array([1.0, -1.0, -1.0, 1.0])
-    forces = copy.arrays["forces"] = copy.arrays["forces"] + change
-    if (np.hypot(forces[..., 0], forces[..., 1]) > copy.arrays["mu"][:, None] * forces[..., 2]).any():
+    change = np.zeros(c.arrays["forces"].shape)
+    change[..., 2] = 0.25 * amplitude * c.weight * np.array([1.0, -1.0, -1.0, 1.0])
+    forces = c.arrays["forces"] = c.arrays["forces"] + change
+    if (np.hypot(forces[..., 0], forces[..., 1]) > c.arrays["mu"][:, None] * forces[..., 2]).any():
         return None  # the lightened feet would slip
-    _carry(copy, change)
-    return copy.whole()
+    _carry(c, change)
+    return c.whole()
 
 
 def _carry(c: LogCopy, change: FloatArray) -> None:
@@ -280,23 +267,21 @@ def _carry(c: LogCopy, change: FloatArray) -> None:
             c.arrays["torques"][k] -= torque[robot.base_dof :]
 
 
-def _permute_torques(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-    copy = LogCopy(log, rng)
-    joints: IntArray = np.arange(copy.arrays["torques"].shape[1]).reshape(len(copy.feet), -1)
-    copy.arrays["torques"] = copy.arrays["torques"][:, np.roll(joints, 1, axis=1).ravel()]
-    return copy.whole()
+def _permute_torques(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    joints: IntArray = np.arange(c.arrays["torques"].shape[1]).reshape(len(c.feet), -1)
+    c.arrays["torques"] = c.arrays["torques"][:, np.roll(joints, 1, axis=1).ravel()]
+    return c.whole()
 
 
 def _not_finite(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] = np.nan
 
 
-def _clock(shift: Callable[[FloatArray, int], None]) -> Any:
-    def spoil(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-        copy = LogCopy(log, rng)
-        row = int(rng.integers(100, copy.rows - 100))
-        shift(copy.arrays["time"], row)
-        return copy.done("body", slice(row, row + 2))
+def _clock(shift: Callable[[FloatArray, int], None]) -> Spoil:
+    def spoil(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+        row = int(c.rng.integers(100, c.rows - 100))
+        shift(c.arrays["time"], row)
+        return c.done("body", slice(row, row + 2))
 
     return spoil
 

@@ -7,9 +7,10 @@ rigid world and in MuJoCo; the seed moves its start. No law is broken in any of 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from surefoot.log import Log, read_log
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.run import Push, Scenario, run
 from surefoot.simulation.scenario import STANDING_FALL, START_DEPTH
-from surefoot.simulation.walk_terrain import start_pose
 from surefoot.simulation.worlds import make_world
 from surefoot.terrain.table import read_terrain
 
@@ -72,20 +72,17 @@ class CleanRun:
         """Simulate it."""
         robot, terrain = _robot(self.robot), read_terrain(self.terrain)
         controller: Controller
+        standing: dict[str, Any] = {}
         if self.gait:
-            q = start_pose(robot, terrain)
             command = VelocityCommand.constant(*self.velocity)
             controller = WalkingController(robot, command, self.gait, terrain, WalkSettings(mu=self.mu))
         else:
             q = place(robot, terrain)
             controller = StandingController(robot, StandingPlan(robot, terrain, q, ()), terrain, q, self.mu)
+            standing = {"start": q, "depth": START_DEPTH, "fall": STANDING_FALL}
         force = tuple(float(x) * robot.mass for x in self.push)
         pushes = (Push(0.5 * self.duration, force, 0.1),) if any(self.push) else ()  # type: ignore[arg-type]
-        scenario = Scenario(self.duration, self.mu, pushes, seed=self.seed, start=q)
-        if not self.gait:
-            scenario = Scenario(
-                self.duration, self.mu, pushes, seed=self.seed, start=q, depth=START_DEPTH, fall=STANDING_FALL
-            )
+        scenario = Scenario(self.duration, self.mu, pushes, seed=self.seed, **standing)
         return run(make_world(self.world, robot, terrain, self.mu), controller, scenario)
 
     def log(self, folder: Path | None = None) -> Log:
@@ -135,8 +132,6 @@ def _kinds(worlds: Sequence[str]) -> Iterator[CleanRun]:
 
 def _seeded(kind: CleanRun, turn: int, seed: int) -> CleanRun:
     """Return a kind with a seed and, from the second turn on, other numbers."""
-    from dataclasses import replace
-
     rng = np.random.default_rng([seed, 15])
     scale = 1.0 if turn == 0 else float(rng.uniform(0.6, 1.2))
     velocity = tuple(round(scale * x, 3) for x in kind.velocity)

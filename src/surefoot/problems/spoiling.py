@@ -84,23 +84,24 @@ class LogCopy:
 
 Change: TypeAlias = Callable[[LogCopy, int, slice, float], None]
 """Spoils some rows of one foot by an amplitude."""
+Spoil: TypeAlias = Callable[[LogCopy, float], SpoiltLog | None]
+"""Spoils a copy of a log by an amplitude; None where the run does not suit it."""
 
 
-def on_stance(change: Change, share: float = 0.1) -> Any:
+def on_stance(change: Change, share: float = 0.1) -> Spoil:
     """Return a fault that changes what a standing foot says."""
     return _on_rows(change, lambda copy: copy.stance(share))
 
 
-def on_flight(change: Change) -> Any:
+def on_flight(change: Change) -> Spoil:
     """Return a fault that changes what a flying foot says."""
     return _on_rows(change, LogCopy.flight)
 
 
-def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]) -> Any:
+def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]) -> Spoil:
     """Return a fault that changes the rows that `find` finds; None where it finds none."""
 
-    def spoil(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-        copy = LogCopy(log, rng)
+    def spoil(copy: LogCopy, amplitude: float) -> SpoiltLog | None:
         at = find(copy)
         if at is None:
             return None
@@ -110,11 +111,10 @@ def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]
     return spoil
 
 
-def everywhere(change: Callable[[LogCopy, float], None], contact: str = "all") -> Any:
+def everywhere(change: Callable[[LogCopy, float], None], contact: str = "all") -> Spoil:
     """Return a fault that changes a log from end to end."""
 
-    def spoil(log: Log, rng: Numbers, amplitude: float) -> SpoiltLog | None:
-        copy = LogCopy(log, rng)
+    def spoil(copy: LogCopy, amplitude: float) -> SpoiltLog:
         change(copy, amplitude)
         return copy.whole(contact)
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from surefoot.problems.allocations import Instance, read_log
+from surefoot.problems.allocations import Instance, instances_of
 
 ROBOT, DURATION = "go2", 4.0
 
@@ -75,7 +73,4 @@ def simulate(scene: Scene, duration: float = DURATION) -> list[Instance]:
         duration, scene.mu, [Push(*push) for push in scene.pushes], start=q, depth=START_DEPTH
     )
     log = run(MujocoWorld(robot, terrain, scene.mu), controller, scenario)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "log.npz"
-        log.save(path)
-        return read_log(path)
+    return instances_of({**log.facts, **log.arrays}, scene.name)

@@ -92,11 +92,6 @@ SCENES = (
 )
 
 
-def scene_names() -> tuple[str, ...]:
-    """Return the names of the scenes."""
-    return tuple(scene.name for scene in SCENES)
-
-
 def choose_scenes(names: Sequence[str] | None) -> tuple[MpcScene, ...]:
     """Return scenes by name; all of them for None.
 
