@@ -152,7 +152,7 @@ class EdgeSearch:
         self._root = math.sqrt(GRAVITY * height)
         self._way = np.array([*self.along, 0.0])
         self.edges = np.full(2, math.nan)
-        self._looked: BoolArray = np.zeros(2, dtype=bool)
+        self._looked, self._beyond = np.zeros(2, dtype=bool), np.zeros(4, dtype=bool)
         self.shift, self.done, self.failed, self.leading = np.zeros(2), False, False, 0
         self.probe: FootProbe | None = None
         self._stage: Callable[[], None] = self._shift
@@ -186,9 +186,8 @@ class EdgeSearch:
         if self._looked.all() and self.probe is None:
             self._stand(com[:2])
             return
-        if self.probe is None:
-            self._look(ground)
-        if self.failed:
+        if self.probe is None and not self._look(ground):
+            self.failed = True
             return
         off = self._move_for(self._foot)
         self._go(off)
@@ -217,11 +216,14 @@ class EdgeSearch:
             moved_inside(self._triangle(foot), self._rest + forward, 1.3 * MARGIN * self._height) - self._rest
         )
 
-    def _look(self, ground: FloatArray) -> None:
-        """Choose a foot that is drawn next, as feet stand: (4, 3) [m]; one may have slid off the edge."""
+    def _look(self, ground: FloatArray) -> bool:
+        """Choose a foot that is drawn next, as feet stand, (4, 3) [m]: one may have slid off the edge.
+
+        Return whether there is one.
+        """
         beyond = ground[:, 2] < ground[:, 2].max() - 0.5 * self._depth
         if self._foot >= 0 and (beyond == self._beyond).all():
-            return
+            return True
         self._beyond = beyond
         moves = np.array([self._move_for(k) for k in range(len(ground))])
         wanted = np.array([self._wanted(k) for k in range(len(ground))])
@@ -234,8 +236,8 @@ class EdgeSearch:
             if not self._looked[int(group)]
         ]
         soonest = [min(feet, key=lasts.__getitem__) for feet in groups if feet]  # of each edge's
-        self.failed = not soonest
         self._foot = int(min(soonest, key=near.__getitem__, default=-1))
+        return bool(soonest)
 
     def _go(self, off: FloatArray) -> None:
         """Let the body go where it should be, (2,) from where it comes to rest [m]."""
