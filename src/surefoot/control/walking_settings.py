@@ -118,10 +118,10 @@ def damping_command(
     load
         See `WalkCommand`.
     """
-    on = np.ones(feet, dtype=bool)
+    points, on = np.ones(len(body.forces), dtype=bool), np.ones(feet, dtype=bool)
     last = last or WalkCommand(
-        body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (feet, 1, 1)), np.zeros(3),
-        np.zeros((feet, 3)), Status.INVALID, load=load,
+        body.torques, body.forces, points, False, body.status, on, np.tile(np.eye(3), (feet, 1, 1)),
+        np.zeros(3), np.zeros((feet, 3)), Status.INVALID, load=load,
     )  # fmt: skip
     return replace(
         last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
