@@ -11,7 +11,7 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, load_robot
 from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings, with_points
-from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel, mean_motion
+from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 DT = 0.001
@@ -38,6 +38,13 @@ def test_mean_readings_are_those_of_matrices(size: float) -> None:
         np.testing.assert_allclose(
             force, middle.T @ ((b - a) / dt + [0.0, 0.0, GRAVITY]), rtol=1e-8, atol=1e-8
         )
+
+
+def mean_motion(last: tuple, now: tuple, dt: float, arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean turn rate [rad/s] and specific force [m/s²] at an arm [m] between two states."""
+    rate, force = np.empty(3), np.empty(3)
+    mean_readings(*last, *now, dt, arm, rate, force)
+    return rate, force
 
 
 @pytest.fixture(scope="module")

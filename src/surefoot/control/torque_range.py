@@ -27,8 +27,6 @@ class TorqueRange:
         (joints,) limits without actuators [N m].
     actuators
         What gives the torques; None for the plain box.
-    compensation
-        Share of the friction that the command makes up for.
 
     Attributes
     ----------
@@ -40,10 +38,8 @@ class TorqueRange:
         (joints,) what is added to the torques for friction [N m].
     """
 
-    def __init__(
-        self, effort: FloatArray, actuators: Actuators | None = None, compensation: float = 1.0
-    ) -> None:
-        self.actuators, self.compensation = actuators, compensation
+    def __init__(self, effort: FloatArray, actuators: Actuators | None = None) -> None:
+        self.actuators = actuators
         nothing = np.zeros_like(effort)
         self._rows = np.array([nothing, effort, np.ones_like(effort), nothing])
         self._bind()
@@ -70,14 +66,7 @@ class TorqueRange:
         if self.actuators is None:
             return
         motors = self.actuators.limits
-        torque_range(
-            speed, self._figures, motors.knee, motors.driving, CREEP, self.compensation, LEAST_SHARE,
-            self._rows,
-        )  # fmt: skip
-
-    def excess(self, torques: FloatArray) -> FloatArray:
-        """Return by how much (joints,) torques are beyond the range, negative inside [N m]."""
-        return np.asarray(np.abs(torques - self.middle) - self.half)
+        torque_range(speed, self._figures, motors.knee, motors.driving, CREEP, LEAST_SHARE, self._rows)
 
     def nearest(self, torques: FloatArray) -> FloatArray:
         """Return the bound of the range that (joints,) torques are beyond, or next to [N m]."""

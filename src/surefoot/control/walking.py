@@ -25,7 +25,7 @@ from surefoot.control.gait_choice import Body, choose_gait
 from surefoot.control.grip import Grip
 from surefoot.control.ground_sense import ground_sense
 from surefoot.control.load_adaptation import LoadAdaptation
-from surefoot.control.look_ahead import LookAhead
+from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.terrain_knowledge import GroundBelief
 from surefoot.control.walker import Walker
@@ -144,7 +144,6 @@ class WalkingController(Walker):
         rates = 0.0, 2.0 * self._pendulum
         self._normals = self._set_controllers(self._inertia, self._mpc_dt, self._pendulum, rates)
         self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
-        self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
         self._steps = None
         seen = self.terrain.highest_step > 0.0 or self.terrain.learns
@@ -257,8 +256,8 @@ class WalkingController(Walker):
         if self.terrain.planar or self._feeling is not None:
             body.fit_ground(feet.ground, elapsed)
             return
-        level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
-        body.follow_plane(level, slope, elapsed)
+        plane = plane_ahead(self.terrain, body.position[:2], body.yaw, body.flow(), self._height)
+        body.follow_plane(*plane, elapsed)
 
     def _asked(self, clock: float) -> FloatArray:
         """Return the velocity of the command, slowed to what the ground allows as it is believed now."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
 from surefoot.log.channels import Channel
@@ -28,7 +29,7 @@ from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
-from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, Stop, TrueState
+from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, TrueState
 from surefoot.simulation.world import ContactReading, World
 from surefoot.simulation.world_facts import softness_of, told_by
 from surefoot.spatial import GRAVITY
@@ -84,7 +85,9 @@ def run(
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
     faults = (scenario.faults or Faults()).start(world, scenario.seed)
-    sensing = _sensing(world, scenario, faults)
+    sensing: Sensing = TrueState(faults)
+    if scenario.sensors is not None:
+        sensing = EstimatedState(scenario.sensors, world, scenario.seed)
     ground = GroundFriction(world, scenario)
     recorder = _recorder(world, controller, (*sensing.channels, *ground.channels), scenario, folder)
     limits = AT_LIMIT * world.robot.effort_limits
@@ -99,13 +102,6 @@ def run(
 def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
     """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
     return loaded_feet(contact_foot, reading.forces, feet, least)
-
-
-def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
-    """Return what tells the controller its state."""
-    if scenario.sensors is None:
-        return TrueState(faults)
-    return EstimatedState(scenario.sensors, world, scenario.seed)
 
 
 def _recorder(
@@ -163,7 +159,7 @@ class _Run:
     def __post_init__(self) -> None:
         any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
         sensed_feet(self.world.contact_foot, len(self.world.robot.feet), self.world.contacts(), 0.0)
-        self.stop = Stop(self.world)
+        self.stop = Standstill(self.world.robot, self.world.dt)
         self.touches = LinkTouches(self.world)
         self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
         rows = self.recorder.arrays

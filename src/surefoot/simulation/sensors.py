@@ -12,7 +12,7 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import FilterNoise, Reading
 from surefoot.robot import Robot
-from surefoot.simulation.sensor_kernels import heard, mean_readings, sense
+from surefoot.simulation.sensor_kernels import heard, sense
 from surefoot.spatial import GRAVITY
 
 AT_ONCE = 8
@@ -178,18 +178,6 @@ class SensorModel:
         real_number("missed", self.touch.missed, high=1.0)
         if self.imu.gyro_range <= 0.0 or self.imu.accelerometer_range <= 0.0:
             raise ProblemError("the ranges of an IMU must be positive")
-
-
-def mean_motion(
-    before: tuple[FloatArray, FloatArray], now: tuple[FloatArray, FloatArray], dt: float, arm: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return mean turn rate (3,) [rad/s] and specific force (3,) [m/s²] between two states (q, v), dt apart.
-
-    They are those of an IMU at `arm` (3,) from the base's origin, in the base's axes half-way.
-    """
-    rate, force = np.empty(3), np.empty(3)
-    mean_readings(*before, *now, dt, arm, rate, force)
-    return rate, force
 
 
 class Sensors:
