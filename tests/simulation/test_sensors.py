@@ -90,13 +90,13 @@ def test_noise_and_biases_have_their_size(robot: Robot) -> None:
     gyro, force = (np.array([getattr(r, name) for r in rows]) for name in ("gyro", "accelerometer"))
     np.testing.assert_allclose(gyro.std(axis=0), 2.5e-4 / np.sqrt(DT), rtol=0.05)
     np.testing.assert_allclose(force.std(axis=0), 2e-3 / np.sqrt(DT), rtol=0.05)
-    np.testing.assert_allclose(gyro.mean(axis=0), sensors.gyro_bias, atol=5e-4)
+    np.testing.assert_allclose(gyro.mean(axis=0), sensors.biases[0].copy(), atol=5e-4)
     angles, speeds = (np.array([getattr(r, name) for r in rows]) for name in ("positions", "speeds"))
     np.testing.assert_allclose(angles.std(axis=0), 2e-4, rtol=0.1)
     np.testing.assert_allclose(speeds.std(axis=0), 0.05, rtol=0.1)
     starts = [Sensors(model, robot, DT, k) for k in range(300)]
-    assert np.std([s.gyro_bias for s in starts]) == pytest.approx(5e-3, rel=0.1)
-    assert np.std([s.accelerometer_bias for s in starts]) == pytest.approx(0.05, rel=0.1)
+    assert np.std([s.biases[0].copy() for s in starts]) == pytest.approx(5e-3, rel=0.1)
+    assert np.std([s.biases[1].copy() for s in starts]) == pytest.approx(0.05, rel=0.1)
     offsets = [s.read(robot.nominal, np.zeros(18)).positions - robot.nominal[7:] for s in starts]
     assert np.std(offsets) == pytest.approx(np.hypot(1e-3, 2e-4), rel=0.1)
     torques = np.array([s.torques(np.full(12, 10.0)) for s in starts])
@@ -110,7 +110,7 @@ def test_biases_walk(robot: Robot) -> None:
         sensors = Sensors(model, robot, 0.01, seed)
         for _ in range(100):
             sensors.read(robot.nominal, np.zeros(18))
-        ends.append(sensors.gyro_bias)
+        ends.append(sensors.biases[0].copy())
     assert np.std(ends) == pytest.approx(0.01, rel=0.2)  # after one second
 
 

@@ -6,19 +6,18 @@ torque, friction takes its part (`Actuators.losses`): the range of what is left 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.actuators import CREEP, Actuators
 from surefoot.control.torque_kernels import commanded, torque_range
+from surefoot.estimation.live_arrays import Bound
 
 LEAST_SHARE = 0.02
 """Half the range is at least this share of the effort: a motor that spins away still brakes."""
 
 
-class TorqueRange:
+class TorqueRange(Bound):
     """Range of the torques that move a robot's legs, at the joints' speeds of the last `update`.
 
     Parameters
@@ -55,11 +54,6 @@ class TorqueRange:
         self.half: FloatArray = self._rows[1]
         self.scale: FloatArray = self._rows[2]
         self.losses: FloatArray = self._rows[3]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def update(self, speed: FloatArray) -> None:
         """Bring the range up to the joints' speeds (joints,) [rad/s]; those not finite count as rest."""

@@ -10,7 +10,7 @@ from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.controller import Controller
 from surefoot.control.gait import ContactSchedule
-from surefoot.control.mpc import ConvexMpc, MpcPlan
+from surefoot.control.mpc import ConvexMpc
 from surefoot.control.walking_body import BodyPlan, VelocityCommand
 from surefoot.control.walking_feet import Feet
 from surefoot.control.walking_settings import WalkCommand, WalkSettings, damping_command
@@ -102,13 +102,13 @@ class Walker(Controller):
         return low, high
 
     def _commanded(
-        self, body: WholeBodyCommand, feet: Feet, plan: MpcPlan, load: Mapping[str, FloatArray] | None = None
+        self, body: WholeBodyCommand, feet: Feet, load: Mapping[str, FloatArray] | None = None
     ) -> WalkCommand:
         """Return the command that tells what the parts have decided."""
         self._last = WalkCommand(
             body.torques, body.forces, feet.carrying[self.whole_body.point_foot], body.feasible, body.status,
             feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
-            plan.status, accelerations=body.accelerations, load=load or {},
+            accelerations=body.accelerations, load=load or {},
         )  # fmt: skip
         return self._last
 

@@ -229,8 +229,7 @@ class WalkingController(Walker):
             self._untold = True
         body = self.whole_body.solve(self._tasks(now, clock, time))
         self._load.acted(time, state.v, body.torques, feet.carrying)
-        assert self.planner.plan is not None
-        return self._commanded(body, feet, self.planner.plan, self._load.rows)
+        return self._commanded(body, feet, self._load.rows)
 
     def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""

@@ -14,7 +14,6 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +22,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, wh
 from surefoot.errors import ProblemError
 from surefoot.estimation import inekf_kernels as kernels
 from surefoot.estimation.extended_poses import logarithm, product
+from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import skew
 
 GATE = 21.1
@@ -70,7 +70,7 @@ class FilterNoise:
             real_number(one.name, getattr(self, one.name), low=0.0, high=1e3)
 
 
-class InvariantFilter:
+class InvariantFilter(Bound):
     """Velocity, attitude, place, feet and biases of a body with an IMU and n feet.
 
     Parameters
@@ -131,11 +131,6 @@ class InvariantFilter:
         self._X, self._bias, self._covariance = parts[0].reshape(3, 5 + n), parts[1], parts[2]
         self._covariance = self._covariance.reshape(15 + 3 * n, 15 + 3 * n)
         self._densities, self._walks, self._gate, self.distances = parts[3:]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def reset(
         self,

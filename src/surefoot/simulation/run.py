@@ -118,15 +118,8 @@ def _recorder(
     facts = {
         "mass_controller": robot.mass,
         **controller.facts,
-        "robot": robot.name,
-        "world": type(world).__name__,
         "effort_limits": robot.effort_limits,
         **told_by(world),
-        "dt": world.dt,
-        "feet": list(robot.foot_names),
-        "joints": list(robot.joint_names),
-        "contact_foot": world.contact_foot,
-        "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),

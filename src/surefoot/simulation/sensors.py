@@ -235,16 +235,6 @@ class Sensors:
         """(2, 3) biases of gyro [rad/s] and accelerometer [m/s²] now."""
         return self._memory[:6].reshape(2, 3)
 
-    @property
-    def gyro_bias(self) -> FloatArray:
-        """(3,) bias of the gyro now [rad/s]."""
-        return np.array(self.biases[0])
-
-    @property
-    def accelerometer_bias(self) -> FloatArray:
-        """(3,) bias of the accelerometer now [m/s²]."""
-        return np.array(self.biases[1])
-
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""
         turn = np.append(self.model.tilt * self._normal(2), 0.0)

@@ -182,8 +182,7 @@ class BipedController(Walker):
             self._aim(clock, time)
             self._replan(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time, state))
-        assert self._plan is not None
-        return self._commanded(body, feet, self._plan)
+        return self._commanded(body, feet)
 
     def _begin(self, now: Kinematics, turned: FloatArray) -> None:
         """Start from where the robot stands."""
