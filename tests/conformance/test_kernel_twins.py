@@ -72,16 +72,12 @@ control.foothold         step_place           control/test_walking_kernels.py::t
 control.force_ramps      mean_shares          control/test_force_ramps.py::test_mean_shares_are_means
 control.latency          fitting              control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
 control.latency          note                 control/test_torque_kernels.py::test_the_delay_that_fits_is_that_of_plain_sums
-control.mpc_arrays       gather               control/test_force_planner.py::test_arrays_of_a_horizon_against_numpy
-control.mpc_arrays       lowered              control/test_force_planner.py::test_arrays_of_a_horizon_against_numpy
-control.mpc_arrays       scatter              control/test_force_planner.py::test_arrays_of_a_horizon_against_numpy
 control.mpc_model        add_wrench           control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
 control.mpc_model        advance              control/test_mpc_model.py::test_remembered_points_move_with_time
 control.mpc_model        build                control/test_mpc_model.py::test_the_condensed_cost_is_the_cost_of_the_march by program
-control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
+control.mpc_model        expected_sway        control/test_mpc_model.py::test_the_expected_sway_settles
 control.mpc_model        finish               control/test_mpc_model.py::test_the_prediction_is_the_march by solve
 control.mpc_model        hessians             control/test_mpc_model.py::test_the_hessian_is_that_of_simulated_errors
-control.mpc_model        planned_sway         control/test_mpc_model.py::test_the_sway_of_a_plan_is_its_mean_over_each_step
 control.mpc_model        predict              control/test_mpc_model.py::test_the_prediction_is_the_march by solve
 control.standing_kernels foot_impedance       control/test_standing.py::test_foot_impedance_kernel_against_plain_numpy
 control.standing_kernels grasp_map_of_points  control/test_standing.py::test_grasp_map_kernel

@@ -74,7 +74,7 @@ def test_a_range_without_actuators_is_the_box() -> None:
     box.update(np.full(12, 25.0))
     wild = np.linspace(-100.0, 100.0, 12)
     np.testing.assert_array_equal(box.command(wild), np.clip(wild, -GO2.effort_limits, GO2.effort_limits))
-    np.testing.assert_array_equal(box.excess(wild) > 0.0, np.abs(wild) > GO2.effort_limits)
+    np.testing.assert_array_equal([box.middle, box.half], [np.zeros(12), GO2.effort_limits])
 
 
 def test_a_range_is_what_motors_leave_for_the_legs() -> None:
@@ -90,11 +90,10 @@ def test_a_range_is_what_motors_leave_for_the_legs() -> None:
             slack = 0.02 * GO2.effort_limits  # of motors near their no-load speed
             assert (command >= low - slack - 1e-9).all()
             assert (command <= high + slack + 1e-9).all()
-            inside = span.excess(wanted) <= 0.0
+            inside = np.abs(wanted - span.middle) <= span.half
             left = command - REAL.losses(speed)
             np.testing.assert_allclose(left[inside], wanted[inside], atol=1e-9)
-            beyond = span.excess(wanted) > 0.0
-            np.testing.assert_allclose(left[beyond], span.nearest(wanted)[beyond], atol=1e-9)
+            np.testing.assert_allclose(left[~inside], span.nearest(wanted)[~inside], atol=1e-9)
 
 
 def test_a_copy_of_a_range_follows_its_own_speeds() -> None:

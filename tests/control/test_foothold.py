@@ -18,7 +18,7 @@ def test_a_body_at_its_wanted_speed_steps_half_a_stance_ahead() -> None:
 
 
 def test_a_body_that_is_too_fast_steps_further_towards_the_capture_point() -> None:
-    place = raibert(np.zeros(2), np.array([0.3, 0.0]), np.zeros(2), 0.0, 0.3, 0.25, capture=1.0)
+    place = raibert(np.zeros(2), np.array([0.3, 0.0]), np.zeros(2), 0.0, 0.3, 0.25)
     assert place == pytest.approx([0.3 * math.sqrt(0.3 / 9.81), 0.0])
 
 

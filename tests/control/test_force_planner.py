@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control import mpc_arrays
+from surefoot.control import mpc
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
@@ -80,15 +80,10 @@ def test_shares_of_another_shape_are_refused() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_arrays_of_a_horizon_against_numpy(seed: int) -> None:
+def test_shares_lower_the_bounds_of_a_horizon(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    contacts, points = rng.random((7, 4)) < 0.6, rng.normal(size=(7, 4, 3))
-    np.testing.assert_array_equal(mpc_arrays.gather(points, contacts), points[contacts])
-    out = rng.normal(size=(7, 4, 3))
-    mpc_arrays.scatter(points[contacts], contacts, out)
-    np.testing.assert_array_equal(out, np.where(contacts[..., None], points, np.nan))
     bounds, share = rng.uniform(0.0, 1.0, (7, 4, 3)), rng.random((7, 4))
-    lowered = mpc_arrays.lowered(bounds, share)
+    lowered = mpc._lowered(bounds, share)
     np.testing.assert_array_equal(lowered[..., 0], bounds[..., 0])
     np.testing.assert_allclose(lowered[..., 2], bounds[..., 2] * share, rtol=1e-15)
     np.testing.assert_allclose(lowered[..., 1], np.minimum(bounds[..., 1], lowered[..., 2]), rtol=1e-15)

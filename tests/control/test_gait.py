@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surefoot.control.gait import Gait, ModeSchedule, foot_index, mode_feet, mode_number
+from surefoot.control.gait import Gait, ModeSchedule, mode_feet, mode_number
 from surefoot.control.gait_library import PATTERNS, gait_names, named_gait
 from surefoot.errors import ProblemError
 
@@ -130,10 +130,6 @@ def test_mode_schedule_merges_runs_of_a_foot() -> None:
         (lambda: Gait.from_phases("x", -0.5, 0.5, [0.0, 0.5]), "period must be"),
         (lambda: named_gait("hop"), "unknown gait for 4 feet 'hop'; valid names: bound"),
         (lambda: named_gait("trot", feet=6), "there are gaits for 2 or 4 feet, not for 6"),
-        (
-            lambda: foot_index(["FL_foot", "FR_foot"], "XL"),
-            "unknown foot 'XL'; valid names",
-        ),
     ],
 )
 def test_wrong_schedules_are_told(make: object, message: str) -> None:
@@ -144,7 +140,3 @@ def test_wrong_schedules_are_told(make: object, message: str) -> None:
 def test_flight_across_the_end_of_the_period_counts_once_around() -> None:
     with pytest.raises(ProblemError, match=r"no foot on the ground for 0\.4 s"):
         Gait("pronk", [0.0, 0.2, 0.4, 0.6], [0, 15, 0], feet=4, max_flight=0.35)
-
-
-def test_foot_index_takes_short_names() -> None:
-    assert foot_index(["FL_foot", "FR_foot"], "fr") == 1

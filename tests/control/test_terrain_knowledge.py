@@ -10,7 +10,7 @@ import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
 from surefoot.control.gait_library import named_gait
-from surefoot.control.look_ahead import LookAhead
+from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief, MappedGround, TouchedGround, believed_ground
 from surefoot.control.walking_feet import Feet
@@ -190,14 +190,14 @@ def test_an_edge_is_told_from_the_ground_by_the_force() -> None:
 @pytest.mark.parametrize("degrees", [0.0, 12.0, -20.0])
 def test_the_plane_ahead_of_a_plane_is_that_plane(degrees: float) -> None:
     slope = SlopeTerrain(degrees)
-    level, gradient = LookAhead(HEIGHT).plane(slope, np.array([0.3, 0.2]), 0.7, np.array([0.5, 0.1]))
+    level, gradient = plane_ahead(slope, np.array([0.3, 0.2]), 0.7, np.array([0.5, 0.1]), HEIGHT)
     assert level == pytest.approx(slope.height([0.3, 0.2]), abs=1e-3)
     assert gradient == pytest.approx([math.tan(math.radians(degrees)), 0.0], abs=0.01)
 
 
 def test_the_plane_over_stairs_is_calm() -> None:
-    stairs, look = StairsTerrain(0.12, 0.3, 30), LookAhead(HEIGHT)
-    planes = [look.plane(stairs, np.array([x, 0.0]), 0.0, np.zeros(2)) for x in np.linspace(3.0, 5.0, 80)]
+    stairs, still, ways = StairsTerrain(0.12, 0.3, 30), np.zeros(2), np.linspace(3.0, 5.0, 80)
+    planes = [plane_ahead(stairs, np.array([x, 0.0]), 0.0, still, HEIGHT) for x in ways]
     level = np.array([p[0] for p in planes]) - 0.4 * np.linspace(3.0, 5.0, 80)
     slopes = np.array([p[1][0] for p in planes])
     assert np.ptp(level) < 0.012  # the treads themselves are off by 0.12

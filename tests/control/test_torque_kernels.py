@@ -68,10 +68,10 @@ def test_the_range_at_a_speed_is_that_of_its_parts() -> None:
     speed = np.r_[random.normal(scale=20.0, size=10), np.nan, np.inf]
     told = np.where(np.isfinite(speed), speed, 0.0)
     figures = random.uniform(5.0, 30.0, (5, 12))
-    knee, share, creep, made_up, least = 0.4, 0.8, 0.1, 0.7, 0.02
+    knee, share, creep, least = 0.4, 0.8, 0.1, 0.02
     found, plain = np.full((4, 12), np.nan), np.zeros((3, 12))
-    torque_range(speed, figures, knee, share, creep, made_up, least, found)
-    lost = made_up * (figures[0] * told + figures[1] * np.tanh(told / creep))
+    torque_range(speed, figures, knee, share, creep, least, found)
+    lost = figures[0] * told + figures[1] * np.tanh(told / creep)
     along = driving(told, figures[2], figures[3], knee, share)
     low, high = -np.where(told < 0.0, along, figures[2]), np.where(told > 0.0, along, figures[2])
     usable_range(low, high, lost, figures[4], least, *plain)

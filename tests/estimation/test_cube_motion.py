@@ -14,7 +14,7 @@ from surefoot.errors import ProblemError
 from surefoot.estimation import Cube
 from surefoot.estimation import cube_contact as layout
 from surefoot.estimation.cube_contact import exchange, place, rise
-from surefoot.estimation.cube_model import CubeModel, law_names
+from surefoot.estimation.cube_model import PARAMETERS, CubeModel
 from surefoot.estimation.cube_motion import fly, simulate, step
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene
@@ -144,7 +144,7 @@ def test_a_flat_drop_bounces_to_e_squared(e: float) -> None:
     assert poses[:, 2].min() > A - 3e-5
 
 
-@pytest.mark.parametrize("law", law_names())
+@pytest.mark.parametrize("law", PARAMETERS)
 def test_a_flat_slide_stops_where_coulomb_says(law: str) -> None:
     mu, speed = 0.2, 0.8
     values = {"rigid": [mu, 0.0, 0.0], "spring-damper": [mu, 1e5, 200.0], "hunt-crossley": [mu, 1e5, 5.0]}[

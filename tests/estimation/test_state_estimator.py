@@ -77,7 +77,7 @@ class Plain:
             InvariantFilter(n, ekf.filter.noise),
             FootKinematics(robot, ekf.filter.noise.joint),
         )
-        self.body.X, self.body.covariance = ekf.filter.X, ekf.filter.covariance
+        self.body.X[:], self.body.covariance[:] = ekf.filter.X, ekf.filter.covariance
         self.imu: deque[Reading] = deque(maxlen=self.steps - imu + 1)
         self.legs: deque[Reading] = deque(maxlen=self.steps - legs + 1)
         self.speeds: deque[np.ndarray] = deque(maxlen=1 + round(WINDOW / dt))

@@ -11,7 +11,7 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, load_robot
 from surefoot.simulation.sensor_kernels import counted, imu_reading, mean_readings, with_points
-from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel, mean_motion
+from surefoot.simulation.sensors import EncoderModel, ImuModel, SensorModel, Sensors, TouchModel
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 
 DT = 0.001
@@ -38,6 +38,13 @@ def test_mean_readings_are_those_of_matrices(size: float) -> None:
         np.testing.assert_allclose(
             force, middle.T @ ((b - a) / dt + [0.0, 0.0, GRAVITY]), rtol=1e-8, atol=1e-8
         )
+
+
+def mean_motion(last: tuple, now: tuple, dt: float, arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean turn rate [rad/s] and specific force [m/s²] at an arm [m] between two states."""
+    rate, force = np.empty(3), np.empty(3)
+    mean_readings(*last, *now, dt, arm, rate, force)
+    return rate, force
 
 
 @pytest.fixture(scope="module")
@@ -83,13 +90,13 @@ def test_noise_and_biases_have_their_size(robot: Robot) -> None:
     gyro, force = (np.array([getattr(r, name) for r in rows]) for name in ("gyro", "accelerometer"))
     np.testing.assert_allclose(gyro.std(axis=0), 2.5e-4 / np.sqrt(DT), rtol=0.05)
     np.testing.assert_allclose(force.std(axis=0), 2e-3 / np.sqrt(DT), rtol=0.05)
-    np.testing.assert_allclose(gyro.mean(axis=0), sensors.gyro_bias, atol=5e-4)
+    np.testing.assert_allclose(gyro.mean(axis=0), sensors.biases[0].copy(), atol=5e-4)
     angles, speeds = (np.array([getattr(r, name) for r in rows]) for name in ("positions", "speeds"))
     np.testing.assert_allclose(angles.std(axis=0), 2e-4, rtol=0.1)
     np.testing.assert_allclose(speeds.std(axis=0), 0.05, rtol=0.1)
     starts = [Sensors(model, robot, DT, k) for k in range(300)]
-    assert np.std([s.gyro_bias for s in starts]) == pytest.approx(5e-3, rel=0.1)
-    assert np.std([s.accelerometer_bias for s in starts]) == pytest.approx(0.05, rel=0.1)
+    assert np.std([s.biases[0].copy() for s in starts]) == pytest.approx(5e-3, rel=0.1)
+    assert np.std([s.biases[1].copy() for s in starts]) == pytest.approx(0.05, rel=0.1)
     offsets = [s.read(robot.nominal, np.zeros(18)).positions - robot.nominal[7:] for s in starts]
     assert np.std(offsets) == pytest.approx(np.hypot(1e-3, 2e-4), rel=0.1)
     torques = np.array([s.torques(np.full(12, 10.0)) for s in starts])
@@ -103,7 +110,7 @@ def test_biases_walk(robot: Robot) -> None:
         sensors = Sensors(model, robot, 0.01, seed)
         for _ in range(100):
             sensors.read(robot.nominal, np.zeros(18))
-        ends.append(sensors.gyro_bias)
+        ends.append(sensors.biases[0].copy())
     assert np.std(ends) == pytest.approx(0.01, rel=0.2)  # after one second
 
 

@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.gait import SAME_TIME, ContactSchedule
 from surefoot.control.leg_demand import Pace
-from surefoot.control.phase_table import PhaseTable
 
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07
 """Most that times on the ground and in the air grow or shrink by from one cycle to the next, as factors, and
@@ -96,13 +95,12 @@ class AdaptiveGait(ContactSchedule):
 
     def __init__(self, name: str, choose: Choose, first: Stride) -> None:
         self.name, self.feet = name, len(first.offset)
-        self._phases = PhaseTable(SAME_TIME)
         self._choose, self._first = choose, first
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: the feet stand, and begin to walk at time 0 if the first stride moves."""
-        self._phases.forget()
+        self._forget_phases()
         self.stride = self.wanted = self._first
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
         self.asked = np.zeros(3)
@@ -128,7 +126,7 @@ class AdaptiveGait(ContactSchedule):
 
     def update(self, time: float, velocity: FloatArray) -> None:
         """Follow a (3,) velocity [m/s, m/s, rad/s] at a time [s]: cycles that are not made yet fit it."""
-        self._phases.forget()
+        self._forget_phases()
         self.wanted, self.asked = self._choose(velocity, self.wanted.name), velocity
         if self._resting and self.wanted.moving and not self.held:
             self._begin(time)
@@ -144,7 +142,7 @@ class AdaptiveGait(ContactSchedule):
         if self.held:
             return
         self._make(time + SAME_TIME)
-        self._phases.forget()
+        self._forget_phases()
         self.held = self._resting = self._stood = True
         for stances in self._stances:
             coming = next(k for k, (_, end) in enumerate(stances) if end > time + SAME_TIME)
@@ -155,7 +153,7 @@ class AdaptiveGait(ContactSchedule):
         """Let one foot of those that are held be in the air from a time [s] on, until `land_alone`."""
         stances = self._stances[foot]
         if self.held and stances[-1][0] <= time:
-            self._phases.forget()
+            self._forget_phases()
             stances[-1][1] = time + SAME_TIME
             stances.append([time + ALONE, math.inf])
 
@@ -163,7 +161,7 @@ class AdaptiveGait(ContactSchedule):
         """Let it be on the ground again from a time [s] on."""
         stances = self._stances[foot]
         if self.held and stances[-1][0] > time:
-            self._phases.forget()
+            self._forget_phases()
             stances[-1][0] = time
 
     @property
@@ -206,16 +204,12 @@ class AdaptiveGait(ContactSchedule):
             before = end
         raise AssertionError("the last stance of a foot lies ahead")  # pragma: no cover
 
-    def phases(self, time: float) -> FloatArray:
-        """See `ContactSchedule.phases`."""
-        return self._phases.at(self, time)
-
     def _make(self, time: float) -> None:
         """Make cycles until the last stance of every foot ends after a time."""
         while not self._resting and min(s[-1][1] for s in self._stances) <= time:
             if not self.wanted.moving:
                 self._resting = True
-                self._phases.forget()
+                self._forget_phases()
                 for stances in self._stances:
                     stances[-1][1] = math.inf
                 return

@@ -29,10 +29,10 @@ from surefoot.kernels import MATRIX, VECTOR, entry_point, kernel
 from surefoot.solvers import solve
 from surefoot.solvers.solver import find_solver
 
-FRICTION_SHARE = 0.9
-"""Share of the friction that forces use as long as it gives the wanted wrench."""
+SHARES = 0.9, 1.0
+"""Shares of the friction: forces use the first as long as it gives the wanted wrench."""
 MARGIN_COST = 5e-3
-"""A wrench counts as given within the share of the friction if no more than this share of it is missing."""
+"""A wrench counts as given within the first share of friction if no more than so much of it is missing."""
 
 LARGEST = 1e60
 """Grasp maps and wrenches with larger numbers are not given to other solvers."""
@@ -113,20 +113,11 @@ class ExactAllocation:
         (6,) weights of the wrench's components.
     force_weight
         Weight of the square of the forces' distance from parallel ones.
-    friction_share
-        See `FRICTION_SHARE`; with one, the whole cones at once.
     """
 
-    def __init__(
-        self,
-        mu: FloatArray,
-        wrench_weights: FloatArray,
-        force_weight: float,
-        friction_share: float = FRICTION_SHARE,
-    ) -> None:
+    def __init__(self, mu: FloatArray, wrench_weights: FloatArray, force_weight: float) -> None:
         self._distributors = [
-            ForceDistributor(part * mu, 0.0, np.inf, wrench_weights, force_weight)
-            for part in ((friction_share, 1.0) if friction_share < 1.0 else (1.0,))
+            ForceDistributor(part * mu, 0.0, np.inf, wrench_weights, force_weight) for part in SHARES
         ]
         self._bounds: tuple[FloatArray, FloatArray] | None = None
         self._weights = np.ascontiguousarray(wrench_weights, dtype=np.float64)
@@ -176,8 +167,6 @@ class SolverAllocation:
         A name from `surefoot.solver_names`.
     facets, fit
         Sides and kind of the pyramids; None for exact cones.
-    friction_share
-        See `FRICTION_SHARE`; with one, the whole cones at once.
     """
 
     def __init__(
@@ -188,9 +177,7 @@ class SolverAllocation:
         solver: str = "auto",
         facets: int | None = None,
         fit: Fit = "inner",
-        friction_share: float = FRICTION_SHARE,
     ) -> None:
-        self._shares = (friction_share, 1.0) if friction_share < 1.0 else (1.0,)
         self._weights = np.ascontiguousarray(wrench_weights, dtype=np.float64)
         self._mu, self._force_weight = mu, force_weight
         self._solver, self._facets, self._fit = solver, facets, fit
@@ -241,7 +228,7 @@ class SolverAllocation:
         g = -weighted.T @ wrench - self._force_weight * self._reference.ravel()
         allowed = MARGIN_COST**2 * size
         forces = self._last
-        for part in self._shares:
+        for part in SHARES:
             try:
                 problem = self._problem(0.5 * (G + G.T), g, part, normal_min, normal_max)
                 solution = solve(problem, self._solver, tol=1e-9, warm_start=self._last)

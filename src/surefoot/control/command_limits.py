@@ -17,7 +17,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.leg_demand import LegDemand, Pace
-from surefoot.control.walking_body import VelocityCommand
+from surefoot.control.walking_body import VelocityCommand, slowed_note
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -154,11 +154,7 @@ class Limits:
                 continue
             share, reason = self._share(row)
             if share < 1.0:
-                notes.append(
-                    f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
-                    f"this gait can do: slowed to {100.0 * share:.0f} %, "
-                    f"({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g}); {reason}"
-                )
+                notes.append(f"{slowed_note(row, time, share)}; {reason}")
                 row *= share
             more = self._needed(row)
             grid = np.union1d(sizes, FRACTIONS * self.size_of(row))

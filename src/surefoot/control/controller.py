@@ -155,3 +155,29 @@ class Controller(Protocol):
         """Compile or load all that `step` may call, and forget it again, so that no step of a run waits."""
         self.step(state)
         self.reset()
+
+
+class Wrapper(Controller):
+    """A controller around another: it has the other's channels and facts, and `step` makes what it adds.
+
+    Parameters
+    ----------
+    controller
+        Who commands.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+        self.channels, self.facts = controller.channels, controller.facts
+
+    def reset(self) -> None:
+        """Forget the past: the next step is the first of a run, here and inside."""
+        self.controller.reset()
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget its own past."""
+
+    def warm_up(self, state: RobotState) -> None:
+        """Compile or load all that the controller's step may call."""
+        self.controller.warm_up(state)

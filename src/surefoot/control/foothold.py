@@ -24,10 +24,6 @@ from surefoot.kernels import kernel
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
-CAPTURE_SHARE = 1.0
-"""Share of the capture point's offset sqrt(h / g) by which a speed error moves the foothold; at 1 a pendulum
-would come to rest over it."""
-
 
 @kernel
 def raibert(
@@ -37,7 +33,6 @@ def raibert(
     turn_rate: float,
     height: float,
     stance_time: float,
-    capture: float = CAPTURE_SHARE,
 ) -> FloatArray:
     """Return the nominal (2,) place of a foot at touchdown, world axes [m].
 
@@ -53,8 +48,8 @@ def raibert(
         Of the centre of mass above the ground [m].
     stance_time
         Length of the coming stance [s].
-    capture
-        See `CAPTURE_SHARE`.
+
+    A speed error moves the place by its capture point's offset: a pendulum would come to rest over it.
 
     Examples
     --------
@@ -66,7 +61,7 @@ def raibert(
     swerve = 0.5 * pendulum * pendulum * turn_rate  # for the centripetal acceleration
     for i in range(2):
         across = -wanted[1] if i == 0 else wanted[0]
-        out[i] = hip[i] + 0.5 * stance_time * wanted[i] + capture * pendulum * (velocity[i] - wanted[i])
+        out[i] = hip[i] + 0.5 * stance_time * wanted[i] + pendulum * (velocity[i] - wanted[i])
         out[i] -= swerve * across
     return out
 

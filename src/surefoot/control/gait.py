@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
-from surefoot.control.phase_table import PhaseTable
 from surefoot.control.walking_kernels import mode_rows
-from surefoot.errors import ProblemError, unknown_name
+from surefoot.errors import ProblemError
 
 MAX_FLIGHT = 0.35
 """Longest time without any foot on the ground that a schedule may ask for [s]."""
@@ -63,6 +62,8 @@ def mode_feet(number: int, feet: int) -> BoolArray:
 class ContactSchedule(ABC):
     """When each foot carries; what a gait and a mode schedule have in common.
 
+    A schedule that changes calls `_forget_phases`.
+
     Attributes
     ----------
     feet
@@ -70,6 +71,8 @@ class ContactSchedule(ABC):
     """
 
     feet: int
+    _rows: FloatArray
+    _since, _until = math.inf, -math.inf  # `_rows` are of the times between: of none yet
 
     @abstractmethod
     def contacts(self, times: ArrayLike) -> BoolArray:
@@ -83,8 +86,19 @@ class ContactSchedule(ABC):
         """
 
     def phases(self, time: float) -> FloatArray:
-        """Return `phase` of every foot: (feet, 3), the first 1 for a foot that carries and else 0."""
-        return PhaseTable(SAME_TIME).at(self, time)
+        """Return `phase` of every foot: (feet, 3), the first 1 for a foot that carries and else 0.
+
+        What was said is remembered until a foot lifts or lands; it is not to be written to.
+        """
+        if not self._since <= time < self._until:
+            self._rows = np.array([self.phase(k, time) for k in range(self.feet)], dtype=np.float64)
+            self._since = float(self._rows[:, 1].max()) - SAME_TIME
+            self._until = float(self._rows[:, 2].min()) - SAME_TIME
+        return self._rows
+
+    def _forget_phases(self) -> None:
+        """Forget what `phases` has said."""
+        self._since, self._until = math.inf, -math.inf
 
     def horizon(self, start: float, step: float, count: int) -> BoolArray:
         """Return which feet carry in the middle of `count` steps of `step` [s]: (count, feet)."""
@@ -170,7 +184,6 @@ class Gait(_ModeTable):
         self._refuse_flight(f"gait {name}", *twice, max_flight)
         self._intervals = [self._foot_intervals(foot) for foot in range(self.feet)]
         self._last = [(True, math.inf, math.inf)] * self.feet
-        self._phases = PhaseTable(SAME_TIME)
 
     @classmethod
     def from_phases(
@@ -267,10 +280,6 @@ class Gait(_ModeTable):
                     return found
         raise AssertionError("the intervals of a foot cover its period")  # pragma: no cover
 
-    def phases(self, time: float) -> FloatArray:
-        """See `ContactSchedule.phases`."""
-        return self._phases.at(self, time)
-
     def scaled(self, period: float) -> Gait:
         """Return the same gait with another period [s]."""
         length = real_number("period", period, low=1e-3, high=60.0)
@@ -358,20 +367,6 @@ class ModeSchedule(_ModeTable):
         start = self._times[first - 1] if first > 0 else -math.inf
         end = self._times[last] if last < len(self._times) else math.inf
         return bool(column[at]), start, end
-
-
-def foot_index(names: Sequence[str], foot: str) -> int:
-    """Return the index of a foot by name, or by its short name (`FL` for `FL_foot`).
-
-    Raises
-    ------
-    ProblemError
-        If the name is unknown; the message lists the valid ones.
-    """
-    for k, name in enumerate(names):
-        if foot == name or foot.lower() == name.lower().removesuffix("_foot"):
-            return k
-    raise ProblemError(unknown_name("foot", foot, names))
 
 
 def _check_rising(name: str, times: FloatArray) -> None:

@@ -105,8 +105,7 @@ class Body:
 
     def limits(self, pace: Pace, adaptable: bool, least_duty: float = HURRIED_DUTY) -> Limits:
         """Return what the legs can do with a gait's pace."""
-        told = self.robot, pace, self.height, adaptable, self.terrain, self.mu, least_duty
-        return Limits(*told)
+        return Limits(self.robot, pace, self.height, adaptable, self.terrain, self.mu, least_duty)
 
 
 def choose_gait(body: Body, command: VelocityCommand, gait: str | ContactSchedule) -> Chosen:
@@ -217,14 +216,12 @@ def _automatic(body: Body, command: VelocityCommand) -> Chosen:
     def stride(velocity: FloatArray, now: str) -> Stride:
         size = hurry.limits.size_of(velocity)
         if size == 0.0:
-            return Stride(now, walk if now == "walk" else trot, _offset(now), moving=False)
+            stands = (walk, walk_offset) if now == "walk" else (trot, trot_offset)
+            return Stride(now, *stands, moving=False)
         edge = slow * (1.0 + HYSTERESIS if now == "walk" else 1.0 - HYSTERESIS)
         if size < edge:
             return Stride("walk", walk, walk_offset)
         return Stride("trot", hurried(trot, hurry.at(velocity)), trot_offset)
-
-    def _offset(name: str) -> FloatArray:
-        return walk_offset if name == "walk" else trot_offset
 
     schedule = AdaptiveGait(AUTO, stride, stride(hurry.command.at(0.0), "walk"))
     return Chosen(schedule, hurry.command, hurry.notes, hurried(trot, hurry.most).period, hurry.limit)

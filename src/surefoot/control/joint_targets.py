@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.control.controller import Command, Controller, JointTargets, RobotState
+from surefoot.control.controller import Command, Controller, JointTargets, RobotState, Wrapper
 from surefoot.control.damping import computable
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot
@@ -60,7 +60,41 @@ class TargetSettings:
             raise ProblemError(f"every must be 1 or more steps of the world, got {self.every}")
 
 
-class JointTargetController(Controller):
+class Held(Wrapper):
+    """A controller that is asked every so many steps of the world; its torques stay between.
+
+    Parameters
+    ----------
+    controller
+        Made for the longer steps.
+    every
+        How many steps of the world its own are.
+    """
+
+    def __init__(self, controller: Controller, every: int) -> None:
+        super().__init__(controller)
+        if every < 1:
+            raise ProblemError(f"every must be 1 or more steps of the world, got {every}")
+        self.every = every
+        self._forget()
+
+    def _forget(self) -> None:
+        self._last: Command | None = None
+        self._count = 0
+
+    def step(self, state: RobotState) -> Command:
+        """Return the controller's command, the last one between its steps."""
+        if self._last is None or self._count % self.every == 0:
+            self._last = self._ask(state)
+        self._count += 1
+        return self._last
+
+    def _ask(self, state: RobotState) -> Command:
+        """Return a new command."""
+        return self.controller.step(state)
+
+
+class JointTargetController(Held):
     """A controller whose commands go to joints with controllers of their own; see the module.
 
     Parameters
@@ -98,42 +132,26 @@ class JointTargetController(Controller):
     ) -> None:
         import pinocchio
 
-        self.controller, self.robot = controller, robot
-        self.settings = settings or TargetSettings()
-        self.channels, self.facts = controller.channels, controller.facts
+        self.robot, self.settings = robot, settings or TargetSettings()
         s, first = self.settings, robot.base_dof
+        super().__init__(controller, s.every)
         self.dt = s.every * real_number("dt", dt, low=1e-6)
         height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))[first:]
         self.stiffness = np.full(robot.joints, s.stiffness * robot.mass * GRAVITY * height)
         self.damping = 2.0 * s.damping * np.sqrt(self.stiffness * inertia)
         self._support = robot.contact_points.support[:, first:]
-        self._forget()
 
     def _forget(self) -> None:
+        """Let the next step's targets begin at the joints' state."""
+        super()._forget()
         self._positions: FloatArray | None = None
         self._velocities = np.zeros(self.robot.joints)
-        self._last: Command | None = None
-        self._count = 0
 
-    def reset(self) -> None:
-        """Forget the past: the next step's targets begin at the joints' state."""
-        self.controller.reset()
-        self._forget()
-
-    def warm_up(self, state: RobotState) -> None:
-        """Compile or load all that the controller's step may call."""
-        self.controller.warm_up(state)
-
-    def step(self, state: RobotState) -> Command:
-        """Return the controller's command with targets for the joints; the last one between its steps."""
-        due = self._count % self.settings.every == 0
-        self._count += 1
-        if self._last is not None and not due:
-            return self._last
-        command = self.controller.step(state)
-        self._last = replace(command, joint_targets=self._targets(state, command))
-        return self._last
+    def _ask(self, state: RobotState) -> Command:
+        """Return the controller's command with targets for the joints."""
+        command = super()._ask(state)
+        return replace(command, joint_targets=self._targets(state, command))
 
     def _targets(self, state: RobotState, command: Command) -> JointTargets | None:
         """Return the targets that go with a command, in the middle of the time that it is held."""
@@ -157,39 +175,3 @@ class JointTargetController(Controller):
         return JointTargets(
             positions, velocities, gain * self.stiffness, gain * self.damping, command.torques
         )
-
-
-class Held(Controller):
-    """A controller that is asked every so many steps of the world; its torques stay between.
-
-    Parameters
-    ----------
-    controller
-        Made for the longer steps.
-    every
-        How many steps of the world its own are.
-    """
-
-    def __init__(self, controller: Controller, every: int) -> None:
-        if every < 1:
-            raise ProblemError(f"every must be 1 or more steps of the world, got {every}")
-        self.controller, self.every = controller, every
-        self.channels, self.facts = controller.channels, controller.facts
-        self._last: Command | None = None
-        self._count = 0
-
-    def reset(self) -> None:
-        """Forget the past."""
-        self.controller.reset()
-        self._last, self._count = None, 0
-
-    def warm_up(self, state: RobotState) -> None:
-        """Compile or load all that the controller's step may call."""
-        self.controller.warm_up(state)
-
-    def step(self, state: RobotState) -> Command:
-        """Return the controller's command, the last one between its steps."""
-        if self._last is None or self._count % self.every == 0:
-            self._last = self.controller.step(state)
-        self._count += 1
-        return self._last

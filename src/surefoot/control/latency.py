@@ -23,7 +23,7 @@ from collections import deque
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.control.damping import computable
 from surefoot.kernels import kernel
 from surefoot.robot import Robot
@@ -111,7 +111,7 @@ def fitting(
     return best if EVIDENCE * misfit[best] < misfit[steps] else steps
 
 
-class LatencyCompensation(Controller):
+class LatencyCompensation(Wrapper):
     """A controller that acts on the state to come; see the module.
 
     Parameters
@@ -132,23 +132,17 @@ class LatencyCompensation(Controller):
     """
 
     def __init__(self, controller: Controller, robot: Robot, dt: float, delay: float | None = None) -> None:
-        self.controller, self.robot, self.dt = controller, robot, real_number("dt", dt, low=1e-6)
+        super().__init__(controller)
+        self.robot, self.dt = robot, real_number("dt", dt, low=1e-6)
         self._told = None if delay is None else round(real_number("delay", delay, low=0.0, high=LONGEST) / dt)
-        self.channels, self.facts = controller.channels, controller.facts
         self.meter = DelayMeter(robot.joints, dt)
         self._past: deque[FloatArray] = deque(maxlen=round(LONGEST / dt) + 1)
         self._now: float | None = None
 
-    def reset(self) -> None:
-        """Forget the past."""
-        self.controller.reset()
+    def _forget(self) -> None:
         self.meter.reset()
         self._past.clear()
         self._now = None
-
-    def warm_up(self, state: RobotState) -> None:
-        """Compile or load all that the controller's step may call."""
-        self.controller.warm_up(state)
 
     @property
     def steps(self) -> int:

@@ -8,7 +8,6 @@ and shifted towards where the body goes. A Hann window lets steps enter and leav
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,53 +24,39 @@ DAMPING = 1e-3
 """Pull of the slopes to zero, as a share of the window's own spread."""
 
 
-@dataclass(frozen=True)
-class LookAhead:
-    """Fits the plane that the body follows; see the module.
+POINTS, ROWS = 25, 3
+"""Number of samples along the heading, and of rows beside it."""
 
-    Attributes
+
+def plane_ahead(
+    terrain: Terrain, place: FloatArray, yaw: float, velocity: FloatArray, height: float
+) -> tuple[float, FloatArray]:
+    """Return the height at a (2,) place [m] and the (2,) slope along world x and y of the plane [-].
+
+    Parameters
     ----------
+    terrain
+        As believed.
+    place
+        (2,) where the body is [m], world axes.
+    yaw
+        Its heading [rad].
+    velocity
+        (2,) wanted velocity, world axes [m/s].
     height
         Of the centre of mass above the ground [m]; sets the window.
-    points, rows
-        Number of samples along the heading, and of rows beside it.
     """
-
-    height: float
-    points: int = 25
-    rows: int = 3
-
-    def plane(
-        self, terrain: Terrain, place: FloatArray, yaw: float, velocity: FloatArray
-    ) -> tuple[float, FloatArray]:
-        """Return the height at a (2,) place [m] and the (2,) slope along world x and y of the plane [-].
-
-        Parameters
-        ----------
-        terrain
-            As believed.
-        place
-            (2,) where the body is [m], world axes.
-        yaw
-            Its heading [rad].
-        velocity
-            (2,) wanted velocity, world axes [m/s].
-        """
-        offsets, weights = self._window()
-        c, s = math.cos(yaw), math.sin(yaw)
-        turned = offsets @ np.array([[c, s], [-s, c]]) + AHEAD * velocity[:2]
-        heights = terrain.height(place + turned)
-        rows = np.column_stack([np.ones(len(turned)), turned])
-        normal = (rows * weights[:, None]).T @ rows
-        normal[1:, 1:] += DAMPING * self.height**2 * np.eye(2)
-        level, slope_x, slope_y = np.linalg.solve(normal, rows.T @ (weights * heights))
-        return float(level), np.array([slope_x, slope_y])
-
-    def _window(self) -> tuple[FloatArray, FloatArray]:
-        """Return the samples' offsets (k, 2) in the heading frame [m] and weights (k,) that sum to 1."""
-        share = np.linspace(-1.0, 1.0, self.points + 2)[1:-1]
-        along = HALF_LENGTH * self.height * share
-        across = SIDE * self.height * np.linspace(-1.0, 1.0, self.rows)
-        offsets = np.stack(np.meshgrid(along, across, indexing="ij"), axis=-1).reshape(-1, 2)
-        weights = np.repeat(1.0 + np.cos(np.pi * share), self.rows)
-        return offsets, weights / weights.sum()
+    share = np.linspace(-1.0, 1.0, POINTS + 2)[1:-1]
+    along = HALF_LENGTH * height * share
+    across = SIDE * height * np.linspace(-1.0, 1.0, ROWS)
+    offsets = np.stack(np.meshgrid(along, across, indexing="ij"), axis=-1).reshape(-1, 2)
+    weights = np.repeat(1.0 + np.cos(np.pi * share), ROWS)
+    weights = weights / weights.sum()
+    c, s = math.cos(yaw), math.sin(yaw)
+    turned = offsets @ np.array([[c, s], [-s, c]]) + AHEAD * velocity[:2]
+    heights = terrain.height(place + turned)
+    rows = np.column_stack([np.ones(len(turned)), turned])
+    normal = (rows * weights[:, None]).T @ rows
+    normal[1:, 1:] += DAMPING * height**2 * np.eye(2)
+    level, slope_x, slope_y = np.linalg.solve(normal, rows.T @ (weights * heights))
+    return float(level), np.array([slope_x, slope_y])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.controller import Command, Controller, RobotState, Wrapper
 from surefoot.control.torque_kernels import hold_to_motors, motor_bounds
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
@@ -98,7 +98,7 @@ def motor_limits(robot: Robot, model: str = "box") -> MotorLimits:
     return MotorLimits(robot.effort_limits, robot.speed_limits, *shares)
 
 
-class MotorLimited(Controller):
+class MotorLimited(Wrapper):
     """A controller whose torques pass through motors: what they cannot give at a joint's speed is cut off.
 
     Parameters
@@ -110,19 +110,11 @@ class MotorLimited(Controller):
     """
 
     def __init__(self, controller: Controller, limits: MotorLimits) -> None:
-        self.controller, self.limits = controller, limits
-        self.channels, self.facts = controller.channels, controller.facts
-
-    def reset(self) -> None:
-        """Forget the past."""
-        self.controller.reset()
+        super().__init__(controller)
+        self.limits = limits
 
     def step(self, state: RobotState) -> Command:
         """Return the controller's command with the torques that the motors give."""
         command = self.controller.step(state)
         speed = state.v[-len(self.limits.speed) :]
         return replace(command, torques=self.limits.clip(command.torques, np.nan_to_num(speed)))
-
-    def warm_up(self, state: RobotState) -> None:
-        """Compile or load all that the controller's step may call."""
-        self.controller.warm_up(state)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, real_number
 from surefoot.contact.solution import Status
-from surefoot.control import mpc_arrays, mpc_model
+from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
 from surefoot.control.mpc_momentum import MomentumCost, MpcMomentum, Search
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
@@ -199,9 +199,9 @@ class ConvexMpc:
             share = np.asarray(normal_share, dtype=np.float64)
             if share.shape != given.contacts.shape:
                 raise ProblemError(f"normal_share must have shape {given.contacts.shape}, got {share.shape}")
-            given = given._replace(bounds=mpc_arrays.lowered(given.bounds, share))
+            given = given._replace(bounds=_lowered(given.bounds, share))
         sway = mpc_model.expected_sway(given.motion, given.ref_motion, self.dt)
-        point, total = mpc_arrays.gather(self._points, given.contacts), 0
+        point, total = self._points[given.contacts], 0
         for _ in range(self.passes):
             program = self._build(given, sway)
             if program is None:
@@ -215,8 +215,10 @@ class ConvexMpc:
                 program.step, program.foot, program.M, force, program.drift, given.frames, program.heading,
                 given.ref_motion, self.dt,
             )  # fmt: skip
-            sway = mpc_model.planned_sway(motion, given.ref_motion)
-        mpc_arrays.scatter(point, given.contacts, self._points)
+            off = motion[:, 0] - given.ref_motion[:, 0]
+            sway = 0.5 * (off[:-1] + off[1:])  # as planned, over each step
+        self._points[:] = np.nan
+        self._points[given.contacts] = point
         status = Status.SOLVED if error <= self.tol else Status.MAX_ITERATIONS
         if self.tol < error <= ALMOST_FACTOR * self.tol:
             status = Status.ALMOST
@@ -338,6 +340,14 @@ class _Given(NamedTuple):
     ref_motion: FloatArray
 
 
+def _lowered(bounds: FloatArray, share: FloatArray) -> FloatArray:
+    """Return (N, n, 3) bounds whose largest normal forces are lowered to (N, n) shares of them."""
+    out = bounds.copy()
+    out[..., 2] *= share
+    out[..., 1] = np.minimum(out[..., 1], out[..., 2])
+    return out
+
+
 def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
     """Return a value of one step, or of every step, at the full shape."""
     if isinstance(value, np.ndarray) and value.shape == shape and value.dtype == np.float64:
@@ -346,10 +356,6 @@ def _over_horizon(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatA
         array = np.asarray(value, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise ProblemError(f"{name} must be numeric, got {value!r:.80}") from error
-    if array.shape == shape[1:]:
-        full = np.empty(shape)
-        full[:] = array
-        return full
-    if array.shape != shape:
+    if array.shape not in (shape[1:], shape):
         raise ProblemError(f"{name} must have shape {shape[1:]} or {shape}, got {array.shape}")
-    return np.ascontiguousarray(array)
+    return np.array(np.broadcast_to(array, shape), order="C")

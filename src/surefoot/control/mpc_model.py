@@ -153,18 +153,6 @@ def expected_sway(motion: FloatArray, reference: FloatArray, dt: float) -> Float
     return out
 
 
-@kernel
-def planned_sway(motion: FloatArray, reference: FloatArray) -> FloatArray:
-    """Return the (N, 3) sway for `build` of a predicted motion (N + 1, 3, 3)."""
-    N = reference.shape[0] - 1
-    out = np.empty((N, 3))
-    for k in range(N):
-        for a in range(3):
-            before, after = motion[k, 0, a] - reference[k, 0, a], motion[k + 1, 0, a] - reference[k + 1, 0, a]
-            out[k, a] = 0.5 * (before + after)
-    return out
-
-
 @inline_kernel
 def _heading_frame(R: FloatArray) -> FloatArray:
     """Return the frame with z up and x along the heading of a rotation (3, 3)."""

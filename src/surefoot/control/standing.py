@@ -201,7 +201,7 @@ class StandingController(Controller):
             return self._blind(v)
         error = self._grasp @ forces.ravel() - wrench
         attained = self._attained(error)
-        torques, _, finite = within_limits(self._torques(target, forces, q, v), self._limits)
+        torques, finite = within_limits(self._torques(target, forces, q, v), self._limits)
         if not finite:
             return self._blind(v)
         self._integrate(attained)

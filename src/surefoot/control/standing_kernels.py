@@ -143,11 +143,10 @@ def pd_wrench(
 
 
 @kernel
-def within_limits(torques: FloatArray, limits: FloatArray) -> tuple[FloatArray, bool, bool]:
-    """Return (joints,) torques [N m] cut to their limits, whether one met its own, and if all are finite."""
-    out, saturated, finite = np.empty(torques.size), False, True
+def within_limits(torques: FloatArray, limits: FloatArray) -> tuple[FloatArray, bool]:
+    """Return torques (j,) cut to ± limits [N m], and whether all were finite."""
+    out, finite = np.empty(torques.size), True
     for j in range(torques.size):
         out[j] = min(max(torques[j], -limits[j]), limits[j])
-        saturated = saturated or out[j] != torques[j]
         finite = finite and np.isfinite(torques[j])
-    return out, saturated, finite
+    return out, finite

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
+from surefoot.control.controller import Command, RobotState
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 
@@ -50,3 +53,13 @@ class Standstill:
         target = self._start + share * share * (3.0 - 2.0 * share) * (self._goal - self._start)
         wanted = self._stiffness * (target - positions) - self._damping * speeds
         return np.clip(np.where(np.isfinite(wanted), wanted, 0.0), -self._limits, self._limits)
+
+    def command(self, state: RobotState, last: Command) -> Command:
+        """Return the command for a state whose joints alone are known, after the last one: no forces."""
+        return replace(
+            last,
+            torques=self.torques(state.q[7:], state.v[6:]),
+            forces=np.zeros_like(last.forces),
+            active=np.zeros_like(last.active),
+            attained=False,
+        )

@@ -176,8 +176,8 @@ def friction_losses(speed: FloatArray, damping: FloatArray, friction: FloatArray
 
 @kernel
 def torque_range(
-    speed: FloatArray, figures: FloatArray, knee: float, driving: float, creep: float, compensation: float,
-    least: float, out: FloatArray,
+    speed: FloatArray, figures: FloatArray, knee: float, driving: float, creep: float, least: float,
+    out: FloatArray,
 ) -> None:  # fmt: skip
     """Fill the rows of `out` (4, joints): middle, half, scale and losses, see `TorqueRange`.
 
@@ -187,7 +187,7 @@ def torque_range(
         (joints,) [rad/s]; those not finite count as rest.
     figures
         (5, joints) damping and friction, effort and no-load speed of the motors, effort of the command.
-    knee, driving, creep, compensation, least
+    knee, driving, creep, least
         See `motor_bounds`, `friction_losses`, `TorqueRange` and `usable_range`.
     """
     told = np.empty(len(speed))
@@ -195,6 +195,6 @@ def torque_range(
         told[j] = speed[j] if math.isfinite(speed[j]) else 0.0
     lost = friction_losses(told, figures[0], figures[1], creep)
     for j in range(len(speed)):
-        out[3, j] = compensation * lost[j]
+        out[3, j] = lost[j]
     low, high = motor_bounds(told, figures[2], figures[3], knee, driving)
     usable_range(low, high, out[3], figures[4], least, out[0], out[1], out[2])

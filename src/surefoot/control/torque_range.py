@@ -6,19 +6,18 @@ torque, friction takes its part (`Actuators.losses`): the range of what is left 
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.control.actuators import CREEP, Actuators
 from surefoot.control.torque_kernels import commanded, torque_range
+from surefoot.estimation.live_arrays import Bound
 
 LEAST_SHARE = 0.02
 """Half the range is at least this share of the effort: a motor that spins away still brakes."""
 
 
-class TorqueRange:
+class TorqueRange(Bound):
     """Range of the torques that move a robot's legs, at the joints' speeds of the last `update`.
 
     Parameters
@@ -27,8 +26,6 @@ class TorqueRange:
         (joints,) limits without actuators [N m].
     actuators
         What gives the torques; None for the plain box.
-    compensation
-        Share of the friction that the command makes up for.
 
     Attributes
     ----------
@@ -40,10 +37,8 @@ class TorqueRange:
         (joints,) what is added to the torques for friction [N m].
     """
 
-    def __init__(
-        self, effort: FloatArray, actuators: Actuators | None = None, compensation: float = 1.0
-    ) -> None:
-        self.actuators, self.compensation = actuators, compensation
+    def __init__(self, effort: FloatArray, actuators: Actuators | None = None) -> None:
+        self.actuators = actuators
         nothing = np.zeros_like(effort)
         self._rows = np.array([nothing, effort, np.ones_like(effort), nothing])
         self._bind()
@@ -60,24 +55,12 @@ class TorqueRange:
         self.scale: FloatArray = self._rows[2]
         self.losses: FloatArray = self._rows[3]
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
-
     def update(self, speed: FloatArray) -> None:
         """Bring the range up to the joints' speeds (joints,) [rad/s]; those not finite count as rest."""
         if self.actuators is None:
             return
         motors = self.actuators.limits
-        torque_range(
-            speed, self._figures, motors.knee, motors.driving, CREEP, self.compensation, LEAST_SHARE,
-            self._rows,
-        )  # fmt: skip
-
-    def excess(self, torques: FloatArray) -> FloatArray:
-        """Return by how much (joints,) torques are beyond the range, negative inside [N m]."""
-        return np.asarray(np.abs(torques - self.middle) - self.half)
+        torque_range(speed, self._figures, motors.knee, motors.driving, CREEP, LEAST_SHARE, self._rows)
 
     def nearest(self, torques: FloatArray) -> FloatArray:
         """Return the bound of the range that (joints,) torques are beyond, or next to [N m]."""

@@ -11,12 +11,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
+from surefoot.arrays import FloatArray, real_number
 from surefoot.control.adaptive_gait import AdaptiveGait
 from surefoot.control.believed_limits import BelievedLimits
-from surefoot.control.controller import Controller, RobotState
+from surefoot.control.controller import RobotState
 from surefoot.control.damping import computable
 from surefoot.control.foothold import step_place
 from surefoot.control.force_planner import ForcePlanner
@@ -26,19 +25,17 @@ from surefoot.control.gait_choice import Body, choose_gait
 from surefoot.control.grip import Grip
 from surefoot.control.ground_sense import ground_sense
 from surefoot.control.load_adaptation import LoadAdaptation
-from surefoot.control.look_ahead import LookAhead
-from surefoot.control.mpc import ConvexMpc
+from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.step_phase import StepPhase
 from surefoot.control.terrain_knowledge import GroundBelief
+from surefoot.control.walker import Walker
 from surefoot.control.walking_body import DIP, BodyPlan, VelocityCommand, first_stance
 from surefoot.control.walking_feet import DESCENT, Feet
 from surefoot.control.walking_kernels import follow
 from surefoot.control.walking_settings import WalkCommand as WalkCommand
 from surefoot.control.walking_settings import WalkSettings as WalkSettings
-from surefoot.control.walking_settings import damping_command
-from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
+from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError
-from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import FlatTerrain, Terrain
@@ -52,7 +49,7 @@ LEAD = 1.15
 """A body goes faster once its gait is fit for this multiple of its speed."""
 
 
-class WalkingController(Controller):
+class WalkingController(Walker):
     """Walks a robot on point feet; call `step` at a fixed rate.
 
     Parameters
@@ -83,7 +80,7 @@ class WalkingController(Controller):
         If the gait does not fit the robot's feet.
     """
 
-    channels = tuple(CHANNELS[name] for name in ("planned", "command"))
+    settings: WalkSettings
 
     def __init__(
         self,
@@ -108,29 +105,7 @@ class WalkingController(Controller):
         self.schedule, self.command, self.notes = chosen.schedule, chosen.command, chosen.notes
         self._limit = chosen.limit
         self._set_timing(chosen.shortest)
-        self._set_controllers()
-
-    def steer(self, velocity: ArrayLike) -> FloatArray:
-        """Take another velocity from now on, limited and ramped as any, and return what is left of it.
-
-        Parameters
-        ----------
-        velocity
-            (3,) forward, left [m/s], yaw rate [rad/s].
-
-        Returns
-        -------
-        FloatArray
-            (3,) the same after limits [m/s, rad/s].
-
-        Raises
-        ------
-        ProblemError
-            For what is no three finite numbers.
-        """
-        wanted = finite_array("velocity", velocity, (3,))
-        self.command = self._limit(VelocityCommand.constant(*wanted.tolist()))
-        return self.command.at(0.0)
+        self._set_parts(mu)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
@@ -141,7 +116,6 @@ class WalkingController(Controller):
         pinocchio.ccrba(robot.model, data, q, np.zeros(robot.model.nv))
         base = np.array(data.oMi[1].rotation)
         self._inertia = base.T @ np.array(data.Ig.inertia) @ base
-        self._mass = robot.mass
         self._radii = np.array([f.radius for f in robot.feet])
         com, centres = robot.com(q), robot.foot_positions(q)
         self._height = float(com[2] - (centres[:, 2] - self._radii).mean())
@@ -164,25 +138,12 @@ class WalkingController(Controller):
         self._mpc_dt = period / self.settings.steps_per_period
         self._interval = min(self.settings.plan_interval, self._mpc_dt)
 
-    def _set_controllers(self) -> None:
-        """Make the MPC and the whole-body controller."""
-        s, weight = self.settings, self._mass * GRAVITY
-        mu = s.mu * s.friction_share
-        low, high = s.normal_min * weight, s.normal_max * weight
-        self.mpc = ConvexMpc(
-            self._mass, self._inertia, len(self.robot.feet), s.horizon, self._mpc_dt, mu, low, high, s.mpc
-        )
-        self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, (0.0, 2.0 * self._pendulum), None, s.actuators
-        )
-        self._body_gain = (s.body_stiffness * self._pendulum) ** 2, 2.0 * s.body_stiffness * self._pendulum
-        self._swing_gain = (s.swing_stiffness * self._pendulum) ** 2, 2.0 * s.swing_stiffness * self._pendulum
-        self.facts = {
-            "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
-            "gait": getattr(self.schedule, "name", "schedule"), "notes": self.notes,
-        }  # fmt: skip
+    def _set_parts(self, mu: float) -> None:
+        """Make what gives the forces, and what looks after friction, ground and load."""
+        s, weight = self.settings, self.robot.mass * GRAVITY
+        rates = 0.0, 2.0 * self._pendulum
+        self._normals = self._set_controllers(self._inertia, self._mpc_dt, self._pendulum, rates)
         self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
-        self._look_ahead = LookAhead(self._height)
         clearance = s.clearance * self._height
         self._steps = None
         seen = self.terrain.highest_step > 0.0 or self.terrain.learns
@@ -197,7 +158,6 @@ class WalkingController(Controller):
         )
         self._load = LoadAdaptation(self.robot, self.dt, self.mpc, self.whole_body, s.load)
         self.channels = (*type(self).channels, *self._load.channels)
-        self._normals = low, high
         self._still = np.zeros(self.robot.joints)
         self._level = np.zeros(len(self.robot.feet))
         self._now = np.zeros((3, 3))
@@ -208,22 +168,17 @@ class WalkingController(Controller):
         """Forget the past: the next step begins a walk from where the robot stands."""
         self.planner.reset()
         self.whole_body.reset()
-        if self._grip is not None:
-            self._grip.reset()
-        self._load.reset()
-        if self._steps is not None:
-            self._steps.reset()
-        if self._believed is not None:
-            self._believed.reset()
+        gait = self.schedule if isinstance(self.schedule, AdaptiveGait) else None
+        for part in (self._grip, self._load, self._steps, self._believed, gait):
+            if part is not None:
+                part.reset()
         self.feet: Feet | None = None
-        if isinstance(self.schedule, AdaptiveGait):
-            self.schedule.reset()
         self.ramps = ForceRamps(self.schedule, self.settings.ramp / self._pendulum)
         self._aimed_at = -math.inf
         self._held = False  # the gait does not follow the speed fast enough
         self._untold = True  # what has been learned of the load since it was told
         self._aimless = False  # a foot has just lifted, and does not know yet where it goes
-        self._last: WalkCommand | None = None
+        self._last = None
 
     def step(self, state: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot feels, the gait's plan is taken for the contacts.
@@ -233,7 +188,7 @@ class WalkingController(Controller):
         """
         time = state.time
         if not computable(state.q, state.v):
-            return self._blind(state.v)
+            return self._blind(state.v, self._load.rows)
         late = self._interval - 0.5 * self.dt
         due = time - self.planner.begun >= late
         self._load.observe(state)
@@ -274,17 +229,7 @@ class WalkingController(Controller):
             self._untold = True
         body = self.whole_body.solve(self._tasks(now, clock, time))
         self._load.acted(time, state.v, body.torques, feet.carrying)
-        assert self.planner.plan is not None
-        self._last = WalkCommand(
-            body.torques, body.forces, feet.carrying.copy(), body.feasible, body.status, feet.planned.copy(),
-            feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(), self.planner.plan.status,
-            accelerations=body.accelerations, load=self._load.rows,
-        )  # fmt: skip
-        return self._last
-
-    def _blind(self, v: FloatArray) -> WalkCommand:
-        """Return the command for a state that is not finite."""
-        return damping_command(self.whole_body.damping(v), self._last, len(self.robot.feet), self._load.rows)
+        return self._commanded(body, feet, self._load.rows)
 
     def _begin(self, now: Kinematics, state: RobotState) -> None:
         """Start from where the robot stands."""
@@ -310,8 +255,8 @@ class WalkingController(Controller):
         if self.terrain.planar or self._feeling is not None:
             body.fit_ground(feet.ground, elapsed)
             return
-        level, slope = self._look_ahead.plane(self.terrain, body.position[:2], body.yaw, body.flow())
-        body.follow_plane(level, slope, elapsed)
+        plane = plane_ahead(self.terrain, body.position[:2], body.yaw, body.flow(), self._height)
+        body.follow_plane(*plane, elapsed)
 
     def _asked(self, clock: float) -> FloatArray:
         """Return the velocity of the command, slowed to what the ground allows as it is believed now."""

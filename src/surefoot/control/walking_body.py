@@ -214,6 +214,15 @@ class BodyPlan:
         return BodyReference(slope_frames(yaw, self.slope), places, flow, spin)
 
 
+def slowed_note(velocity: FloatArray, time: float, share: float) -> str:
+    """Return the line that a (3,) velocity from a time [s] on is slowed to a share of it."""
+    x, y, turn = velocity
+    return (
+        f"velocity ({x:g}, {y:g}, {turn:g}) from {time:g} s on is more than this gait can do: slowed to "
+        f"{100.0 * share:.0f} %, ({x * share:.3g}, {y * share:.3g}, {turn * share:.3g})"
+    )
+
+
 def limit_command(
     command: VelocityCommand, reach: float, stance_time: float, height: float, radius: float
 ) -> tuple[VelocityCommand, list[str]]:
@@ -241,10 +250,6 @@ def limit_command(
         speed = math.hypot(row[0], row[1]) + abs(row[2]) * radius
         if speed > fastest:
             share = fastest / speed
-            notes.append(
-                f"velocity ({row[0]:g}, {row[1]:g}, {row[2]:g}) from {time:g} s on is more than "
-                f"this gait can do: slowed to {100.0 * share:.0f} %, "
-                f"({row[0] * share:.3g}, {row[1] * share:.3g}, {row[2] * share:.3g})"
-            )
+            notes.append(slowed_note(row, time, share))
             row *= share
     return VelocityCommand(command.times, values), notes

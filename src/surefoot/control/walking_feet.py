@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from surefoot.control.foothold import FootholdSearch
 from surefoot.control.gait import ContactSchedule
 from surefoot.control.swing import DOWN, LIFT_FIRST, LIFT_LATER, apex_height, clear_lift
 from surefoot.control.walking_kernels import swing_accelerations, swing_paths
+from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
 
@@ -65,7 +66,7 @@ class FootProbe(NamedTuple):
 
 
 @dataclass
-class Feet:
+class Feet(Bound):
     """The feet's state machine; all arrays have one row per foot.
 
     Attributes
@@ -146,11 +147,6 @@ class Feet:
         self.apex: FloatArray = self._timing[:, 0]
         self.duration: FloatArray = self._timing[:, 2]
         self._lift_first: FloatArray = self._timing[:, 3]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def update(self, time: float, sensed: BoolArray, centres: FloatArray) -> bool:
         """Move on to a time of the schedule; return whether a foot has lifted or landed.

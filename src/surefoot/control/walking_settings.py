@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.contact import Status
 from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command
 from surefoot.control.load_adaptation import LoadSettings
@@ -84,8 +83,6 @@ class WalkCommand(Command):
         (3,) velocity command after limits and ramp: forward, left, yaw rate.
     targets
         (n, 3) where feet in the air will touch, or last did.
-    plan_status
-        How the last MPC ended.
     load
         Values of the channels of `LoadAdaptation`.
     """
@@ -94,7 +91,6 @@ class WalkCommand(Command):
     frames: FloatArray
     wanted: FloatArray
     targets: FloatArray
-    plan_status: Status
     load: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def rows(self) -> dict[str, Any]:
@@ -118,10 +114,10 @@ def damping_command(
     load
         See `WalkCommand`.
     """
-    on = np.ones(feet, dtype=bool)
+    points, on = np.ones(len(body.forces), dtype=bool), np.ones(feet, dtype=bool)
     last = last or WalkCommand(
-        body.torques, body.forces, on, False, body.status, on, np.tile(np.eye(3), (feet, 1, 1)), np.zeros(3),
-        np.zeros((feet, 3)), Status.INVALID, load=load,
+        body.torques, body.forces, points, False, body.status, on, np.tile(np.eye(3), (feet, 1, 1)),
+        np.zeros(3), np.zeros((feet, 3)), load=load,
     )  # fmt: skip
     return replace(
         last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,

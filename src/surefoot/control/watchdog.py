@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, real_number
-from surefoot.control.controller import Command, Controller, JointTargets, RobotState
+from surefoot.control.controller import Command, Controller, JointTargets, RobotState, Wrapper
 from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -42,7 +42,7 @@ class WatchedCommand(Command):
         return {**self.told, "stale": self.stale}
 
 
-class Watchdog(Controller):
+class Watchdog(Wrapper):
     """A controller that is not asked with a state which is too old; the outermost of several.
 
     States tell when they were true. Older than `patience`, they are of no use: joints with controllers
@@ -64,9 +64,10 @@ class Watchdog(Controller):
     def __init__(self, controller: Controller, robot: Robot, dt: float, patience: float = PATIENCE) -> None:
         import pinocchio
 
-        self.controller, self.dt = controller, real_number("dt", dt, low=1e-6)
+        super().__init__(controller)
+        self.dt = real_number("dt", dt, low=1e-6)
         self.patience = real_number("patience", patience, low=0.0)
-        self.channels, self.facts = (*controller.channels, CHANNELS["stale"]), controller.facts
+        self.channels = (*controller.channels, CHANNELS["stale"])
         height = max(float(robot.nominal[2]), 0.05) if robot.floating else 1.0
         inertia = np.diag(pinocchio.crba(robot.model, robot.model.createData(), robot.nominal))
         none = np.zeros(robot.joints)
@@ -77,17 +78,9 @@ class Watchdog(Controller):
         self._forget()
 
     def _forget(self) -> None:
+        """Take the next step's state for fresh."""
         self._last: Command | None = None
         self._now: float | None = None
-
-    def reset(self) -> None:
-        """Forget the past: the next step's state is fresh."""
-        self.controller.reset()
-        self._forget()
-
-    def warm_up(self, state: RobotState) -> None:
-        """Compile or load all that the controller's step may call."""
-        self.controller.warm_up(state)
 
     def step(self, state: RobotState) -> WatchedCommand:
         """Return the controller's command, or damping if the state is too old."""

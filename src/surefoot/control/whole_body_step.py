@@ -22,6 +22,7 @@ from surefoot.control.whole_body_kernels import (
     place_points,
     swing_tasks,
 )
+from surefoot.estimation.live_arrays import Bound
 from surefoot.kernels import inline_kernel, kernel, window
 from surefoot.numerics.points import contact_jacobian
 from surefoot.robot.contact_points import ContactPoints
@@ -37,7 +38,7 @@ LINEAR, ANGULAR, SWING, TURN, RATES = range(5)
 """What the weights are: of the base's tasks, of feet in the air, and four rates as for `contact_rows`."""
 
 
-class StepMemory:
+class StepMemory(Bound):
     """All numbers of a step of whole-body control, with views of those that Python reads.
 
     Parameters
@@ -88,9 +89,9 @@ class StepMemory:
         self.memory = np.zeros(starts[-1])
         given = weights, joints, points.middles, points.foot_radii, points.centres
         self.memory[: starts[len(given)]] = np.concatenate([np.ravel(a) for a in given])
-        self._look()
+        self._bind()
 
-    def _look(self) -> None:
+    def _bind(self) -> None:
         """Make the views."""
         nv, n, p, most = self.sizes
         self.rotations, self.touching = self._part(ROTATIONS, n, 3, 3), self._part(TOUCHING, n, 3)
@@ -107,11 +108,6 @@ class StepMemory:
     def __getstate__(self) -> dict[str, Any]:
         """Return what a copy is made of: no views."""
         return {"sizes": self.sizes, "numbers": self.numbers, "memory": self.memory}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take the state of a copy."""
-        self.__dict__.update(state)
-        self._look()
 
 
 @inline_kernel

@@ -2,16 +2,14 @@
 
 from surefoot.estimation.contact_detection import (
     ContactDetector,
-    Detection,
-    DetectionErrors,
     DetectionSettings,
     detect_contacts,
     detection_errors,
 )
 from surefoot.estimation.contact_odds import ContactSettings
 from surefoot.estimation.forces import ForceEstimate, estimate_forces
-from surefoot.estimation.friction import FrictionBounds, FrictionTracker
-from surefoot.estimation.identify import Estimate, TossFit, identify
+from surefoot.estimation.friction import FrictionTracker
+from surefoot.estimation.identify import TossFit, identify
 from surefoot.estimation.inekf import FilterNoise, InvariantFilter
 from surefoot.estimation.inekf_robot import InvariantEkf
 from surefoot.estimation.state_estimator import Health, Reading, StateEstimator, WatchSettings
@@ -23,13 +21,9 @@ __all__ = [
     "ContactDetector",
     "ContactSettings",
     "Cube",
-    "Detection",
-    "DetectionErrors",
     "DetectionSettings",
-    "Estimate",
     "FilterNoise",
     "ForceEstimate",
-    "FrictionBounds",
     "FrictionTracker",
     "Health",
     "InvariantEkf",

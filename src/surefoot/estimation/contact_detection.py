@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,7 @@ from surefoot.audit.contact_times import debounced
 from surefoot.errors import ProblemError
 from surefoot.estimation.detection_kernels import add_torques, feel_feet
 from surefoot.estimation.foot_kinematics import FootKinematics
+from surefoot.estimation.live_arrays import Bound
 from surefoot.log import Log
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
@@ -87,7 +88,7 @@ class Detection(NamedTuple):
     forces: FloatArray
 
 
-class ContactDetector:
+class ContactDetector(Bound):
     """Tells from joint torques and the robot's motion which feet touch, step by step.
 
     Parameters
@@ -160,11 +161,6 @@ class ContactDetector:
         self._past = self._memory[4 + n + nv :]
         self.forces, self.velocities, self.points = (part.reshape(n, 3) for part in parts[6:9])
         self._pushed: BoolArray = self._flags[1]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def reset(self) -> None:
         """Forget the past: the next update is the first."""

@@ -31,6 +31,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation.detection_kernels import decide_contacts, prior_odds
+from surefoot.estimation.live_arrays import Bound
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 from surefoot.terrain import Terrain
@@ -177,7 +178,7 @@ def quiet_bandwidth(robot: Robot, dt: float, speed: float) -> float:
     return high if worst * observer_gain(high, dt) <= allowed else low
 
 
-class ContactFusion:
+class ContactFusion(Bound):
     """Decides step by step which feet touch; see the module for how.
 
     Parameters
@@ -221,11 +222,6 @@ class ContactFusion:
     def _bind(self) -> None:
         """Find the parts of the memory."""
         self.odds, self._prior = self._memory[:2]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def reset(self) -> None:
         """Forget what was believed."""

@@ -42,11 +42,6 @@ _NUMBER = {
 }
 
 
-def law_names() -> tuple[str, ...]:
-    """Return the names of the contact laws that can be fitted."""
-    return tuple(PARAMETERS)
-
-
 @dataclass(frozen=True)
 class CubeModel:
     """A cube with eight corners on a plane, exact Coulomb friction, under a contact law.
@@ -54,7 +49,7 @@ class CubeModel:
     Attributes
     ----------
     law
-        One of `law_names()`.
+        A name of `PARAMETERS`.
     steps
         Steps between frames; None for as many as keep a step within a millisecond.
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
-from surefoot.estimation.flight_fit import correct
+from surefoot.estimation.flight_fit import StepLine, correct
 
 STRIKE, STAND = 0.006, 0.003
 """Standard deviations of an edge that a foot has struck, and of a height that one stands on [m]."""
@@ -47,7 +47,7 @@ ONWARD = 4
 """So many edges are believed in beyond the last tread that a foot has stood on."""
 
 
-class FeltFlight:
+class FeltFlight(StepLine):
     """Steps along a direction: up from a riser that a foot has struck, or down (`downwards`).
 
     Parameters
@@ -139,20 +139,6 @@ class FeltFlight:
             if behind and before and off > -ON_EDGE:
                 least = min(least, max(off, 0.0))
         return least if math.isfinite(least) else 0.0
-
-    @property
-    def tread(self) -> float:
-        """Depth of a tread [m]."""
-        return float(self._x[1])
-
-    @property
-    def rise(self) -> float:
-        """Height of a step, negative where they go down [m]."""
-        return float(self._z[1])
-
-    def edge(self, number: int) -> float:
-        """Return the place of an edge along the flight [m]."""
-        return float(self._x[0] + number * self._x[1])
 
     def number(self, along: ArrayLike) -> FloatArray:
         """Return how many edges lie before (...) places along the flight [m]: (...)."""

@@ -66,7 +66,32 @@ class Steps(NamedTuple):
     tread: float
 
 
-class FlightFit:
+class StepLine:
+    """Edges of equal steps along a line, as estimated.
+
+    `_x` begins with the place of edge 0 and the depth of a tread, `_z` with the height of the ground before
+    that edge and the rise of a step [m].
+    """
+
+    _x: FloatArray
+    _z: FloatArray
+
+    @property
+    def tread(self) -> float:
+        """Depth of a tread [m]."""
+        return float(self._x[1])
+
+    @property
+    def rise(self) -> float:
+        """Height of a step, negative where they go down [m]."""
+        return float(self._z[1])
+
+    def edge(self, number: int) -> float:
+        """Return the place of an edge along the line [m]."""
+        return float(self._x[0] + number * self._x[1])
+
+
+class FlightFit(StepLine):
     """Follows a flight of stairs from scan to scan.
 
     Parameters
@@ -101,16 +126,6 @@ class FlightFit:
         self._missed = 0
 
     @property
-    def tread(self) -> float:
-        """Depth of a step [m]."""
-        return float(self._x[1])
-
-    @property
-    def rise(self) -> float:
-        """Height of a step, negative where the way goes down [m]."""
-        return float(self._z[1])
-
-    @property
     def first(self) -> int:
         """Number of the first edge that is there."""
         return min((k for k, times in self._times.items() if times >= SEEN), default=0)
@@ -124,10 +139,6 @@ class FlightFit:
     def lost(self) -> bool:
         """Whether what is seen has contradicted it for long."""
         return self._missed > PATIENCE
-
-    def edge(self, number: int) -> float:
-        """Return the place of an edge along the flight [m]."""
-        return float(self._x[0] + number * self._x[1])
 
     def deviation(self, number: int) -> float:
         """Return the standard deviation of an edge's place [m]."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray
 from surefoot.estimation.inekf_kernels import foresee
-from surefoot.estimation.live_arrays import live_parts
+from surefoot.estimation.live_arrays import Bound, live_parts
 from surefoot.kernels import inline_kernel, kernel, window
 from surefoot.numerics.points import point_velocity
 from surefoot.robot import Robot
@@ -234,7 +234,7 @@ def foot_arrays(
     )  # fmt: skip
 
 
-class FootKinematics:
+class FootKinematics(Bound):
     """The feet of a robot as its joints have them; arrays are overwritten by the next `update` or `move`.
 
     Parameters
@@ -297,11 +297,6 @@ class FootKinematics:
         """Return what a copy is made of: no arrays on Pinocchio's memory."""
         views = ("twists", "drifts", "turns", "places", "momenta", "masses")
         return {name: value for name, value in self.__dict__.items() if name not in views}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def _part(self, start: int, n: int, more: int = 1) -> FloatArray:
         """Return (n, 3) or (n, 3, 3) of the memory, from `start` times n on."""

@@ -14,7 +14,6 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +21,8 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import inekf_kernels as kernels
-from surefoot.estimation.extended_poses import exponential, logarithm, product
+from surefoot.estimation.extended_poses import logarithm, product
+from surefoot.estimation.live_arrays import Bound
 from surefoot.spatial import skew
 
 GATE = 21.1
@@ -70,7 +70,7 @@ class FilterNoise:
             real_number(one.name, getattr(self, one.name), low=0.0, high=1e3)
 
 
-class InvariantFilter:
+class InvariantFilter(Bound):
     """Velocity, attitude, place, feet and biases of a body with an IMU and n feet.
 
     Parameters
@@ -132,11 +132,6 @@ class InvariantFilter:
         self._covariance = self._covariance.reshape(15 + 3 * n, 15 + 3 * n)
         self._densities, self._walks, self._gate, self.distances = parts[3:]
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
-
     def reset(
         self,
         rotation: ArrayLike | None = None,
@@ -166,8 +161,8 @@ class InvariantFilter:
         if np.abs(R @ R.T - np.eye(3)).max() > 1e-6 or np.linalg.det(R) < 0.0:
             raise ProblemError("rotation must be a rotation matrix")
         v, p = finite_array("velocity", velocity, (3,)), finite_array("position", position, (3,))
-        self.X = np.column_stack([R, v, p, np.zeros((3, self.n))])
-        self.bias = np.zeros(6) if bias is None else finite_array("bias", bias, (6,))
+        self.X[:] = np.column_stack([R, v, p, np.zeros((3, self.n))])
+        self.bias[:] = np.zeros(6) if bias is None else finite_array("bias", bias, (6,))
         small = self._start(v, p) if covariance is None else finite_array("covariance", covariance, (15, 15))
         known = np.r_[0:9, 9 + 3 * self.n : 15 + 3 * self.n]
         self._covariance[:] = 0.0
@@ -195,30 +190,15 @@ class InvariantFilter:
         """(3, 5 + n) state [R | v | p | d_1 ... d_n] [-, m/s, m]."""
         return self._X
 
-    @X.setter
-    def X(self, value: FloatArray) -> None:
-        """Take (3, 5 + n) numbers [-, m/s, m] over."""
-        self._X[:] = value
-
     @property
     def bias(self) -> FloatArray:
         """(6,) of the gyro [rad/s] and the accelerometer [m/s²]."""
         return self._bias
 
-    @bias.setter
-    def bias(self, value: FloatArray) -> None:
-        """Take (6,) biases [rad/s, m/s²] over."""
-        self._bias[:] = value
-
     @property
     def covariance(self) -> FloatArray:
         """(15 + 3n, 15 + 3n) of the errors [rad, m/s, m, rad/s, m/s²]."""
         return self._covariance
-
-    @covariance.setter
-    def covariance(self, value: FloatArray) -> None:
-        """Take (15 + 3n, 15 + 3n) numbers [rad, m/s, m, rad/s, m/s²] over."""
-        self._covariance[:] = value
 
     @property
     def rotation(self) -> FloatArray:
@@ -234,15 +214,6 @@ class InvariantFilter:
     def position(self) -> FloatArray:
         """(3,) of the IMU, world axes [m]."""
         return self.X[:, 4]
-
-    @property
-    def body_velocity_deviation(self) -> float:
-        """Standard deviation of the velocity as seen by the body, root of the sum over the axes [m/s].
-
-        The velocity in body axes errs by Rᵀ ξ_v, without ξ's turn: unlike that in world axes, it can be
-        observed.
-        """
-        return float(np.sqrt(max(np.trace(self.covariance[3:6, 3:6]), 0.0)))
 
     def predict(self, gyro: FloatArray, accelerometer: FloatArray, dt: float) -> None:
         """Go on by dt [s] with (3,) turn rate [rad/s] and specific force [m/s²], body axes, means over dt."""
@@ -303,7 +274,3 @@ class InvariantFilter:
         back = rotation.T
         true = np.column_stack([back, -back @ velocity, -back @ position])
         return logarithm(product(self.X[:, :5], true))
-
-    def disturb(self, xi: ArrayLike) -> None:
-        """Replace the group's part of the state by exp(ξ) X, ξ (9 + 3n,) [rad, m/s, m], all feet included."""
-        self.X = product(exponential(finite_array("xi", xi, (9 + 3 * self.n,))), self.X)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,6 +9,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation.foot_kinematics import FootKinematics, base_state
 from surefoot.estimation.inekf import GATE, FilterNoise, InvariantFilter
+from surefoot.estimation.live_arrays import Bound
 from surefoot.estimation.step_kernels import BELIEVED, LANDED, stand
 from surefoot.robot import Robot
 from surefoot.spatial import rotation_from_quaternion
@@ -24,7 +23,7 @@ HEIGHT = 0.005
 """Standard deviation of the height that a map has for the ground under a foot that lands [m]."""
 
 
-class InvariantEkf:
+class InvariantEkf(Bound):
     """State estimate of a legged robot from its IMU, encoders and which feet touch; see `InvariantFilter`.
 
     A round foot rolls while it stands: what stands still is its centre less what it has rolled, r ∫ ω x n dt.
@@ -110,11 +109,6 @@ class InvariantEkf:
         self._pace, self._age = self._lines[1:]
         self.normals, self._rolled = parts[4].reshape(n, 3), parts[5].reshape(n, 3)
         self._turned = parts[7].reshape(n, 3, 3)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Become a copy."""
-        self.__dict__.update(state)
-        self._bind()
 
     def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
         """Start from (nq,) q [m, rad] and (nv,) v [m/s, rad/s]: place and heading are taken as they are.

@@ -1,8 +1,9 @@
-"""Pinocchio's results without copies: what its algorithms left in a `Data`, as arrays that follow along.
+"""Arrays that follow along: Pinocchio's results without copies, and parts of a memory that kernels fill.
 
-Matrices of a `Data` are views already. Its lists (one placement, one momentum a joint) hand out one element
-at a time, two microseconds each; but parts of an element are views as well, and the elements of a C++ vector
-lie at equal distances. Arrays of this module are valid as long as the `Data` lives: keep it beside them.
+What Pinocchio's algorithms left in a `Data` need not be copied: its matrices are views already. Its lists
+(one placement, one momentum a joint) hand out one element at a time, two microseconds each; but parts of an
+element are views as well, and the elements of a C++ vector lie at equal distances. Such arrays are valid as
+long as the `Data` lives: keep it beside them.
 """
 
 from __future__ import annotations
@@ -49,3 +50,15 @@ def live_parts(elements: Any, part: str | None = None) -> FloatArray:
     first = views[0]
     shape, strides = (len(views), *first.shape), (int(apart[0]), *first.strides)
     return np.lib.stride_tricks.as_strided(first, shape, strides, writeable=False)
+
+
+class Bound:
+    """What has parts of one memory as attributes, views that `_bind` finds: those of a copy are its own."""
+
+    def _bind(self) -> None:
+        """Find the parts of the memory."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Become a copy."""
+        self.__dict__.update(state)
+        self._bind()

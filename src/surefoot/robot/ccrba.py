@@ -28,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.robot.contact_points import joint_support
 from surefoot.spatial import skew, twist_transform, wrench_transform
 
 
@@ -111,13 +112,9 @@ def summed_momentum_matrix(model: Any, q: FloatArray) -> FloatArray:
     bodies = list(zip(model.inertias, placements, strict=True))[1:]
     com = sum(body.mass * pose.act(body.lever) for body, pose in bodies) / sum(b.mass for b, _ in bodies)
     momentum = np.zeros((6, model.nv))
-    carried = np.zeros(model.nv, dtype=np.bool_)
+    carried = joint_support(model)
     for j, (body, pose) in enumerate(bodies, 1):
-        carried[:] = False
-        while j > 0:
-            carried[model.joints[j].idx_v : model.joints[j].idx_v + model.joints[j].nv] = True
-            j = model.parents[j]
-        jacobian = np.where(carried, S, 0.0)
+        jacobian = np.where(carried[j], S, 0.0)
         centre = pose.act(body.lever)
         linear = body.mass * (jacobian[:3] - skew(centre) @ jacobian[3:])
         spin = pose.rotation @ body.inertia @ pose.rotation.T @ jacobian[3:]

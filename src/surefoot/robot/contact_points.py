@@ -71,6 +71,16 @@ class ContactPoints:
         return np.asarray(self.foot_support[self.foot])
 
 
+def joint_support(model: Any) -> BoolArray:
+    """Return which velocities move what hangs on each joint: (njoints, nv)."""
+    out = np.zeros((model.njoints, model.nv), dtype=np.bool_)
+    for joint in range(1, model.njoints):
+        first = model.joints[joint].idx_v
+        out[joint] = out[int(model.parents[joint])]
+        out[joint, first : first + model.joints[joint].nv] = True
+    return out
+
+
 def contact_points(model: Any, feet: Sequence[Foot]) -> ContactPoints:
     """Return the contact points of feet on a Pinocchio model."""
     spheres = [(k, foot, centre) for k, foot in enumerate(feet) for centre in foot.centres]
@@ -78,12 +88,6 @@ def contact_points(model: Any, feet: Sequence[Foot]) -> ContactPoints:
     owner = np.array([k for k, _, _ in spheres], dtype=np.int64)
     radii = np.array([foot.radius for foot in feet], dtype=np.float64)
     joints = np.array([int(frame.parentJoint) for frame in frames], dtype=np.int64)
-    support = np.zeros((len(feet), model.nv), dtype=np.bool_)
-    for row, joint in enumerate(joints.tolist()):
-        while joint > 0:
-            first = model.joints[joint].idx_v
-            support[row, first : first + model.joints[joint].nv] = True
-            joint = int(model.parents[joint])
     return ContactPoints(
         tuple(f"{foot.name}:{j}" for foot in feet for j in range(len(foot.centres))),
         owner,
@@ -95,5 +99,5 @@ def contact_points(model: Any, feet: Sequence[Foot]) -> ContactPoints:
         np.array([foot.centre for foot in feet], dtype=np.float64).reshape(-1, 3),
         radii,
         np.array([foot.flat for foot in feet], dtype=np.bool_),
-        support,
+        joint_support(model)[joints],
     )

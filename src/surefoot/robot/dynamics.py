@@ -184,11 +184,11 @@ def rigid_constraint(robot: Robot, data: Any, point: Attachment) -> Any:
     import pinocchio
 
     kind = pinocchio.ContactType.CONTACT_3D if point.dim == 3 else pinocchio.ContactType.CONTACT_6D
-    joint, placement = _placement(robot.model, data, point)
+    joint, placement = placement_of(robot.model, data, point)
     return pinocchio.RigidConstraintModel(kind, robot.model, joint, placement, pinocchio.ReferenceFrame.LOCAL)
 
 
-def _placement(model: Any, data: Any, point: Attachment) -> tuple[int, Any]:
+def placement_of(model: Any, data: Any, point: Attachment) -> tuple[int, Any]:
     """Return the joint that carries a contact, and the contact's frame in the joint's: an SE3."""
     import pinocchio
 
@@ -218,7 +218,7 @@ class DelassusOperator(LinearOperator):
         self.model.gravity = pinocchio.Motion.Zero()
         self.data = self.model.createData()
         pinocchio.framesForwardKinematics(self.model, self.data, self.configuration)
-        self.points = [(*_placement(self.model, self.data, point), point.dim) for point in chosen]
+        self.points = [(*placement_of(self.model, self.data, point), point.dim) for point in chosen]
         size = sum(point.dim for point in chosen)
         super().__init__(np.dtype(np.float64), (size, size))  # type: ignore[call-arg]
 

@@ -27,11 +27,11 @@ from surefoot.robot.dynamics import (
     constrained_dynamics,
     generalised_torque,
     mass_matrix,
+    placement_of,
 )
-from surefoot.robot.jacobians import Attachment, Contacts, attach, contact_jacobian
+from surefoot.robot.jacobians import Contacts, attached, contact_jacobian
 from surefoot.robot.robot import Robot
 from surefoot.spatial import skew
-from surefoot.stance import Stance
 
 
 @dataclass(frozen=True)
@@ -78,12 +78,13 @@ def constrained_dynamics_derivative(
     import pinocchio
 
     configuration = robot.configuration(q)
-    points = attach(robot, configuration, contacts) if isinstance(contacts, Stance) else contacts
+    points = attached(robot, configuration, contacts)
     motion = constrained_dynamics(robot, configuration, v, torque, points)
     speed, a = finite_array("v", v, (robot.model.nv,)), motion.acceleration
     generalised_torque(robot, torque)
     model, data, nv = robot.model, robot.data, robot.model.nv
-    placed = _placed(robot, configuration, points)
+    pinocchio.framesForwardKinematics(model, data, configuration)
+    placed = [placement_of(model, data, point) for point in points]
     # forces on the bodies, in the joints' axes
     on_bodies = pinocchio.StdVec_Force()
     for _ in range(model.njoints):
@@ -119,19 +120,6 @@ def constrained_dynamics_derivative(
         forces = -V @ ((V.T @ (drift + J @ free)) / size[:, None])
         free = free + weighted @ forces
     return ConstrainedDerivative(motion, *np.split(free, 3, axis=1), *np.split(forces + turned, 3, axis=1))
-
-
-def _placed(robot: Robot, q: FloatArray, points: tuple[Attachment, ...] | Any) -> list[tuple[int, Any]]:
-    """Return the joint of every contact, and the contact's placement in it, along the contact's axes now."""
-    import pinocchio
-
-    pinocchio.framesForwardKinematics(robot.model, robot.data, q)
-    out = []
-    for point in points:
-        frame = robot.model.frames[point.frame]
-        axes = robot.data.oMf[point.frame].rotation.T @ point.rotation_world_contact
-        out.append((int(frame.parentJoint), frame.placement * pinocchio.SE3(axes, point.offset)))
-    return out
 
 
 def _acceleration(model: Any, data: Any, joint: int, placement: Any, dim: int) -> FloatArray:

@@ -19,6 +19,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, ModelError
+from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf_beyond import beyond_a_tree
 from surefoot.robot.parser_output import parser_output
 from surefoot.spatial import quaternion_xyzw, rotation_from_quaternion
@@ -82,16 +83,12 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
         import mujoco
     except ImportError as error:
         raise MissingExtra("mujoco", "sim") from error
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
+    pinocchio = import_pinocchio()
     with parser_output():
         try:
             compiled = mujoco.MjModel.from_xml_path(str(path))
         except (ValueError, OSError) as error:
-            told = " ".join(str(error).split()).removeprefix("Error: ")
-            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told}") from error
+            raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told(error)}") from error
     beyond = beyond_a_tree(mujoco, compiled)
     if beyond:
         raise ModelError(
@@ -105,6 +102,11 @@ def read_mjcf(path: Path, fixed_base: bool | None = None) -> MjcfRobot:
     )
     floating = bool(free) if fixed_base is None else not fixed_base
     return _Builder(mujoco, pinocchio, compiled, root, floating, path).build()
+
+
+def told(error: Exception) -> str:
+    """Return what an error of MuJoCo says, in one line."""
+    return " ".join(str(error).split()).removeprefix("Error: ")
 
 
 def _root(compiled: Any, path: Path) -> int:

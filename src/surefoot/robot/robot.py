@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, finite_array
-from surefoot.errors import MissingExtra, ModelError, ProblemError, unknown_name
+from surefoot.errors import ModelError, ProblemError, unknown_name
 from surefoot.robot import catalog
 from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.descriptions import described, is_described
 from surefoot.robot.foot import Foot, read_foot, shaped_foot
+from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.mjcf import is_mjcf, nominal_of, read_mjcf
 from surefoot.robot.nominal import bend_legs
 from surefoot.robot.parser_output import parser_output
@@ -320,10 +321,7 @@ def _drawn(entry: catalog.CatalogEntry, feet: Sequence[str]) -> bool:
 
 def _build(path: Path, folders: Sequence[Path], fixed: bool) -> tuple[Any, Any, Callable[[], Any]]:
     """Return Pinocchio's model and collision geometry of a URDF file, and the loader of its looks."""
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
+    pinocchio = import_pinocchio()
     root = [] if fixed else [pinocchio.JointModelFreeFlyer()]
     model = _parsed(path, root)
     packages = [str(f) for f in folders]

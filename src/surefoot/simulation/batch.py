@@ -135,11 +135,7 @@ class RigidBatch:
         `which` (count,) is a mask of the robots that are meant; None for all.
         """
         a = self._arrays
-        chosen = np.ones(self.count, dtype=np.bool_) if which is None else np.asarray(which)
-        if chosen.shape != (self.count,) or chosen.dtype != np.bool_:
-            raise ProblemError(
-                f"which must be a mask of shape ({self.count},), got {chosen.dtype} {chosen.shape}"
-            )
+        chosen = chosen_robots(which, self.count)
         new_q = rows_per_robot("q", q, self.count, a["q"].shape[1])
         new_v = np.zeros_like(a["v"]) if v is None else rows_per_robot("v", v, self.count, a["v"].shape[1])
         for k in np.flatnonzero(chosen).tolist():
@@ -277,6 +273,14 @@ def per_robot(name: str, value: ArrayLike, count: int) -> FloatArray:
     if array.shape not in ((), (count,)) or not np.isfinite(array).all() or (array < 0.0).any():
         raise ProblemError(f"{name} must be a number >= 0 or have shape ({count},), got {value!r}")
     return np.broadcast_to(array, (count,)).copy()
+
+
+def chosen_robots(which: ArrayLike | None, count: int) -> BoolArray:
+    """Return a mask of robots (count,); None for all."""
+    chosen = np.ones(count, dtype=np.bool_) if which is None else np.asarray(which)
+    if chosen.shape != (count,) or chosen.dtype != np.bool_:
+        raise ProblemError(f"which must be a mask of shape ({count},), got {chosen.dtype} {chosen.shape}")
+    return chosen
 
 
 def rows_per_robot(name: str, value: ArrayLike, count: int, width: int) -> FloatArray:

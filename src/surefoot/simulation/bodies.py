@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.errors import MissingExtra, ProblemError
+from surefoot.errors import ProblemError
 from surefoot.robot import Foot, Robot
+from surefoot.robot.libraries import import_pinocchio
 
 
 def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:
@@ -54,7 +55,7 @@ def falling_cat(half_mass: float = 1.0, half_inertia: float = 0.003, leg_mass: f
     leg_mass
         Of each leg, a ball of 1 cm radius [kg].
     """
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     moments = np.array([half_inertia, 2.0 * half_inertia, 2.0 * half_inertia])
     half = pinocchio.Inertia(_positive("half_mass", half_mass), np.zeros(3), np.diag(moments))
@@ -73,17 +74,9 @@ def falling_cat(half_mass: float = 1.0, half_inertia: float = 0.003, leg_mass: f
     return Robot("cat", model, empty, empty, (), np.array(pinocchio.neutral(model)), True)
 
 
-def _pinocchio() -> Any:
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
-    return pinocchio
-
-
 def _body(name: str, mass: float, moments: FloatArray, centres: FloatArray, radius: float) -> Robot:
     """Return a free body with the given contact spheres, standing on z = 0 in its nominal pose."""
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root_joint")
     inertia = pinocchio.Inertia(mass, np.zeros(3), np.diag(moments))

@@ -64,21 +64,18 @@ class Faults:
             real_number("start of a dropout", start, low=0.0)
             real_number("duration of a dropout", duration, low=0.0)
         generator = np.random.default_rng([0 if seed is None else seed, 1])
-        return ActiveFaults(
-            self.noise, strength, late, generator, world.robot.effort_limits, tuple(self.dropouts)
-        )
+        return ActiveFaults(self, strength, late, generator, world.robot.effort_limits)
 
 
 @dataclass
 class ActiveFaults:
     """The faults of one run; made by `Faults.start`."""
 
-    noise: float
+    told: Faults
     strength: FloatArray
     late: int
     generator: np.random.Generator
     effort: FloatArray
-    dropouts: tuple[tuple[float, float], ...] = ()
     _queue: deque[Command] = field(default_factory=deque)
 
     def __post_init__(self) -> None:
@@ -87,9 +84,9 @@ class ActiveFaults:
 
     def sense(self, q: FloatArray, v: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the state, q (nq,) [m, -, rad] and v (nv,) [m/s, rad/s], as the controller sees it."""
-        if self.noise == 0.0:
+        r, level = self.generator, self.told.noise
+        if level == 0.0:
             return q, v
-        r, level = self.generator, self.noise
         q, v = q.copy(), v.copy()
         q[:3] += 0.01 * level * r.normal(size=3)
         turn = 0.01 * level * r.normal(size=3)
@@ -104,9 +101,9 @@ class ActiveFaults:
 
     def heard(self, state: RobotState) -> RobotState:
         """Return the state that reaches the controller: in a dropout the last one before it."""
-        if self.dropouts and self._reached is not None:
+        if self.told.dropouts and self._reached is not None:
             now = state.time + 1e-9
-            if any(start <= now < start + duration for start, duration in self.dropouts):
+            if any(start <= now < start + duration for start, duration in self.told.dropouts):
                 return self._reached
         self._reached = state
         return state

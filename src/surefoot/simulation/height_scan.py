@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -71,10 +71,8 @@ class RangeSensor:
     def scaled(self, level: float) -> RangeSensor:
         """Return a sensor whose noise, stray rays and mounting errors are `level` times as large."""
         level = real_number("level", level, low=0.0, high=100.0)
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        for name in ("noise", "tilt", "shift", "stray"):
-            values[name] *= level
-        return RangeSensor(**values)
+        grown = ("noise", "tilt", "shift", "stray")
+        return replace(self, **{name: level * getattr(self, name) for name in grown})
 
     def check(self) -> None:
         """Raise `ProblemError` for a number that no sensor has."""

@@ -57,14 +57,12 @@ class Steering:
     def press(self, key: int) -> bool:
         """Take a key in GLFW's numbers; return whether it means something."""
         if key == STOP_KEY:
-            self._ask(np.zeros(3))
+            self._ask(slice(None), 0.0)
             return True
         if key not in KEYS:
             return False
         component, direction = KEYS[key]
-        wanted = self.velocity.copy()
-        wanted[component] = round(wanted[component] + direction * STEPS[component], 6)
-        self._ask(wanted)
+        self._ask(component, round(self.velocity[component] + direction * STEPS[component], 6))
         return True
 
     def handle(self, event: JoystickEvent) -> bool:
@@ -76,19 +74,20 @@ class Steering:
             return False
         if not event.axis:
             if event.number == STOP_BUTTON and event.value > 0.0:
-                self._ask(np.zeros(3))
+                self._ask(slice(None), 0.0)
                 return True
             return False
         if event.number not in AXES:
             return False
         component, direction = AXES[event.number]
-        wanted = self.velocity.copy()
-        wanted[component] = direction * outside_dead_zone(event.value) * FULL_STICK[component]
-        self._ask(wanted + 0.0)  # no minus zero
+        speed = direction * outside_dead_zone(event.value) * FULL_STICK[component]
+        self._ask(component, speed + 0.0)  # no minus zero
         return True
 
-    def _ask(self, wanted: FloatArray) -> None:
-        """Ask for a velocity, and go on from what is granted."""
+    def _ask(self, component: int | slice, speed: float) -> None:
+        """Ask for another speed in a component, or in several, and go on from what is granted."""
+        wanted = self.velocity.copy()
+        wanted[component] = speed
         self.velocity = np.array(self._steer(wanted))
 
 

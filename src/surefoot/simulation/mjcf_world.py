@@ -14,10 +14,11 @@ from surefoot.control.actuators import told_actuators
 from surefoot.errors import ModelError, ProblemError
 from surefoot.log import Log
 from surefoot.robot import Robot
+from surefoot.robot.mjcf import told
 from surefoot.robot.rotors import with_rotors
 from surefoot.simulation.mujoco import HEAVIEST, MujocoWorld, add_ground
 from surefoot.simulation.mujoco_drives import Drives
-from surefoot.simulation.mujoco_robot import import_mujoco
+from surefoot.simulation.mujoco_robot import add_payload, compiled, import_mujoco
 from surefoot.simulation.record_softness import world_softness
 from surefoot.simulation.world import ground_of
 from surefoot.spatial import GRAVITY
@@ -81,23 +82,20 @@ class MjcfWorld(MujocoWorld):
         self.dt, self.terrain = real_number("dt", dt, low=1e-6), ground_of(terrain)
         self.payload = real_number("payload", payload, low=0.0, high=HEAVIEST)
         self.payload_position = finite_array("payload_position", payload_position, (3,))
-        spec, compiled = _read(mujoco, path)
-        floors = _floors(mujoco, compiled)
+        spec, raw = _read(mujoco, path)
+        floors = _floors(mujoco, raw)
         if not floors:
             add_ground(spec, self.terrain, real_number("mu", mu, low=0.0), solref, solimp)
         elif self.terrain.text != "flat":
             raise ProblemError(
                 f"{path} has a floor of its own: it goes with flat ground, got {self.terrain.text}"
             )
-        root = int(compiled.jnt_bodyid[0]) if compiled.njnt else 0
+        root = int(raw.jnt_bodyid[0]) if raw.njnt else 0
         self._set_options(spec, root)
-        self.model = _compiled(spec, path)
+        self.model = compiled(spec, path)
         joints = _joints(mujoco, self.model, self.robot, path)
         self._drives = Drives(mujoco, self.model, joints)
-        self.ground_geoms = floors or [
-            g for g in range(self.model.ngeom) if self.model.geom(g).name.startswith("ground")
-        ]
-        self._take(_feet(mujoco, self.model, self.robot, path), root, True)
+        self._take(_feet(mujoco, self.model, self.robot, path), root, True, floors)
         if floors and solref is not None:
             self.model.geom_solref[[*self._geoms, *floors]] = solref
         if floors and solimp is not None:
@@ -112,9 +110,7 @@ class MjcfWorld(MujocoWorld):
         option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         if self.payload > 0.0:
-            load = spec.bodies[root].add_body(name="payload", pos=self.payload_position)
-            load.explicitinertial, load.mass, load.ipos = True, self.payload, np.zeros(3)
-            load.inertia = np.full(3, 1e-3 * self.payload)
+            add_payload(spec.bodies[root], self.payload, self.payload_position)
 
     def _drive(self, torques: FloatArray) -> None:
         """See `MujocoWorld`."""
@@ -144,18 +140,8 @@ def _read(mujoco: Any, path: str | Path) -> tuple[Any, Any]:
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, OSError) as error:
-        told = " ".join(str(error).split()).removeprefix("Error: ")
-        raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told}") from error
-    return spec, _compiled(spec, path)
-
-
-def _compiled(spec: Any, path: str | Path) -> Any:
-    """Return the compiled model."""
-    try:
-        return spec.compile()
-    except ValueError as error:
-        told = " ".join(str(error).split()).removeprefix("Error: ")
-        raise ModelError(f"MuJoCo cannot simulate {path}: {told}") from error
+        raise ModelError(f"{path} is not an MJCF that MuJoCo can read: {told(error)}") from error
+    return spec, compiled(spec, path)
 
 
 def _floors(mujoco: Any, model: Any) -> list[int]:

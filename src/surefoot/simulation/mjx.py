@@ -127,10 +127,7 @@ class MjxWorld(MujocoWorld):
 
     def _lost(self) -> SimulationError:
         """Return the error that says what was lost; the state is still that before the step."""
-        time = float(self._moving["time"])
-        fastest = int(np.argmax(np.abs(self.data.qvel)))
-        joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
-        return SimulationError("motion", time, self.dt, joint, float(abs(self.data.qvel[fastest])))
+        return self._lost_at(float(self._moving["time"]), self.data.qvel)
 
     def contacts(self) -> ContactReading:
         """Return forces, gaps and velocities at the feet's spheres during the last step."""

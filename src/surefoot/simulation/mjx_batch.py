@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, whole_number
-from surefoot.errors import ProblemError
 from surefoot.robot import Robot
-from surefoot.simulation.batch import per_robot, rows_per_robot
+from surefoot.simulation.batch import chosen_robots, per_robot, rows_per_robot
 from surefoot.simulation.mjx import STATE, MjxWorld, import_mjx, left_behind
 from surefoot.simulation.mujoco import LARGEST
 from surefoot.spatial import base_velocity, quaternion_wxyz, quaternion_xyzw, rotation_from_quaternion
@@ -98,11 +97,7 @@ class MjxBatch:
         `which` (count,) is a mask of the robots that are meant; None for all.
         """
         model = self.robot.model
-        chosen = np.ones(self.count, dtype=np.bool_) if which is None else np.asarray(which)
-        if chosen.shape != (self.count,) or chosen.dtype != np.bool_:
-            raise ProblemError(
-                f"which must be a mask of shape ({self.count},), got {chosen.dtype} {chosen.shape}"
-            )
+        chosen = chosen_robots(which, self.count)
         new_q = rows_per_robot("q", q, self.count, model.nq)
         new_v = (
             np.zeros((self.count, model.nv)) if v is None else rows_per_robot("v", v, self.count, model.nv)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, IntArray, finite_array, real_number
 from surefoot.collision import Geometry
 from surefoot.control.actuators import Actuators
-from surefoot.errors import ModelError, SimulationError
+from surefoot.errors import SimulationError
 from surefoot.kernels import VECTOR, entry_point
 from surefoot.log import Log
 from surefoot.robot import Robot
@@ -33,6 +33,7 @@ from surefoot.simulation.mujoco_ground import CONTACT_TIME, set_point_friction, 
 from surefoot.simulation.mujoco_ground import add_ground as add_ground
 from surefoot.simulation.mujoco_links import LinkContacts, add_links, generalised, owners
 from surefoot.simulation.mujoco_robot import FRICTION_RATIO as FRICTION_RATIO
+from surefoot.simulation.mujoco_robot import compiled
 from surefoot.simulation.mujoco_robot import import_mujoco as import_mujoco
 from surefoot.simulation.mujoco_robot import robot_spec as robot_spec
 from surefoot.simulation.mujoco_substeps import checked_substeps, mean_reading
@@ -128,22 +129,18 @@ class MujocoWorld:
         spec.option.timestep = self.dt
         self._mujoco = mujoco
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET  # a lost state is told, not hidden
-        try:
-            self.model = spec.compile()
-        except ValueError as error:
-            told = " ".join(str(error).split()).removeprefix("Error: ")
-            raise ModelError(f"MuJoCo cannot simulate {robot.name}: {told}") from error
+        self.model = compiled(spec, robot.name)
         if self.model.ntree == 1:  # looking for islands in one tree takes 1 us, and finds it
             self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
         points = robot.contact_points
         feet = np.array([int(self.model.geom(f"foot:{n}").id) for n in points.names], dtype=np.int64)
-        names = [self.model.geom(i).name for i in range(self.model.ngeom)]
-        self.ground_geoms = [i for i, name in enumerate(names) if name.startswith("ground")]
         self._take(feet, int(self.model.body("base:0").id) if robot.floating else 0, geometry is not None)
 
-    def _take(self, feet: IntArray, base: int, links: bool) -> None:
+    def _take(self, feet: IntArray, base: int, links: bool, floors: Sequence[int] = ()) -> None:
         """Make data for the model, with (p,) geoms of the feet and the base's body; see `collision`."""
         mujoco, robot = self._mujoco, self.robot
+        names = [self.model.geom(i).name for i in range(self.model.ngeom)]
+        self.ground_geoms = list(floors) or [i for i, name in enumerate(names) if name.startswith("ground")]
         self.data = mujoco.MjData(self.model)
         self._before = np.zeros(self.model.nq), np.zeros(self.model.nv)
         self.applied = np.zeros(robot.joints)
@@ -284,6 +281,10 @@ class MujocoWorld:
         self._mujoco.mj_resetData(self.model, data)
         data.qpos[:], data.qvel[:], data.time = qpos, qvel, time
         self._mujoco.mj_forward(self.model, data)
+        return self._lost_at(time, qvel)
+
+    def _lost_at(self, time: float, qvel: FloatArray) -> SimulationError:
+        """Return the error that says what was lost, from the time [s] and velocities before the step."""
         fastest = int(np.argmax(np.abs(qvel)))
         joint = self.model.joint(int(self.model.dof_jntid[fastest])).name.split(":", 1)[-1]
         return SimulationError("motion", time, self.dt, joint, float(abs(qvel[fastest])))

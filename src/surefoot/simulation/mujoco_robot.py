@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes.util
 import os
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra, ModelError
 from surefoot.robot import Robot
+from surefoot.robot.mjcf import told
 from surefoot.spatial import quaternion_from_rotation, quaternion_wxyz
 
 FRICTION_RATIO = 100.0
@@ -81,10 +83,7 @@ def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray 
         _set_inertia(body, model.inertias[index])
         _add_joint(mujoco, body, model, index, name)
     if payload > 0.0:
-        place = [0.0] * 3 if payload_position is None else payload_position
-        load = bodies[1].add_body(name="payload", pos=place)
-        load.explicitinertial, load.mass, load.ipos = True, payload, np.zeros(3)
-        load.inertia = np.full(3, 1e-3 * payload)
+        add_payload(bodies[1], payload, np.zeros(3) if payload_position is None else payload_position)
     points = robot.contact_points
     for name, joint, place, radius in zip(
         points.names, points.joints, points.places, points.radii, strict=True
@@ -100,6 +99,21 @@ def robot_spec(robot: Robot, payload: float = 0.0, payload_position: FloatArray 
             density=0.0,
         )
     return spec
+
+
+def add_payload(body: Any, mass: float, place: FloatArray) -> None:
+    """Hang a load [kg] on a body of an MjSpec, at a place (3,) in its axes [m]."""
+    load = body.add_body(name="payload", pos=place)
+    load.explicitinertial, load.mass, load.ipos = True, mass, np.zeros(3)
+    load.inertia = np.full(3, 1e-3 * mass)
+
+
+def compiled(spec: Any, name: str | Path) -> Any:
+    """Return the model of an MjSpec; `name` says in errors whose it is."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise ModelError(f"MuJoCo cannot simulate {name}: {told(error)}") from error
 
 
 def _set_inertia(body: Any, inertia: Any) -> None:

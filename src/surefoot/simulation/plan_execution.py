@@ -233,23 +233,13 @@ def laid(robot: Robot, q: FloatArray, surprise: Surprise) -> FloatArray:
 class LinkTouches(Observer):
     """Collects what touches beside feet on the ground."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: Any) -> None:
         self._world, self.names = world, set[tuple[str, str]]()
 
     def step(self, moment: Moment) -> None:
         """See a step."""
         if moment.reading.others is not None and moment.reading.others.any():
-            self.names.update(touching_links(self._world))
-
-
-def touching_links(world: World) -> list[tuple[str, str]]:
-    """Return the names of what touched in the last step, without feet on the ground."""
-    told = getattr(world, "touching", None)
-    if told is not None:
-        return list(told())
-    feet = {f.name for f in world.robot.feet}
-    pairs = [(t.body, t.other) for t in world.touches()]  # type: ignore[attr-defined]
-    return [p for p in pairs if not (p[1] == "ground" and p[0].split(":")[0] in feet)]
+            self.names.update(self._world.touching())
 
 
 def judged(

@@ -15,7 +15,7 @@ import numpy as np
 from surefoot.errors import ProblemError
 from surefoot.log import CHANNELS, Ending, Log, Recorder, find_doubts
 from surefoot.simulation.mujoco import import_mujoco
-from surefoot.simulation.record_contacts import Contacts, Slots
+from surefoot.simulation.record_contacts import Slots
 from surefoot.simulation.record_tree import Tree
 
 MOST_STEPS = 10**9
@@ -35,7 +35,6 @@ class Recording(Log):
         self._model, self._data = model, data
         self._tree = Tree(self._mujoco, model, robot)
         self._slots = Slots(self._mujoco, model, self._tree.bodies)
-        self._contacts = Contacts()
         self._rows = Recorder(MOST_STEPS, _STATE, nq=model.nq, nv=model.nv, joints=self._tree.joints)
         self._original: Any = None
         self._before: tuple[Any, Any, float] | None = None
@@ -96,13 +95,13 @@ class Recording(Log):
         row["time"][at], row["q"][at], row["v"][at] = time, qpos, qvel
         row["torques"][at] = tree.torques(data)
         row["push"][at] = data.xfrc_applied[tree.bodies, :3].sum(axis=0)
-        self._contacts.add(rows.count, self._slots.read(data))
+        self._slots.read(rows.count, data)
         rows.count += 1
 
     def _finish(self, ending: Ending, error: BaseException | None) -> None:
         """Become the log of the rows so far."""
         state, tree = self._rows.finish({}), self._tree
-        points = self._contacts.arrays(len(state), self._slots.count)
+        points = self._slots.arrays(len(state))
         q, v = np.array(state["q"]), np.array(state["v"])
         self._slots.fill_open(q, v, points)
         arrays = {name: state[name] for name in ("time", "torques", "push")} | points

@@ -314,13 +314,7 @@ class _Replay:
     def __init__(self, task: ReplayTask, world: World, first: int, last: int) -> None:
         self.task, self.world, self.first, self.last = task, world, first, last
         self.limits = task.robot.effort_limits
-        robot = task.robot
-        facts = {
-            "robot": robot.name, "kind": "replay", "world": type(world).__name__, "dt": task.dt,
-            "feet": list(robot.foot_names), "joints": list(robot.joint_names),
-            "contact_foot": world.contact_foot, **told_by(world),
-            "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
-        }  # fmt: skip
+        robot, facts = task.robot, {"kind": "replay", **told_by(world)}
         self.recorder = Recorder(
             (last - first) * task.steps, (CHANNELS[name] for name in _CHANNELS), None, facts,
             nq=int(robot.model.nq), nv=int(robot.model.nv), joints=robot.joints, p=len(world.contact_foot),
@@ -373,10 +367,7 @@ class _Replay:
         now = float(task.time[row]) + (self.recorder.count % task.steps) * task.dt
         world.step(torques, push)
         reading = world.contacts()
-        rows, at = self.recorder.arrays, self.recorder.slot()
-        rows["time"][at], rows["q"][at], rows["v"][at], rows["torques"][at] = now, q, v, torques
-        rows["forces"][at], rows["gaps"][at] = reading.forces, reading.gaps
-        rows["contact_velocities"][at], rows["contact_positions"][at] = reading.velocities, reading.positions
-        rows["normals"][at] = reading.normals_on(task.terrain)
-        rows["push"][at], rows["mu"][at] = task.push[row], task.mu[row]
-        self.recorder.count += 1
+        self.recorder.write([
+            now, q, v, torques, reading.forces, reading.gaps, reading.velocities, reading.positions,
+            reading.normals_on(task.terrain), task.push[row], task.mu[row],
+        ])  # fmt: skip

@@ -213,11 +213,8 @@ class RigidWorld:
         """
         torques = self._net(torques)
         self.last = step = self.stepper.step(self._state, torques, push, self.mu)
-        given = (
-            np.array(torques, dtype=np.float64),
-            None if push is None else np.array(push, dtype=np.float64),
-        )
-        self._given = self._state, *given, self.mu
+        pushed = None if push is None else np.array(push, dtype=np.float64)
+        self._given = self._state, np.array(torques, dtype=np.float64), pushed, self.mu
         self._state = step.state
         self.unsolved += step.unsolved
         self.worst_residual = max(self.worst_residual, step.worst_residual)
@@ -258,11 +255,7 @@ class RigidWorld:
                 forces[:p], start.gaps[:p], velocities[:p], start.positions[:p], self._others()
             )
         step = self.last
-        gaps, velocities, positions = (
-            step.gaps[:p].copy(),
-            step.velocities[:p].copy(),
-            step.positions[:p].copy(),
-        )
+        gaps, velocities, positions = (a[:p].copy() for a in (step.gaps, step.velocities, step.positions))
         return ContactReading(step.forces[:p], gaps, velocities, positions, self._others())
 
     def _others(self) -> FloatArray | None:
@@ -292,7 +285,7 @@ class RigidWorld:
         """Return names of bodies, feet or ground that touched in the last step, without feet on ground."""
         feet = set(self.robot.foot_names)
         pairs = [(touch.body, touch.other) for touch in self.touches()]
-        return [(a, b) for a, b in pairs if not (a in feet and b == "ground")]
+        return [(a, b) for a, b in pairs if not (a.split(":")[0] in feet and b == "ground")]
 
     def derivative(self, smoothing: float = 0.0) -> StepDerivative:
         """Return the derivative of the last step, see `StepDerivative` and `stepping.step_derivative`.

@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import BoolArray, IntArray
 from surefoot.control.controller import Command, Controller, RobotState
+from surefoot.control.standstill import Standstill
 from surefoot.errors import ProblemError, SurefootError, WriteError
 from surefoot.log import CHANNELS, Ending, Log, Recorder
 from surefoot.log.channels import Channel
 from surefoot.simulation.actuated import given_by
-from surefoot.simulation.faults import ActiveFaults, Faults
+from surefoot.simulation.faults import Faults
 from surefoot.simulation.ground_friction import GroundFriction
 from surefoot.simulation.link_touches import LinkTouches
 from surefoot.simulation.observers import Moment, Observer
@@ -28,7 +28,7 @@ from surefoot.simulation.scenario import IcePatch as IcePatch
 from surefoot.simulation.scenario import Push as Push
 from surefoot.simulation.scenario import Scenario as Scenario
 from surefoot.simulation.scenario import push_at
-from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, Stop, TrueState
+from surefoot.simulation.sensing import STOP_TIME, EstimatedState, Sensing, TrueState
 from surefoot.simulation.world import ContactReading, World
 from surefoot.simulation.world_facts import softness_of, told_by
 from surefoot.spatial import GRAVITY
@@ -83,13 +83,8 @@ def run(
     controller.warm_up(RobotState(*world.state(), 0.0, np.ones(len(world.robot.feet), dtype=bool)))
     world.step(np.zeros(world.robot.joints))  # so that no step of the run waits for a compiler
     world.reset(q, v)
-    faults = (scenario.faults or Faults()).start(world, scenario.seed)
-    sensing = _sensing(world, scenario, faults)
-    ground = GroundFriction(world, scenario)
-    recorder = _recorder(world, controller, (*sensing.channels, *ground.channels), scenario, folder)
-    limits = AT_LIMIT * world.robot.effort_limits
-    this = _Run(world, controller, scenario, tuple(observers), recorder, limits, faults, sensing, ground)
-    log = this.carry_out(float(q[2] - world.terrain.height(q[:2])))
+    height = float(q[2] - world.terrain.height(q[:2]))
+    log = _Run(world, controller, scenario, folder).carry_out(observers, height)
     log.facts.update(softness_of(world, log))
     for observer in observers:
         observer.end(log)
@@ -99,13 +94,6 @@ def run(
 def sensed_feet(contact_foot: IntArray, feet: int, reading: ContactReading, least: float) -> BoolArray:
     """Return which of the feet have a contact point with more than the least normal force [N]: (n,)."""
     return loaded_feet(contact_foot, reading.forces, feet, least)
-
-
-def _sensing(world: World, scenario: Scenario, faults: ActiveFaults) -> Sensing:
-    """Return what tells the controller its state."""
-    if scenario.sensors is None:
-        return TrueState(faults)
-    return EstimatedState(scenario.sensors, world, scenario.seed)
 
 
 def _recorder(
@@ -122,15 +110,8 @@ def _recorder(
     facts = {
         "mass_controller": robot.mass,
         **controller.facts,
-        "robot": robot.name,
-        "world": type(world).__name__,
         "effort_limits": robot.effort_limits,
         **told_by(world),
-        "dt": world.dt,
-        "feet": list(robot.foot_names),
-        "joints": list(robot.joint_names),
-        "contact_foot": world.contact_foot,
-        "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
         "duration": scenario.duration,
         "outcome": str(Ending.INTERRUPTED),  # until the run has ended in another way
         "wall_time": float("nan"),
@@ -146,35 +127,31 @@ def _recorder(
     )  # fmt: skip
 
 
-@dataclass
 class _Run:
-    """A world that has been reset, and all that takes part; `limits` are those of saturation [N m]."""
+    """A world that has been reset, and all that takes part."""
 
-    world: World
-    controller: Controller
-    scenario: Scenario
-    observers: tuple[Observer, ...]
-    recorder: Recorder
-    limits: FloatArray
-    faults: ActiveFaults
-    sensing: Sensing
-    ground: GroundFriction
-
-    def __post_init__(self) -> None:
+    def __init__(self, world: World, controller: Controller, scenario: Scenario, folder: Path | None) -> None:
+        self.world, self.controller, self.scenario = world, controller, scenario
+        self.faults = (scenario.faults or Faults()).start(world, scenario.seed)
+        self.sensing: Sensing = TrueState(self.faults)
+        if scenario.sensors is not None:
+            self.sensing = EstimatedState(scenario.sensors, world, scenario.seed)
+        self.ground = GroundFriction(world, scenario)
+        more = (*self.sensing.channels, *self.ground.channels)
+        self.recorder = _recorder(world, controller, more, scenario, folder)
+        self.limits = AT_LIMIT * world.robot.effort_limits
         any_reached(self.limits, self.limits)  # so that no step of the run waits for a compiler
-        sensed_feet(self.world.contact_foot, len(self.world.robot.feet), self.world.contacts(), 0.0)
-        self.stop = Stop(self.world)
-        self.touches = LinkTouches(self.world)
-        self.outward = Outward(self.world, self.scenario.scanner, self.scenario.seed)
+        sensed_feet(world.contact_foot, len(world.robot.feet), world.contacts(), 0.0)
+        self.stop = Standstill(world.robot, world.dt)
+        self.touches = LinkTouches(world)
+        self.outward = Outward(world, scenario.scanner, scenario.seed)
         rows = self.recorder.arrays
         self._others = np.zeros(rows["other_forces"].shape[1:]) if "other_forces" in rows else None
         self._motors = "torques_commanded" in rows
-        parts = (self.controller, self.sensing, self.ground)
-        names = [[channel.name for channel in part.channels] for part in parts]
-        told = zip((None, self.sensing, self.ground), names, strict=True)
-        self._told = tuple((part, own) for part, own in told if own or part is None)
+        told = ((None, controller), (self.sensing, self.sensing), (self.ground, self.ground))
+        self._told = [(part, [c.name for c in by.channels]) for part, by in told if by.channels or not part]
 
-    def carry_out(self, height: float) -> Log:
+    def carry_out(self, observers: Sequence[Observer], height: float) -> Log:
         """Step to the end, a fall, Ctrl-C or a loss and return the log.
 
         `height` is that of the base over the ground at the start [m].
@@ -182,7 +159,7 @@ class _Run:
         begin, recorder = clock.perf_counter(), self.recorder
         told: dict[str, Any] = {}
         try:
-            ending = self._loop(height)
+            ending = self._loop(observers, height)
         except (KeyboardInterrupt, SurefootError) as stop:
             if recorder.count == 0:
                 recorder.abandon()
@@ -201,7 +178,7 @@ class _Run:
         told |= {"link_touches": touched} if touched else {}
         return recorder.finish({"outcome": str(ending), "wall_time": clock.perf_counter() - begin, **told})
 
-    def _loop(self, height: float) -> Ending:
+    def _loop(self, observers: Sequence[Observer], height: float) -> Ending:
         """Step the world to the end, a fall, or a stop because the state is not known."""
         world, scenario, faults, sensing = self.world, self.scenario, self.faults, self.sensing
         foot, feet = world.contact_foot, len(world.robot.feet)
@@ -227,7 +204,10 @@ class _Run:
             reading = world.contacts()
             self.touches.look(now, reading)
             # its row
-            self._record(Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading))
+            moment = Moment(now, q, v, torques, push, self.ground.mu, spent, command, reading)
+            self._record(moment)
+            for observer in observers:
+                observer.step(moment)
             # whether it goes on
             if sensing.lost:
                 stopped = min(stopped, now)
@@ -246,7 +226,7 @@ class _Run:
         return self.controller.step(state)
 
     def _record(self, moment: Moment) -> None:
-        """Write the row of a step, and show it to the observers."""
+        """Write the row of a step."""
         command, reading, normals = moment.command, moment.reading, moment.reading.normals
         if normals is None:
             normals = reading.normals_on(self.world.terrain)
@@ -269,8 +249,6 @@ class _Run:
             else:
                 row += [told.get(name, 0.0) for name in names]
         self.recorder.write(row)
-        for observer in self.observers:
-            observer.step(moment)
 
 
 def _wrong_rows(rows: Iterable[str], channels: Iterable[str]) -> ProblemError:

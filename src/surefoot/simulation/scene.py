@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.collision import Geometry, Shape, Solid, robot_geometry
 from surefoot.collision.shapes import positive
-from surefoot.errors import MissingExtra, ProblemError, unknown_name
+from surefoot.errors import ProblemError, unknown_name
 from surefoot.robot import Robot
+from surefoot.robot.libraries import import_pinocchio
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class Body:
     @property
     def rotation(self) -> FloatArray:
         """The (3, 3) rotation rotation_world_body at the start."""
-        quaternion = _pinocchio().Quaternion(np.array(self.orientation, dtype=np.float64))
+        quaternion = import_pinocchio().Quaternion(np.array(self.orientation, dtype=np.float64))
         return np.array(quaternion.normalized().matrix())
 
 
@@ -122,7 +123,7 @@ class Scene(Robot):
         combine: str = "physx-min",
         propagation: bool = False,
     ) -> None:
-        pinocchio = _pinocchio()
+        pinocchio = import_pinocchio()
         self.bodies, self._robot = tuple(bodies), robot
         names = [body.name for body in self.bodies]
         if len(set(names)) != len(names):
@@ -247,17 +248,9 @@ class Pose(NamedTuple):
 
 def _add(model: Any, body: Body) -> int:
     """Add a free body to a Pinocchio model and return its joint."""
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     here = pinocchio.SE3.Identity()
     joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), here, f"body:{body.name}")
     inertia = pinocchio.Inertia(float(body.mass), np.zeros(3), np.diag(body.shape.moments(body.mass)))
     model.appendBodyToJoint(joint, inertia, here)
     return int(joint)
-
-
-def _pinocchio() -> Any:
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
-    return pinocchio

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,7 +11,6 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.actuators import Actuators
 from surefoot.control.controller import Command, RobotState
-from surefoot.control.standstill import Standstill
 from surefoot.estimation import Health, InvariantEkf, Reading, StateEstimator
 from surefoot.log import CHANNELS
 from surefoot.log.channels import Channel
@@ -152,20 +150,3 @@ class EstimatedState(Sensing):
             "q_estimated": told.q, "v_estimated": told.v, "contact_estimated": told.contact,
             "estimator_time": self._spent,
         }  # fmt: skip
-
-
-class Stop:
-    """What is commanded once the state is lost: joints that go to the stance by themselves, no forces."""
-
-    def __init__(self, world: World) -> None:
-        self._standstill = Standstill(world.robot, world.dt)
-
-    def command(self, state: RobotState, last: Command) -> Command:
-        """Return the command for a state whose joints alone are known, after the last one."""
-        return replace(
-            last,
-            torques=self._standstill.torques(state.q[7:], state.v[6:]),
-            forces=np.zeros_like(last.forces),
-            active=np.zeros_like(last.active),
-            attained=False,
-        )

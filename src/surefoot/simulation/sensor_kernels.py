@@ -35,7 +35,10 @@ def mean_readings(
     qa: FloatArray, va: FloatArray, qb: FloatArray, vb: FloatArray, dt: float, arm: FloatArray,
     rate: FloatArray, force: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill mean turn rate (3,) [rad/s] and specific force (3,) [m/s²] of an IMU; see `mean_motion`."""
+    """Fill mean turn rate (3,) [rad/s] and specific force (3,) [m/s²] of an IMU between two states (q, v).
+
+    They are dt apart [s]; the IMU is at `arm` (3,) from the base's origin [m], in the base's axes half-way.
+    """
     a, b, c, d = qa[3], qa[4], qa[5], qa[6]
     e, f, g, h = qb[3], qb[4], qb[5], qb[6]
     # the turn from one to the other in the first one's axes: conj(qa) qb

@@ -12,7 +12,7 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.errors import ProblemError
 from surefoot.estimation import FilterNoise, Reading
 from surefoot.robot import Robot
-from surefoot.simulation.sensor_kernels import heard, mean_readings, sense
+from surefoot.simulation.sensor_kernels import heard, sense
 from surefoot.spatial import GRAVITY
 
 AT_ONCE = 8
@@ -180,18 +180,6 @@ class SensorModel:
             raise ProblemError("the ranges of an IMU must be positive")
 
 
-def mean_motion(
-    before: tuple[FloatArray, FloatArray], now: tuple[FloatArray, FloatArray], dt: float, arm: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return mean turn rate (3,) [rad/s] and specific force (3,) [m/s²] between two states (q, v), dt apart.
-
-    They are those of an IMU at `arm` (3,) from the base's origin, in the base's axes half-way.
-    """
-    rate, force = np.empty(3), np.empty(3)
-    mean_readings(*before, *now, dt, arm, rate, force)
-    return rate, force
-
-
 class Sensors:
     """The sensors of one run; made new for each.
 
@@ -246,16 +234,6 @@ class Sensors:
     def biases(self) -> FloatArray:
         """(2, 3) biases of gyro [rad/s] and accelerometer [m/s²] now."""
         return self._memory[:6].reshape(2, 3)
-
-    @property
-    def gyro_bias(self) -> FloatArray:
-        """(3,) bias of the gyro now [rad/s]."""
-        return np.array(self.biases[0])
-
-    @property
-    def accelerometer_bias(self) -> FloatArray:
-        """(3,) bias of the accelerometer now [m/s²]."""
-        return np.array(self.biases[1])
 
     def attitude_at_start(self, q: FloatArray) -> FloatArray:
         """Return (nq,) q [m, rad] with its attitude as wrong as the robot has it at the start."""

@@ -16,9 +16,15 @@ from surefoot.simulation.world import World
 
 
 def told_by(world: World) -> dict[str, Any]:
-    """Return the facts of a world that are known before the run: terrain, mass, payload, motors, substeps."""
-    payload = float(getattr(world, "payload", 0.0))
-    out: dict[str, Any] = {"mass": world.robot.mass + payload, "payload": payload, **facts_of(world)}
+    """Return what is known of a world before the run: robot, terrain, mass, payload, motors, substeps."""
+    robot, payload = world.robot, float(getattr(world, "payload", 0.0))
+    out: dict[str, Any] = {
+        "robot": robot.name, "world": type(world).__name__, "dt": world.dt,
+        "feet": list(robot.foot_names), "joints": list(robot.joint_names),
+        "contact_foot": world.contact_foot,
+        "contact_centres": np.vstack([foot.centres for foot in robot.feet]),
+        "mass": robot.mass + payload, "payload": payload, **facts_of(world),
+    }  # fmt: skip
     if payload > 0.0:
         out["payload_position"] = np.array(getattr(world, "payload_position", np.zeros(3)))
     parts = int(getattr(world, "substeps", 1))

@@ -49,11 +49,13 @@ def _turning(turns: FloatArray, c: int) -> bool:
 
 
 @inline_kernel
-def _turn(turns: FloatArray, c: int, centre: Three, turn: FloatArray) -> None:
-    """Fill the rate (3, 3) of a contact frame whose sphere's centre moves."""
+def _turn(turns: FloatArray, c: int, centre: Three, radius: float, turn: FloatArray) -> Three:
+    """Fill the rate (3, 3) of a contact frame whose sphere's centre moves; return the contact point's."""
     for i in range(3):
         for a in range(3):
             turn[i, a] = turns[0, c, i, a] * centre[0] + turns[1, c, i, a] * centre[1]
+    x, y, z = centre
+    return x - radius * turn[0, 2], y - radius * turn[1, 2], z - radius * turn[2, 2]
 
 
 @kernel
@@ -97,9 +99,7 @@ def velocity_rates(
             # velocity of the contact point with joint k
             point = _plus(_three(twists, k, 0), cross(angular, at))
             if turning:
-                _turn(turns, c, point, turn)
-                r = radii[c]
-                point = point[0] - r * turn[0, 2], point[1] - r * turn[1, 2], point[2] - r * turn[2, 2]
+                point = _turn(turns, c, point, radii[c], turn)
             # ∂X_j/∂q_k = X_k × X_j for the joints that k carries
             turned = cross(angular, _three(behind, f, 3))
             rate = cross(angular, _three(behind, f, 0))
@@ -143,9 +143,7 @@ def force_rates(
             point = _plus(linear, cross(angular, at))
             change = 0.0, 0.0, 0.0
             if turning:
-                _turn(turns, c, point, turn)
-                r = radii[c]
-                point = point[0] - r * turn[0, 2], point[1] - r * turn[1, 2], point[2] - r * turn[2, 2]
+                point = _turn(turns, c, point, radii[c], turn)
                 change = _times(turn, f)
             swing = cross(point, force)
             if turning:

@@ -127,22 +127,41 @@ class Meeting(NamedTuple):
 
     def _exchange(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
         """Return the impulses of the near contacts, all others without, and what they lead to."""
-        options, impulses, solution = self.options, np.zeros(warm.shape), None
-        after, rows = self.free, None
+        impulses, rows, solution = np.zeros(warm.shape), None, None
         if near.size:
-            rows, G, g = arithmetic.assemble(
-                self.contacts.J, self.L, self.before, self.free, self.contacts.gaps, near, self.horizon,
-                options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
-            )  # fmt: skip
+            rows, G, g = self._matrices(near)
             if swerve is not None:
                 g += swerve[near].ravel()
-            problem = finite_problem(G, g, self.mu, options.problem_law)
-            solution = solve(problem, options.solver, options.tol, warm_start=warm[near])
-            self.tally.add(solution)
+            solution = self._solution(G, g, near, warm[near])
             impulses[near] = solution.forces
-            after = arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), self.free)
+        return self._outcome(near, rows, impulses, swerve, solution)
+
+    def _matrices(self, near: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return rows, G and g of the near contacts; see `arithmetic.assemble`."""
+        options = self.options
+        return arithmetic.assemble(
+            self.contacts.J, self.L, self.before, self.free, self.contacts.gaps, near, self.horizon,
+            options.restitution, 2.0 * options.dt * GRAVITY, options.pull,
+        )  # fmt: skip
+
+    def _solution(self, G: FloatArray, g: FloatArray, near: IntArray, warm: FloatArray) -> ContactSolution:
+        """Return the counted solution of a contact problem of the near contacts."""
+        options, mu = self.options, self.mu if self.surfaces is None else self.surfaces.friction[near]
+        problem = finite_problem(G, g, mu, options.problem_law)
+        solution = solve(problem, options.solver, options.tol, warm_start=warm)
+        self.tally.add(solution)
+        return solution
+
+    def _outcome(
+        self, near: IntArray, rows: FloatArray | None, impulses: FloatArray, swerve: FloatArray | None,
+        solution: ContactSolution | None,
+    ) -> Impact:  # fmt: skip
+        """Return what the (p, 3) impulses of the near contacts, with their rows, lead to."""
+        after = self.free
+        if rows is not None:
+            after = arithmetic.apply_impulses(self.L, rows, impulses[near].ravel(), self.free)
             if not arithmetic.largest(after) < FASTEST:
-                raise LostMotion("velocity under the ground's impulses")
+                raise LostMotion("velocity under the impulses of contacts")
         leaving = self.contacts.velocities(after)
         means = leaving if swerve is None else leaving + swerve
         return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)

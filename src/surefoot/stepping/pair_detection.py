@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray
+from surefoot.arrays import FloatArray
 from surefoot.collision import Geometry, PairSearch, ground_solids
 from surefoot.numerics.points import relative_jacobian
 from surefoot.robot import Foot, Robot
-from surefoot.robot.contact_points import contact_points
+from surefoot.robot.contact_points import contact_points, joint_support
 from surefoot.stepping.detection import Contacts, Detection, Surfaces
 from surefoot.terrain import Terrain
 from surefoot.terrain.frames import surface_frames
@@ -77,7 +77,7 @@ class PairDetection:
         self.group = np.concatenate([points.foot, len(feet) + self._pairs.pair])
         self._surfaces = surfaces
         self._coefficients: tuple[float, float, FloatArray, FloatArray] | None = None
-        self._support = _support(model)
+        self._support = joint_support(model)
         n = len(self.group)
         self._points = len(points)
         self._frames, self._J = np.zeros((n, 3, 3)), np.zeros((3 * n, model.nv))
@@ -123,13 +123,3 @@ def _frame(name: str, joint: int) -> Any:
     import pinocchio
 
     return pinocchio.Frame(f"solid:{name}", joint, pinocchio.SE3.Identity(), pinocchio.FrameType.OP_FRAME)
-
-
-def _support(model: Any) -> BoolArray:
-    """Return (njoints, nv): which velocities move what each joint carries."""
-    out = np.zeros((model.njoints, model.nv), dtype=np.bool_)
-    for joint in range(1, model.njoints):
-        first = model.joints[joint].idx_v
-        out[joint] = out[int(model.parents[joint])]
-        out[joint, first : first + model.joints[joint].nv] = True
-    return out

@@ -16,12 +16,10 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
-from surefoot.contact import ContactSolution
-from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
 from surefoot.stepping.detection import Surfaces
-from surefoot.stepping.impacts import FASTEST, GAIN, LostMotion, Meeting, finite_problem
+from surefoot.stepping.impacts import GAIN, Meeting
 from surefoot.stepping.state import Impact
 
 STAGES = 1000
@@ -80,32 +78,19 @@ class PairMeeting(Meeting):
                 contacts.J, self.L, v, v, 0.0 * contacts.gaps, chosen, self.horizon, 0.0, np.inf, 0.0
             )
             g[2::3] += surfaces.restitution[chosen] * speeds[closing]
-            solution = self._solved(G, g, chosen, np.zeros((chosen.size, 3)))
+            solution = self._solution(G, g, chosen, np.zeros((chosen.size, 3)))
             total[chosen] += solution.forces
             v = v + arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), still)
         return total, v - self.before
 
-    def _exchange(self, near: IntArray, warm: FloatArray, swerve: FloatArray | None) -> Impact:
-        """Return the impulses of the near contacts, all others without, and what they lead to."""
-        options, impulses, solution = self.options, np.zeros(warm.shape), None
-        after, rows = self.free, None
-        if near.size:
-            pull = options.pull
-            gaps = self.contacts.gaps
-            rows, G, g = arithmetic.assemble(
-                self.contacts.J, self.L, self.before, self.free, gaps, near, self.horizon, 0.0, np.inf, pull
-            )
-            self._bounce(near, g, pull)
-            if swerve is not None:
-                g += swerve[near].ravel()
-            solution = self._solved(G, g, near, warm[near])
-            impulses[near] = solution.forces
-            after = arithmetic.apply_impulses(self.L, rows, solution.forces.ravel(), self.free)
-            if not arithmetic.largest(after) < FASTEST:
-                raise LostMotion("velocity under the impulses of contacts")
-        leaving = self.contacts.velocities(after)
-        means = leaving if swerve is None else leaving + swerve
-        return Impact(self.q, self.before, self.free, after, near, rows, impulses, leaving, means, solution)
+    def _matrices(self, near: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """See `Meeting`; each contact has a restitution of its own."""
+        pull, gaps = self.options.pull, self.contacts.gaps
+        rows, G, g = arithmetic.assemble(
+            self.contacts.J, self.L, self.before, self.free, gaps, near, self.horizon, 0.0, np.inf, pull
+        )
+        self._bounce(near, g, pull)
+        return rows, G, g
 
     def _bounce(self, near: IntArray, g: FloatArray, pull: float) -> None:
         """Put each contact's restitution into g, as `arithmetic.assemble` does one for all."""
@@ -116,10 +101,3 @@ class PairMeeting(Meeting):
         shift = np.where(gaps > 0.0, gaps, pull * gaps) / dt
         closing = (before < -self._slow) & (gaps + dt * (g[2::3] - shift) <= 0.0) & (e > 0.0)
         g[2::3] += np.where(closing, np.minimum(shift, e * before) - shift, 0.0)
-
-    def _solved(self, G: FloatArray, g: FloatArray, chosen: IntArray, warm: FloatArray) -> ContactSolution:
-        """Return the counted solution of a contact problem of the chosen contacts."""
-        problem = finite_problem(G, g, self._surfaces.friction[chosen], self.options.problem_law)
-        solution = solve(problem, self.options.solver, self.options.tol, warm_start=warm)
-        self.tally.add(solution)
-        return solution

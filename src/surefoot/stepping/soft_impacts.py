@@ -20,7 +20,7 @@ from surefoot.contact.laws.soft import SoftLaw
 from surefoot.solvers import solve
 from surefoot.spatial import GRAVITY
 from surefoot.stepping import arithmetic
-from surefoot.stepping.impacts import FASTEST, GAIN, SWERVE, LostMotion, Meeting
+from surefoot.stepping.impacts import GAIN, SWERVE, LostMotion, Meeting
 from surefoot.stepping.state import Impact
 
 NEWTON = 40
@@ -173,7 +173,7 @@ class SoftMeeting(Meeting):
     ) -> Impact:
         """Return the exchange under linear rows, to `finer` times the tolerance if it can be had."""
         taken, Y, G, g = parts
-        impulses, after, solution = np.zeros(warm.shape), self.free, None
+        impulses, solution = np.zeros(warm.shape), None
         if Y is not None:
             shifted, compliance = g.copy(), np.zeros(g.size)
             shifted[2::3] += rows.bias[taken]
@@ -186,12 +186,7 @@ class SoftMeeting(Meeting):
             if finer < 1.0 and not solution.solved:
                 solution = solve(problem, solver, tol, warm_start=solution.forces)
             impulses[taken] = solution.forces
-            after = arithmetic.apply_impulses(self.L, Y, solution.forces.ravel(), self.free)
-            if not arithmetic.largest(after) < FASTEST:
-                raise LostMotion("velocity under the ground's forces")
-        leaving = self.contacts.velocities(after)
-        means = leaving if swerve is None else leaving + swerve
-        return Impact(self.q, self.before, self.free, after, taken, Y, impulses, leaving, means, solution)
+        return self._outcome(taken, Y, impulses, swerve, solution)
 
 
 class Parts(NamedTuple):

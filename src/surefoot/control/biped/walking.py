@@ -9,13 +9,10 @@ coming foot lands follows the divergent motion that the MPC predicts for the tou
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from surefoot.arrays import FloatArray, finite_array, real_number
-from surefoot.contact import Status
+from surefoot.arrays import FloatArray, real_number
 from surefoot.control.biped.footsteps import Footstep, StepGeometry, pressure_path
 from surefoot.control.biped.leg_momentum import LegMomentum
 from surefoot.control.biped.pendulum import PendulumPreview
@@ -23,17 +20,17 @@ from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
-from surefoot.control.controller import Controller, RobotState
+from surefoot.control.controller import RobotState
 from surefoot.control.damping import computable
 from surefoot.control.gait import Gait
 from surefoot.control.gait_library import named_gait
-from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcPlan
-from surefoot.control.walking import WalkCommand
+from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
+from surefoot.control.walker import Walker
 from surefoot.control.walking_body import BodyPlan, VelocityCommand, limit_command
 from surefoot.control.walking_kernels import slope_frames
-from surefoot.control.whole_body import Kinematics, Tasks, WholeBodyController
+from surefoot.control.walking_settings import WalkCommand
+from surefoot.control.whole_body import Kinematics, Tasks
 from surefoot.errors import ModelError, ProblemError
-from surefoot.log.channels import CHANNELS
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY, rotation_about, rotation_from_quaternion, rotation_log
 from surefoot.terrain import FlatTerrain, Terrain
@@ -44,7 +41,7 @@ PERIOD = 2.0 * math.pi / 1.96
 """Length of a cycle of the gait, in units of sqrt(h / g)."""
 
 
-class BipedController(Controller):
+class BipedController(Walker):
     """Walks a robot on two flat feet; call `step` at a fixed rate.
 
     Parameters
@@ -75,7 +72,8 @@ class BipedController(Controller):
         If the gait does not fit its feet.
     """
 
-    channels = tuple(CHANNELS[name] for name in ("planned", "command"))
+    settings: BipedSettings
+    schedule: Gait
 
     def __init__(
         self,
@@ -101,19 +99,14 @@ class BipedController(Controller):
         self.steps = StepPlanner(gait, self._geometry, sides, self.settings.capture)
         self._mpc_dt = gait.period / self.settings.mpc_steps
         self._interval = min(self.settings.plan_interval, self._mpc_dt)
-        self.command, self.notes = self._limited(command)
-        self._set_controllers()
+        self.command, self.notes = self._slowed(command)
+        self._limit = lambda wanted: self._slowed(wanted)[0]
+        self._set_parts()
 
-    def _limited(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
+    def _slowed(self, command: VelocityCommand) -> tuple[VelocityCommand, list[str]]:
         """Return a command slowed to what the robot can do, and a line for everything that was slowed."""
         reach, radius = 0.25 * self._height, 0.5 * self._geometry.width
         return limit_command(command, reach, self.steps.step_time, self._height, radius)
-
-    def steer(self, velocity: ArrayLike) -> FloatArray:
-        """Take another velocity (3,) from now on; see `WalkingController.steer`."""
-        wanted = finite_array("velocity", velocity, (3,))
-        self.command, _ = self._limited(VelocityCommand.constant(*wanted.tolist()))
-        return self.command.at(0.0)
 
     def _measure(self) -> None:
         """Read mass, inertia, height and foot places off the robot's nominal pose."""
@@ -136,18 +129,11 @@ class BipedController(Controller):
         )
         self._start = self.settings.start / self._omega
 
-    def _set_controllers(self) -> None:
-        """Make the MPC and the whole-body controller."""
-        s, weight, points = self.settings, self._mass_weight(), self.robot.contact_points
-        mu = s.mu * s.friction_share
-        low, high = s.normal_min * weight, s.normal_max * weight
-        self.mpc = ConvexMpc(
-            self.robot.mass, self._inertia, len(points), s.horizon, self._mpc_dt, mu, low, high, s.mpc
-        )
-        self.whole_body = WholeBodyController(
-            self.robot, mu, low, high, s.whole_body, (self._omega**2, 2.0 * self._omega), None, s.actuators,
-            sole_damping(s.sole_damping, self._omega, self.dt),
-        )  # fmt: skip
+    def _set_parts(self) -> None:
+        """Make what gives the forces, and what looks ahead and keeps the posture."""
+        s, rates = self.settings, (self._omega**2, 2.0 * self._omega)
+        damping = sole_damping(s.sole_damping, self._omega, self.dt)
+        self._set_controllers(self._inertia, self._mpc_dt, self._omega, rates, damping)
         fine = self._mpc_dt / 2
         self._preview = PendulumPreview(
             self._omega, fine, max(2 * round(0.5 * s.preview / fine), 2 * s.horizon + 2)
@@ -158,18 +144,9 @@ class BipedController(Controller):
         self._posture = Posture(self.robot, s.joint_stiffness * self._omega, min(share, 1.0) * most)
         self._legs = LegMomentum(self.robot, self._posture.swing)
         self._unit_spin = np.linalg.inv(self._inertia)
-        self._body_gain = (s.body_stiffness * self._omega) ** 2, 2.0 * s.body_stiffness * self._omega
-        self._swing_gain = (s.swing_stiffness * self._omega) ** 2, 2.0 * s.swing_stiffness * self._omega
-        self._point_foot = points.foot
+        self._point_foot = self.whole_body.point_foot
         self._pressed = np.full(2, s.sole_press * self._height)
-        self.facts = {
-            "kind": "walk", "normal_min": low, "normal_max": high, "mu_controller": s.mu,
-            "gait": self.schedule.name, "notes": list(self.notes),
-        }  # fmt: skip
         self.reset()
-
-    def _mass_weight(self) -> float:
-        return self.robot.mass * GRAVITY
 
     def reset(self) -> None:
         """Forget the past: the next step begins a walk from where the robot stands."""
@@ -178,7 +155,7 @@ class BipedController(Controller):
         self.soles: Soles | None = None
         self._planned_at = -math.inf
         self._plan: MpcPlan | None = None
-        self._last: WalkCommand | None = None
+        self._last = None
 
     def step(self, state: RobotState) -> WalkCommand:
         """Return the command for a state; where no foot feels, the gait's plan is taken for the contacts.
@@ -205,26 +182,7 @@ class BipedController(Controller):
             self._aim(clock, time)
             self._replan(now, clock, time)
         body = self.whole_body.solve(self._tasks(now, clock, time, state))
-        assert self._plan is not None
-        self._last = WalkCommand(
-            body.torques, body.forces, feet.carrying[self._point_foot], body.feasible, body.status,
-            feet.planned.copy(), feet.frames.copy(), self.body.velocity.copy(), feet.target.copy(),
-            self._plan.status,
-            accelerations=body.accelerations,
-        )  # fmt: skip
-        return self._last
-
-    def _blind(self, v: FloatArray) -> WalkCommand:
-        """Return the command for a state that is not finite."""
-        body, n = self.whole_body.damping(v), len(self._point_foot)
-        last = self._last or WalkCommand(
-            body.torques, body.forces, np.ones(n, dtype=bool), False, body.status, np.ones(2, dtype=bool),
-            np.tile(np.eye(3), (2, 1, 1)), np.zeros(3), np.zeros((2, 3)), Status.INVALID,
-        )  # fmt: skip
-        return replace(
-            last, torques=body.torques, forces=body.forces, attained=body.feasible, status=body.status,
-            accelerations=None,
-        )  # fmt: skip
+        return self._commanded(body, feet)
 
     def _begin(self, now: Kinematics, turned: FloatArray) -> None:
         """Start from where the robot stands."""

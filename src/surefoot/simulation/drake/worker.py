@@ -26,13 +26,8 @@ class Scene:
         builder = DiagramBuilder()
         self.dt = scene["dt"]
         self.plant, self.graph = AddMultibodyPlantSceneGraph(builder, self.dt)
-        kinds = {
-            "sap": DiscreteContactApproximation.kSap,
-            "lagged": DiscreteContactApproximation.kLagged,
-            "similar": DiscreteContactApproximation.kSimilar,
-            "tamsi": DiscreteContactApproximation.kTamsi,
-        }
-        self.plant.set_discrete_contact_approximation(kinds[scene["approximation"]])
+        kind = getattr(DiscreteContactApproximation, "k" + scene["approximation"].capitalize())
+        self.plant.set_discrete_contact_approximation(kind)
         if scene["near_rigid"] is not None:
             self.plant.set_sap_near_rigid_threshold(scene["near_rigid"])
         self.plant.mutable_gravity_field().set_gravity_vector(scene["gravity"])

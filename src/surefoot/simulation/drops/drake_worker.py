@@ -24,14 +24,10 @@ def track(task: dict[str, Any]) -> dict[str, list[float]]:
     settings, radius = task["settings"], 1.0
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, task["dt"])
-    kinds = {
-        "sap": DiscreteContactApproximation.kSap,
-        "lagged": DiscreteContactApproximation.kLagged,
-        "similar": DiscreteContactApproximation.kSimilar,
-        "tamsi": DiscreteContactApproximation.kTamsi,
-    }
-    plant.set_discrete_contact_approximation(kinds[settings["discrete_contact_approximation"]])
-    if settings["discrete_contact_approximation"] == "sap":
+    approximation = settings["discrete_contact_approximation"]
+    kind = getattr(DiscreteContactApproximation, "k" + approximation.capitalize())
+    plant.set_discrete_contact_approximation(kind)
+    if approximation == "sap":
         plant.set_sap_near_rigid_threshold(0.0)
     body = plant.AddRigidBody(
         "mass", SpatialInertia(task["mass"], np.zeros(3), UnitInertia.SolidSphere(radius))

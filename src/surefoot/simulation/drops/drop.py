@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import importlib
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from surefoot.arrays import FloatArray
 from surefoot.contact.laws.soft.behaviour import Behaviour, settling_time
 from surefoot.errors import MissingExtra, ProblemError, SimulationError, unknown_name
 from surefoot.simulation.drops.task import Drop
@@ -24,30 +24,9 @@ NUDGE = 0.02
 """Share of the rest depth by which the mass is pressed down to see how it settles."""
 
 
-@dataclass(frozen=True)
-class Track:
-    """One run of a mass on a contact.
-
-    Attributes
-    ----------
-    gaps
-        (steps + 1,) distance to the ground, negative where they overlap [m].
-    speeds
-        (steps + 1,) upward velocity [m/s].
-    """
-
-    gaps: Any
-    speeds: Any
-
-
 def available_engines() -> list[str]:
-    """Return the engines of the table that can be run here."""
-    found = []
-    for name, home in RUNNERS.items():
-        module = importlib.import_module(home)
-        if module.present():
-            found.append(name)
-    return found
+    """Return the engines that can run here."""
+    return [name for name, home in RUNNERS.items() if importlib.import_module(home).present()]
 
 
 def measure(
@@ -92,22 +71,23 @@ def measure(
     if not module.present():
         raise MissingExtra(module.PACKAGE, module.EXTRA)
 
-    def run(gap: float, velocity: float, seconds: float, until: str = "") -> Track:
+    def run(gap: float, velocity: float, seconds: float, until: str = "") -> tuple[FloatArray, FloatArray]:
         steps = max(4, math.ceil(seconds / dt))
-        return Track(*module.run(Drop(settings, mass, gravity, gap, velocity, dt, steps, until)))
+        gaps, speeds = module.run(Drop(settings, mass, gravity, gap, velocity, dt, steps, until))
+        return np.asarray(gaps), np.asarray(speeds)
 
     settle = expected.settling_time if math.isfinite(expected.settling_time) else 20.0 / expected.frequency
-    rest = run(-expected.rest_depth, 0.0, 6.0 * settle)
-    depth = -float(rest.gaps[-1])
-    pressed = run(-(1.0 + NUDGE) * depth, 0.0, settle)
-    frequency, ratio = _modes(np.asarray(pressed.gaps) + depth, dt)
+    rest, _ = run(-expected.rest_depth, 0.0, 6.0 * settle)
+    depth = -float(rest[-1])
+    pressed, _ = run(-(1.0 + NUDGE) * depth, 0.0, settle)
+    frequency, ratio = _modes(pressed + depth, dt)
     settling = settling_time(frequency, ratio)
-    impact = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
-    left = impact.gaps[-1] > 0.0 and impact.speeds[-1] > 0.0
-    return Behaviour(depth, float(impact.speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
+    gaps, speeds = run(0.0, -speed, 300.0 * max(1.0 / expected.frequency, depth / speed), "apart")
+    left = gaps[-1] > 0.0 and speeds[-1] > 0.0
+    return Behaviour(depth, float(speeds[-1]) / speed if left else 0.0, frequency, ratio, settling)
 
 
-def _modes(deviation: np.ndarray, dt: float) -> tuple[float, float]:
+def _modes(deviation: FloatArray, dt: float) -> tuple[float, float]:
     """Return undamped frequency and damping ratio of x'' + 2 ζ ω x' + ω² x = 0 that fits a record best.
 
     The record is thinned so that one sample is a fair part of a period, else rounding hides the curvature.

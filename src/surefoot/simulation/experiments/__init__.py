@@ -5,7 +5,6 @@ from surefoot.simulation.experiments.experiment import (
     Experiment,
     Measurement,
     Outcome,
-    Row,
     carry_out,
     compare,
 )
@@ -17,7 +16,6 @@ __all__ = [
     "Experiment",
     "Measurement",
     "Outcome",
-    "Row",
     "carry_out",
     "compare",
     "experiment_named",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,8 +12,8 @@ from surefoot.contact.laws.soft import SpringDamper
 from surefoot.contact.laws.soft.behaviour import behaviour
 from surefoot.simulation.bodies import ball, box
 from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
-from surefoot.simulation.experiments.ground import bouncing
-from surefoot.simulation.experiments.track import BodyRun, Track
+from surefoot.simulation.experiments.ground import bouncing, slid_down
+from surefoot.simulation.experiments.track import BodyRun, Track, fall
 from surefoot.spatial import GRAVITY, rotation_from_quaternion
 from surefoot.terrain import SlopeTerrain, Terrain
 
@@ -21,12 +22,6 @@ CORNER = 1e-3
 MASS = 2.0
 FLAT_BOX = (0.4, 0.4, 0.1)
 RADIUS = 0.1
-
-
-def _line(seconds: float, height: object, points: int = 400) -> Curve:
-    """Return a function of time as a line."""
-    time = np.linspace(0.0, seconds, points)
-    return Curve(time, np.asarray(height(time)))  # type: ignore[operator]
 
 
 def _along(track: Track) -> FloatArray:
@@ -40,10 +35,7 @@ HEIGHT, FALL, DROP = 0.5, 0.3, 0.8
 
 
 def _drop(world: str, dt: float) -> Measurement:
-    body = ball(MASS, RADIUS)
-    start = body.nominal.copy()
-    start[2] += HEIGHT
-    track = BodyRun(body, DROP, start=start, settle=False).run(world, dt)
+    track = fall(ball(MASS, RADIUS), HEIGHT, DROP, world, dt)
     fallen = track.q[0, 2] - track.q[round(FALL / dt), 2]
     carried = dt * float(track.forces[:, 0, 2].sum()) / (MASS * GRAVITY * DROP)
     quantities = (
@@ -57,7 +49,7 @@ def _drop(world: str, dt: float) -> Measurement:
 
 
 def _drop_theory() -> Curve:
-    return _line(DROP, lambda t: np.maximum(HEIGHT - 0.5 * GRAVITY * t**2, 0.0), 1000)
+    return Curve.over(DROP, lambda t: np.maximum(HEIGHT - 0.5 * GRAVITY * t**2, 0.0), 1000)
 
 
 # --- bounce: height of the second arc
@@ -68,11 +60,9 @@ FINER = 10.0
 
 
 def _bounce(world: str, dt: float) -> Measurement:
-    body, h = ball(MASS, RADIUS), dt / FINER
-    start = body.nominal.copy()
-    start[2] += HOP
+    h = dt / FINER
     options = bouncing(world, RESTITUTION, MASS, STIFFNESS, h)
-    track = BodyRun(body, BOUNCE, start=start, settle=False).run(world, h, options)
+    track = fall(ball(MASS, RADIUS), HOP, BOUNCE, world, h, options)
     gap = track.q[:, 2] - RADIUS
     rising = np.diff(gap) > 0.0
     low = int(np.argmax(rising))
@@ -94,7 +84,7 @@ def _bounce_theory() -> Curve:
             begin, speed = begin + 2.0 * speed / GRAVITY, RESTITUTION * speed
         return out
 
-    return _line(BOUNCE, height, 2000)
+    return Curve.over(BOUNCE, height, 2000)
 
 
 # --- slide: a box comes to rest
@@ -102,22 +92,22 @@ def _bounce_theory() -> Curve:
 SPEED, SLIDE_MU, SLIDE = 2.0, 0.4, 0.8
 
 
+def _until_rest(speed: float, slowing: float) -> Callable[[FloatArray], FloatArray]:
+    """Return the way over time of what slows down steadily until it rests [m], or in [rad]."""
+
+    def way(time: FloatArray) -> FloatArray:
+        t = np.minimum(time, speed / slowing)
+        return np.asarray(speed * t - 0.5 * slowing * t**2)
+
+    return way
+
+
 def _slide(world: str, dt: float) -> Measurement:
     run = BodyRun(box(MASS, FLAT_BOX, CORNER), SLIDE, SLIDE_MU, velocity=(SPEED, 0.0, 0.0, 0.0, 0.0, 0.0))
-    distance = _along(run.run(world, dt))
-    exact = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY)
-    curve = Curve(np.arange(len(distance), dtype=np.float64) * dt, distance)
-    return Measurement((distance[-1],), (Quantity("distance to rest", "m", exact),), curve)
-
-
-def _slide_theory() -> Curve:
-    stop = SPEED / (SLIDE_MU * GRAVITY)
-
-    def distance(time: FloatArray) -> FloatArray:
-        t = np.minimum(time, stop)
-        return np.asarray(SPEED * t - 0.5 * SLIDE_MU * GRAVITY * t**2)
-
-    return _line(SLIDE, distance)
+    track = run.run(world, dt)
+    exact, distance = SPEED**2 / (2.0 * SLIDE_MU * GRAVITY), _along(track)
+    quantity = Quantity("distance to rest", "m", exact)
+    return Measurement((distance[-1],), (quantity,), Curve(track.time, distance))
 
 
 # --- stick: a box on a slope, below and above its friction angle
@@ -125,35 +115,25 @@ def _slide_theory() -> Curve:
 DEGREES, HOLDS, SLIPS, ON_SLOPE = 20.0, 0.45, 0.3, 0.5
 
 
-def _on_slope(world: str, dt: float, mu: float) -> FloatArray:
+def _on_slope(world: str, dt: float, mu: float) -> Track:
     terrain: Terrain = SlopeTerrain(DEGREES)
     body = box(MASS, FLAT_BOX, CORNER)
     start = body.nominal.copy()
     half = 0.5 * math.radians(DEGREES)
     start[:3] = body.nominal[2] * terrain.normal(np.zeros(2))
     start[3:7] = (0.0, -math.sin(half), 0.0, math.cos(half))
-    return _along(BodyRun(body, ON_SLOPE, mu, terrain, start=start).run(world, dt))
-
-
-def _slipped(time: FloatArray) -> FloatArray:
-    theta = math.radians(DEGREES)
-    return np.asarray(0.5 * GRAVITY * (math.sin(theta) - SLIPS * math.cos(theta)) * time**2)
+    return BodyRun(body, ON_SLOPE, mu, terrain, start=start).run(world, dt)
 
 
 def _stick(world: str, dt: float) -> Measurement:
     held, slid = _on_slope(world, dt, HOLDS), _on_slope(world, dt, SLIPS)
-    exact = float(_slipped(np.array(ON_SLOPE)))
+    exact = float(slid_down(np.array(ON_SLOPE), DEGREES, SLIPS))
     quantities = (
         Quantity(f"slip at mu {HOLDS:g}", "m", 0.0, exact),
         Quantity(f"slip at mu {SLIPS:g}", "m", exact),
     )
-    return Measurement(
-        (held[-1], slid[-1]), quantities, Curve(np.arange(len(slid), dtype=np.float64) * dt, slid)
-    )
-
-
-def _stick_theory() -> Curve:
-    return _line(ON_SLOPE, _slipped)
+    curve = Curve(slid.time, _along(slid))
+    return Measurement((_along(held)[-1], curve.y[-1]), quantities, curve)
 
 
 # --- tip: a box falls over its edge
@@ -221,16 +201,6 @@ def _spin(world: str, dt: float) -> Measurement:
     return Measurement((angle[-1],), (Quantity("angle to rest", "rad", exact),), Curve(track.time, angle))
 
 
-def _spin_theory() -> Curve:
-    stop = SPIN / _slowing()
-
-    def angle(time: FloatArray) -> FloatArray:
-        t = np.minimum(time, stop)
-        return np.asarray(SPIN * t - 0.5 * _slowing() * t**2)
-
-    return _line(SPINNING, angle)
-
-
 # --- roll: a ball slides, then rolls
 
 ROLL_SPEED, ROLL_MU, ROLL = 2.0, 0.2, 0.6
@@ -252,7 +222,7 @@ def _roll(world: str, dt: float) -> Measurement:
 
 def _roll_theory() -> Curve:
     least = 5.0 / 7.0 * ROLL_SPEED
-    return _line(ROLL, lambda t: np.maximum(ROLL_SPEED - ROLL_MU * GRAVITY * t, least))
+    return Curve.over(ROLL, lambda t: np.maximum(ROLL_SPEED - ROLL_MU * GRAVITY * t, least))
 
 
 BODIES = (
@@ -268,12 +238,15 @@ BODIES = (
     ),
     Experiment(
         "slide", "A box slides at 2 m/s on ground of friction 0.4.",
-        "the distance to rest against v^2 / (2 mu g)", _slide, _slide_theory, ("time [s]", "distance [m]"),
+        "the distance to rest against v^2 / (2 mu g)",
+        _slide, lambda: Curve.over(SLIDE, _until_rest(SPEED, SLIDE_MU * GRAVITY)),
+        ("time [s]", "distance [m]"),
     ),
     Experiment(
         "stick", "A box on a slope of 20 degrees, with friction above and below its tangent, 0.364.",
         "the way in 0.5 s against none, and against g (sin - mu cos) t^2 / 2",
-        _stick, _stick_theory, ("time [s]", "slip at mu 0.3 [m]"),
+        _stick, lambda: Curve.over(ON_SLOPE, lambda t: slid_down(t, DEGREES, SLIPS)),
+        ("time [s]", "slip at mu 0.3 [m]"),
     ),
     Experiment(
         "tip", "A tall box falls over its edge from 5 degrees past its balance.",
@@ -282,7 +255,8 @@ BODIES = (
     ),
     Experiment(
         "spin", "A flat box spins at 8 rad/s about its vertical axis on four corners.",
-        "the angle to rest against I w^2 / (2 mu m g r)", _spin, _spin_theory, ("time [s]", "angle [rad]"),
+        "the angle to rest against I w^2 / (2 mu m g r)",
+        _spin, lambda: Curve.over(SPINNING, _until_rest(SPIN, _slowing())), ("time [s]", "angle [rad]"),
     ),
     Experiment(
         "roll", "A ball without spin slides at 2 m/s until it rolls.",

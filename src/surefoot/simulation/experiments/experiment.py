@@ -14,6 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from surefoot.arrays import FloatArray, real_number
 from surefoot.errors import SurefootError
 
@@ -49,6 +51,12 @@ class Curve(NamedTuple):
 
     x: FloatArray
     y: FloatArray
+
+    @classmethod
+    def over(cls, seconds: float, value: Callable[[FloatArray], FloatArray], points: int = 400) -> Curve:
+        """Return a function of time [s] as a line, from 0 on."""
+        time = np.linspace(0.0, seconds, points)
+        return cls(time, np.asarray(value(time)))
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
+from surefoot.arrays import FloatArray
 from surefoot.contact.engines import translate
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.contact.laws.soft.law import SoftLaw
+from surefoot.spatial import GRAVITY
 
 STEPS_OF_MUJOCO = 4.0
 """MuJoCo's time constant in steps: twice the shortest that it takes."""
@@ -57,6 +61,12 @@ def _drake(law: SoftLaw, mass: float, dt: float) -> dict[str, Any]:
 _SOFT: dict[str, Callable[[SoftLaw, float, float], dict[str, Any]]] = {
     "rigid": _rigid, "mujoco": _mujoco, "mjx": _mujoco, "drake": _drake,
 }  # fmt: skip
+
+
+def slid_down(time: FloatArray, degrees: float, mu: float) -> FloatArray:
+    """Return how far a body slides down a slope [deg] in times (n,) [s], from rest: (n,) [m]."""
+    theta = math.radians(degrees)
+    return np.asarray(0.5 * GRAVITY * (math.sin(theta) - mu * math.cos(theta)) * time**2)
 
 
 def period(stiffness: float, mass: float) -> float:

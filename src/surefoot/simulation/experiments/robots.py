@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cache
 
 import numpy as np
@@ -17,7 +16,7 @@ from surefoot.errors import SimulationError
 from surefoot.log import Ending, Log
 from surefoot.robot import Robot, load_robot, place
 from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
-from surefoot.simulation.experiments.ground import hard
+from surefoot.simulation.experiments.ground import hard, slid_down
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import START_DEPTH, Scenario
 from surefoot.simulation.worlds import make_world
@@ -44,9 +43,7 @@ def _log(
     try:
         log = run(made, controller, Scenario(seconds, mu, start=q, depth=START_DEPTH))
     finally:
-        done = getattr(made, "close", None)
-        if done is not None:
-            done()
+        getattr(made, "close", lambda: None)()  # of those with a process of their own
     if log.facts["outcome"] != Ending.DONE:
         now = float(log["time"][-1])
         raise SimulationError(f"robot {log.facts['outcome']} and its motion", now, dt, "base", 0.0)
@@ -138,7 +135,7 @@ def _friction(world: str, dt: float) -> Measurement:
     got, asked = _balance(held, dt, half, terrain)
     fast = slid["forces"][len(slid["time"]) // 2 :]
     used = np.linalg.norm(fast[..., :2], axis=-1).sum() / fast[..., 2].sum()
-    scale = float(_slipped(np.array(HOLD)))
+    scale = float(slid_down(np.array(HOLD), DEGREES, ICE))
     quantities = (
         Quantity(f"slip of the feet at mu {GRIP:g}", "m", 0.0, scale),
         Quantity(f"pull at mu {GRIP:g} / what momentum asks", "", 1.0),
@@ -146,16 +143,6 @@ def _friction(world: str, dt: float) -> Measurement:
     )
     way = np.linalg.norm([robot.com(row) - robot.com(slid["q"][0]) for row in slid["q"]], axis=1)
     return Measurement((slip, got[0] / asked[0], used), quantities, Curve(slid["time"], way))
-
-
-def _slipped(time: FloatArray) -> FloatArray:
-    theta = math.radians(DEGREES)
-    return np.asarray(0.5 * GRAVITY * (math.sin(theta) - ICE * math.cos(theta)) * time**2)
-
-
-def _friction_theory() -> Curve:
-    time = np.linspace(0.0, SLID, 200)
-    return Curve(time, _slipped(time))
 
 
 ROBOTS = (
@@ -174,6 +161,7 @@ ROBOTS = (
         "friction", "The Go2 stands on a slope of 20 degrees; its controller believes in friction 0.8.",
         "on friction 0.8, from 0.25 s to 0.5 s, the feet's slip against none, and their pull against m g sin "
         "and the change of momentum; on 0.3, from 0.05 s to 0.1 s, tangential over normal forces against 0.3",
-        _friction, _friction_theory, ("time [s]", "slip at mu 0.3 [m]"),
+        _friction, lambda: Curve.over(SLID, lambda t: slid_down(t, DEGREES, ICE), 200),
+        ("time [s]", "slip at mu 0.3 [m]"),
     ),
 )  # fmt: skip

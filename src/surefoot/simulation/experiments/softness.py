@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +11,7 @@ from surefoot.contact.laws.soft import MujocoLaw, SpringDamper
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.experiments.experiment import Curve, Experiment, Measurement, Quantity
 from surefoot.simulation.experiments.ground import period, soft
-from surefoot.simulation.experiments.track import BodyRun, Track
+from surefoot.simulation.experiments.track import fall
 from surefoot.spatial import GRAVITY
 
 MASS, RADIUS = 2.0, 0.1
@@ -29,14 +27,6 @@ SINKS = 1e-3
 """Depth from which a resting foot counts as sunk [m]."""
 
 
-def _fall(world: str, dt: float, height: float, seconds: float, options: Mapping[str, Any]) -> Track:
-    """Return the path of a ball from a height [m], negative for one pressed into the ground."""
-    body = ball(MASS, RADIUS)
-    start = body.nominal.copy()
-    start[2] += height
-    return BodyRun(body, seconds, start=start, settle=False).run(world, dt, options)
-
-
 def deepest(stiffness: FloatArray) -> FloatArray:
     """Return how deep a fall of `HOP` goes into springs (n,) [N/m] without damping [m], by energy."""
     rest = MASS * GRAVITY / stiffness
@@ -49,13 +39,13 @@ def _order(depths: FloatArray) -> float:
 
 
 def _harden(world: str, dt: float) -> Measurement:
-    h, rests, depths = dt / FINER, [], []
+    body, h, rests, depths = ball(MASS, RADIUS), dt / FINER, [], []
     for k in STIFFNESSES:
         damped = SpringDamper(k, 2.0 * math.sqrt(k * MASS))
-        lying = _fall(world, dt, -MASS * GRAVITY / k, RESTING, soft(world, damped, MASS, dt))
+        lying = fall(body, -MASS * GRAVITY / k, RESTING, world, dt, soft(world, damped, MASS, dt))
         rests.append(RADIUS - lying.q[-1, 2])
         until = math.sqrt(2.0 * HOP / GRAVITY) + 0.3 * period(k, MASS)
-        falling = _fall(world, h, HOP, until, soft(world, SpringDamper(k, 0.0), MASS, h))
+        falling = fall(body, HOP, until, world, h, soft(world, SpringDamper(k, 0.0), MASS, h))
         depths.append(RADIUS - falling.q[:, 2].min())
     exact = deepest(np.array(STIFFNESSES))
     quantities = (
@@ -83,13 +73,13 @@ def rest_depth(time: float) -> float:
 
 def _solref(world: str, dt: float) -> Measurement:
     """Lay the ball on ground of every time constant, and drop it there."""
-    rows = []
+    body, rows = ball(MASS, RADIUS), []
     for time in TIMES:
         law, h = _law(time), dt * min(1.0, time / (SLOWEST * 1e-3))  # MuJoCo clamps what is below two steps
         options = {"law": law} if world == "rigid" else {"solref": law.solref, "solimp": law.solimp}
-        lying = _fall(world, h, -rest_depth(time), max(RESTING, 2.0 * time), options)
-        fall = _fall(world, h, HOP, 0.2 + 2.0 * time, options)
-        load, gap = fall.forces[:, 0, 2] / (MASS * GRAVITY), fall.q[:, 2] - RADIUS
+        lying = fall(body, -rest_depth(time), max(RESTING, 2.0 * time), world, h, options)
+        fallen = fall(body, HOP, 0.2 + 2.0 * time, world, h, options)
+        load, gap = fallen.forces[:, 0, 2] / (MASS * GRAVITY), fallen.q[:, 2] - RADIUS
         rows.append(
             {
                 "time constant [s]": time,

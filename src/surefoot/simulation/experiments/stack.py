@@ -198,18 +198,13 @@ def _stack(world: str, dt: float) -> Measurement:
     return Measurement(values, quantities, Curve(time, apart - apart[0]))
 
 
-def _theory() -> Curve:
-    time = np.linspace(0.0, SECONDS, 400)
-    return Curve(time, shift(time))
-
-
 STACK = Experiment(
     "stack",
     "A box of 2 kg rests on one of 4 kg, which is then struck: 1 m/s; friction 0.5 on 0.3; step/8.",
     "loads at rest against weights; how far the lower box leaves the upper behind, and its way, against two "
     "constant decelerations",
     _stack,
-    _theory,
+    lambda: Curve.over(SECONDS, shift),
     ("time [s]", "lower ahead of upper [m]"),
     tuple(_RUNS),
 )

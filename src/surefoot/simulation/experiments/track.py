@@ -87,9 +87,17 @@ class BodyRun:
             made.reset(q, np.array(self.velocity, dtype=np.float64))
             return follow(made, self.duration)
         finally:
-            done = getattr(made, "close", None)
-            if done is not None:
-                done()
+            getattr(made, "close", lambda: None)()  # of those with a process of their own
+
+
+def fall(
+    body: Robot, height: float, seconds: float, world: str, dt: float,
+    options: Mapping[str, Any] | None = None,
+) -> Track:  # fmt: skip
+    """Return the path of a body from a height over its nominal pose [m], negative for one pressed in."""
+    start = body.nominal.copy()
+    start[2] += height
+    return BodyRun(body, seconds, start=start, settle=False).run(world, dt, options)
 
 
 def follow(world: World, seconds: float) -> Track:

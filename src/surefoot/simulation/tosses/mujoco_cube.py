@@ -9,12 +9,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra
 from surefoot.estimation.cube_model import FRICTION, LONGEST_STEP
 from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.simulation.mujoco_robot import import_mujoco
 from surefoot.spatial import quaternion_wxyz, quaternion_xyzw
 
-PACKAGE, EXTRA = "mujoco", "sim"
 _MODEL = """
 <mujoco>
   <option timestep="{dt}" gravity="0 0 {gravity}" cone="elliptic" tolerance="1e-10"/>
@@ -49,11 +48,7 @@ class MujocoCube:
     )
 
     def __init__(self) -> None:
-        try:
-            import mujoco
-        except ImportError as error:
-            raise MissingExtra(PACKAGE, EXTRA) from error
-        self._mujoco: Any = mujoco
+        self._mujoco: Any = import_mujoco()
 
     def rollout(self, values: FloatArray, scene: Scene) -> FloatArray:
         """Return (sum of frames, 7) positions [m] and quaternions."""
