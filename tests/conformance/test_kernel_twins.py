@@ -26,10 +26,10 @@ batch.active             add_product          batch/test_batch.py::test_kernels_
 batch.active             fill                 batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             gather               batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             least_squares        batch/test_batch.py::test_redundant_contacts_in_a_batch by solve_batch
+batch.active             list_unknowns        batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             read_modes           batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             regular_pivots       batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             scatter              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
-batch.active             unknowns             batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             unscale              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.central_path       follow_path          batch/test_central_path.py::test_the_point_and_its_derivative_are_those_of_the_interior_point
 batch.central_path       path_blocks          batch/test_central_path.py::test_the_point_and_its_derivative_are_those_of_the_interior_point

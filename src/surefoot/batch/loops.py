@@ -174,7 +174,7 @@ def measure_range(
     `solve_range`.
     """
     n = laws.shape[2]
-    mode = np.empty((n, 8))
+    mode = np.empty((n, 9))
     for b in range(start, stop):
         own = laws[b if laws.shape[0] > 1 else 0]
         read_modes(G[b], own, convex, buffers[b], mode)
