@@ -264,7 +264,6 @@ simulation.sensor_kernels heard                simulation/test_sensors.py::test_
 simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
 simulation.sensor_kernels sense                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
 simulation.sensor_kernels with_points          simulation/test_sensors.py::test_feet_with_active_points_are_found
-solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.compiled         solve_within         conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
@@ -316,7 +315,6 @@ solvers.set_kernels      project_sets         solvers/test_set_kernels.py::test_
 solvers.set_kernels      shift_sets           solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
 solvers.stopping         fill_measure         conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         force_error          solvers/test_solver_kernels.py::test_projection_and_errors
-solvers.stopping         project              solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         velocity_error       solvers/test_solver_kernels.py::test_projection_and_errors
 stepping.arithmetic      apply_impulses       stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity

@@ -22,7 +22,7 @@ STICK, SLIDE, BARE = 1.0, 2.0, 0.0
 FREE, HELD, AT_LOW, AT_HIGH = 0.0, 1.0, 2.0, 3.0
 """What its normal force does, the bounds last; a bilateral contact is held."""
 WEIGHT, COLUMN, ROW, FIRST = 0, 1, 4, 8
-"""Columns of the unknowns: W, and three numbers each of C and R; and of the modes: a contact's first unknown."""
+"""Columns of the unknowns: W, and three numbers each of C and R; of the modes: a contact's first unknown."""
 
 
 @inline_kernel

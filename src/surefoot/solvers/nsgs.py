@@ -12,6 +12,8 @@ in their last loop only, and are written out all the same: parts shared between 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -110,29 +112,41 @@ def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float
     return relax, best, since + 1
 
 
+@inline_kernel
+def _sweep_until(
+    sweep: Callable[..., None], refresh: Callable[..., None], matrix: Any, g: FloatArray, mu: FloatArray,
+    low: FloatArray, high: FloatArray, convex: bool, tol: float, sweeps: int, local: FloatArray,
+    forces: FloatArray, state: FloatArray,
+) -> tuple[int, bool]:  # fmt: skip
+    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
+
+    `sweep` and `refresh` are those of one form of the matrix, a tuple of arrays; `state` (3,) holds the
+    relaxation, the best gap and the sweeps since it, from call to call.
+    """
+    velocities = np.empty(g.size)
+    refresh(*matrix, g, forces, velocities)
+    relax, best, since = state[0], state[1], int(state[2])
+    for count in range(1, sweeps + 1):
+        sweep(*matrix, local, mu, low, high, convex, relax, forces, velocities)
+        error = velocity_error(forces, velocities, mu, low, high, local, convex)
+        relax, best, since = relaxation(error, relax, best, since)
+        state[0], state[1], state[2] = relax, best, since
+        if error <= tol:
+            refresh(*matrix, g, forces, velocities)
+            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
+                return count, True
+    return sweeps, False
+
+
 @kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     tol: float, sweeps: int, local: FloatArray, forces: FloatArray, state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
-
-    Arrays as for `sweep_dense`; `state` (3,) holds the relaxation, the best gap and the sweeps since it, from
-    call to call.
-    """
-    velocities = np.empty(g.size)
-    refresh_dense(G, g, forces, velocities)
-    relax, best, since = state[0], state[1], int(state[2])
-    for count in range(1, sweeps + 1):
-        sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
-        error = velocity_error(forces, velocities, mu, low, high, local, convex)
-        relax, best, since = relaxation(error, relax, best, since)
-        state[0], state[1], state[2] = relax, best, since
-        if error <= tol:
-            refresh_dense(G, g, forces, velocities)
-            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
-                return count, True
-    return sweeps, False
+    """Sweep as `_sweep_until` does over a dense G; arrays as for `sweep_dense`."""
+    return _sweep_until(
+        sweep_dense, refresh_dense, (G,), g, mu, low, high, convex, tol, sweeps, local, forces, state
+    )
 
 
 @kernel
@@ -169,34 +183,28 @@ def sweep_blocks(
                 velocities[j + 2] += B[0, 2] * d0 + B[1, 2] * d1 + B[2, 2] * d2
 
 
+@inline_kernel
+def _refresh_blocks(
+    starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, forces: FloatArray,
+    velocities: FloatArray,
+) -> None:  # fmt: skip
+    """Recompute the flat (3n,) velocities of a block matrix."""
+    product = block_product(starts, columns, values, forces)
+    for j in range(g.size):
+        velocities[j] = product[j] + g[j]
+
+
 @kernel
 def run_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
     high: FloatArray, convex: bool, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
     state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
-
-    Arrays as for `sweep_blocks`; `state` (3,) holds the relaxation, the best gap and the sweeps since it,
-    from call to call.
-    """
-    velocities = block_product(starts, columns, values, forces) + g
-    relax, best, since = state[0], state[1], int(state[2])
-    for count in range(1, sweeps + 1):
-        sweep_blocks(starts, columns, values, local, mu, low, high, convex, relax, forces, velocities)
-        error = velocity_error(forces, velocities, mu, low, high, local, convex)
-        relax, best, since = relaxation(error, relax, best, since)
-        state[0], state[1], state[2] = relax, best, since
-        if error <= tol:
-            velocities = block_product(starts, columns, values, forces) + g
-            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
-                return count, True
-    return sweeps, False
-
-
-def use_blocks(problem: ContactProblem) -> bool:
-    """Tell whether G is sparse enough for its block form to pay."""
-    return problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW
+    """Sweep as `_sweep_until` does over a block matrix; arrays as for `sweep_blocks`."""
+    return _sweep_until(
+        sweep_blocks, _refresh_blocks, (starts, columns, values), g, mu, low, high, convex, tol, sweeps,
+        local, forces, state,
+    )  # fmt: skip
 
 
 @register("nsgs", bilateral=True)
@@ -205,41 +213,20 @@ def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time
-    sweep = Sweeper(problem, forces)
+    laws = problem.mu, problem.normal_min, problem.normal_max, problem.law.shift == 0.0
+    matrix: tuple[Any, ...] = (problem.G,)
+    prepare: Callable[..., FloatArray] = prepare_dense
+    run: Callable[..., tuple[int, bool]] = run_dense
+    if problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW:
+        b = problem.blocks
+        matrix, prepare, run = (b.starts, b.columns, b.values), prepare_blocks, run_blocks
+    local, state = prepare(*matrix, problem.scales), np.array([1.0, np.inf, 0.0])
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False
     while not solved and done < limit:
-        used, solved = sweep(settings.tol, min(chunk, limit - done))
+        now = min(chunk, limit - done)
+        used, solved = run(*matrix, problem.g, *laws, settings.tol, now, local, forces, state)
         done += used
         if not solved and time.perf_counter() > end:
             return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME)
     return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)
-
-
-class Sweeper:
-    """Gauss-Seidel on one problem's flat forces, call after call; picks the dense or the block form of G."""
-
-    def __init__(self, problem: ContactProblem, forces: FloatArray) -> None:
-        self.problem, self.forces = problem, forces
-        self.blocks = problem.blocks if use_blocks(problem) else None
-        b = self.blocks
-        scales = problem.scales
-        if b is None:
-            self.local = prepare_dense(problem.G, scales)
-        else:
-            self.local = prepare_blocks(b.starts, b.columns, b.values, scales)
-        self.state = np.array([1.0, np.inf, 0.0])
-
-    def __call__(self, tol: float, sweeps: int) -> tuple[int, bool]:
-        """Run up to `sweeps` sweeps; return how many ran, and whether the velocity error is below tol."""
-        p, b = self.problem, self.blocks
-        convex = p.law.shift == 0.0
-        if b is None:
-            return run_dense(
-                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps, self.local, self.forces,
-                self.state,
-            )  # fmt: skip
-        return run_blocks(
-            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps,
-            self.local, self.forces, self.state,
-        )  # fmt: skip

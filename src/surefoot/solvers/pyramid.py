@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from surefoot.kernels import inline_kernel
-from surefoot.solvers.stopping import project
+from surefoot.numerics.projection import project_truncated
 
 
 @inline_kernel
@@ -18,8 +18,10 @@ def project_any(
     x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
 ) -> tuple[float, float, float]:
     """Return the nearest admissible force; facets = 0 is the exact cone, low = -inf a bilateral contact."""
-    if facets == 0 or low == -math.inf or mu == 0.0:
-        return project(x, y, z, mu, low, high)
+    if low == -math.inf:
+        return x, y, z
+    if facets == 0 or mu == 0.0:
+        return project_truncated(x, y, z, mu, low, high)
     half = math.pi / facets
     middle = half if inner else 0.0  # bearing of a face's middle
     bearing = math.atan2(y, x)
