@@ -307,6 +307,7 @@ solvers.one_contact      prepare              solvers/test_one_contact.py::test_
 solvers.one_contact      slide_one            solvers/test_one_contact.py::test_matches_a_projected_fixed_point by solve_one
 solvers.one_contact      solve_one            solvers/test_one_contact.py::test_matches_a_projected_fixed_point
 solvers.pyramid          project_any          solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
+solvers.pyramid          sector               solvers/test_solver_kernels.py::test_pyramid_projection_and_shift by project_any
 solvers.pyramid          shift_any            solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
 solvers.set_kernels      jacobian_sets        solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
 solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by error

@@ -59,7 +59,7 @@ def velocity_error(
 ) -> float:  # fmt: skip
     """Return max_k w_k ||λ_k - P_K(λ_k - (u_k + Γ(u_k)) / w_k)|| / s_k for flat (3n,) forces and velocities.
 
-    `measure` is what `fill_measure` filled; facets = 0 is the exact cone, else pyramids (see `pyramid`). A sum
+    `measure` is what `fill_measure` filled; facets = 0 is the exact cone, else pyramids, see `pyramid`. A sum
     that is not a number is returned as infinite.
     """
     worst = total = 0.0
