@@ -265,6 +265,7 @@ simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_m
 simulation.sensor_kernels sense                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
 simulation.sensor_kernels with_points          simulation/test_sensors.py::test_feet_with_active_points_are_found
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
+solvers.compiled         read_system          solvers/test_contact_solver.py::test_answers_are_those_of_solve by solve
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.compiled         solve_within         conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one

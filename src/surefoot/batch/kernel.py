@@ -31,14 +31,9 @@ from surefoot.batch.active import (
     scatter,
     unscale,
 )
-from surefoot.contact.blocks import checked_copy
 from surefoot.kernels import borrowed, inline_kernel, keep, kernel, window
 from surefoot.numerics.elimination import lu_solve, lu_solve_many
-from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, WORK, solve_within
-
-NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
-"""What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
-semidefinite as far as it looks."""
+from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, WORK, read_system, solve_within
 
 
 @kernel
@@ -47,6 +42,9 @@ def solve_contacts(
     warm: bool, buffer: FloatArray,
 ) -> int:  # fmt: skip
     """Solve one contact problem; return the iterations, bit by bit turned (negative) if it is not solved.
+
+    `compiled.NOT_NUMBERS` and `DOUBTFUL` stand for a G or g that is not finite, and for a G that is not
+    symmetric positive semidefinite as far as it looks.
 
     Parameters
     ----------
@@ -87,20 +85,12 @@ def solve_within_memory(
     """Do as `solve_contacts`, see there for the shapes, with borrowed arrays in memory that is there."""
     m = g.size
     matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
-    total = 0.0
-    for i in range(m):
-        vectors[0, i] = g[i]
-        total += g[i]
+    refused = read_system(G, g, asymmetry, matrix, vectors)
+    if refused != 0:
+        return refused
     for a in range(3):
         for k in range(m // 3):
             vectors[1, a * (m // 3) + k] = laws[a, k]
-    if not abs(total) < np.inf:
-        return NOT_NUMBERS
-    finite, sound = checked_copy(G, asymmetry, matrix)
-    if not finite:
-        return NOT_NUMBERS
-    if not sound:
-        return DOUBTFUL
     mode = (CONVEX if convex else 0) | (WARM if warm else 0)
     bound = most if most >= 0 else UNBOUNDED
     done = solve_within(matrix, vectors, tol, bound, mode, buffer, memory, m * (m + 2))

@@ -24,7 +24,6 @@ from surefoot.arrays import (
     whole_number,
 )
 from surefoot.batch.derivative import BatchDerivative
-from surefoot.batch.kernel import NOT_NUMBERS
 from surefoot.batch.loops import solve_range
 from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
@@ -32,7 +31,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.solvers import solve
-from surefoot.solvers.compiled import COMPILED_CONTACTS
+from surefoot.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
 
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""

@@ -260,6 +260,14 @@ class Splitting(ABC):
         """Return the velocity error of scaled forces (m,)."""
 
 
+def scaling(problem: ContactProblem) -> FloatArray:
+    """Return the (3n,) factors, equal within a contact, that give every block of G the trace 3."""
+    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1) / 3.0
+    top = trace.max(initial=0.0)
+    trace = np.where(trace > 1e-12 * top, trace, top if top > 0.0 else 1.0)
+    return np.repeat(1.0 / np.sqrt(trace), 3)
+
+
 class Cones(Splitting):
     """Contacts of three rows on cones or pyramids: compiled for few of them, with sparse factors for many."""
 
@@ -267,7 +275,7 @@ class Cones(Splitting):
     check_every, finish_from, finish_growth = 50, 100, 1.5
 
     def __init__(self, problem: ContactProblem, warm_start: FloatArray | None) -> None:
-        D = _scaling(problem)
+        D = scaling(problem)
         low, high = problem.normal_min / D[2::3], problem.normal_max / D[2::3]
         self.coulomb, facets, inner = problem.law.shift > 0.0, problem.facets or 0, problem.fit == "inner"
         self.laws = problem.mu, low, high, self.coulomb, facets, inner
@@ -374,14 +382,6 @@ def run_admm(s: Splitting, settings: Settings, finish: Finish | None = None) -> 
         if done < ADAPTING * limit:
             rho = next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
     return Answer(best.reshape(shape), done)
-
-
-def _scaling(problem: ContactProblem) -> FloatArray:
-    """Return the (3n,) factors, equal within a contact, that give every block of G the trace 3."""
-    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1) / 3.0
-    top = trace.max(initial=0.0)
-    trace = np.where(trace > 1e-12 * top, trace, top if top > 0.0 else 1.0)
-    return np.repeat(1.0 / np.sqrt(trace), 3)
 
 
 def _inverse(G: FloatArray, shift: float) -> FloatArray:
