@@ -280,34 +280,27 @@ def contact_blocks(
     n = laws.shape[1]
     m = 3 * n
     mode, unknown = np.empty((n + 1, 9)), np.empty((m, 7))
-    work, right = np.empty((m, m)), np.empty((m, 4 * n))
-    x, b, moved = np.zeros(m), np.empty(m), np.empty(m)
+    work, right, x = np.empty((m, m)), np.empty((m, 4 * n)), np.empty(m)
     read_modes(G, laws, convex, buffer, mode)
     size = list_unknowns(laws, mode, convex, unknown)
     fill(G, mode, unknown, ROW, COLUMN, x, work)
-    # right sides: unit rates of g, then G times each contact's jump with mu
+    # right sides, negative: unit rates of g, then G times each contact's jump with mu
     for j in range(4 * n):
         x[:] = 0.0
         if j < m:
-            x[j] = 1.0
+            x[j] = -1.0
         elif mode[j - m, 0] != HELD:
             k = j - m
             for i in range(m):  # G times the jump of the force
-                x[i] = mode[k, 7] * (G[i, 3 * k] * mode[k, 2] + G[i, 3 * k + 1] * mode[k, 3])
-        gather(mode, unknown, ROW, x, b)
-        for i in range(size):
-            right[i, j] = -b[i]
+                x[i] = -mode[k, 7] * (G[i, 3 * k] * mode[k, 2] + G[i, 3 * k + 1] * mode[k, 3])
+        gather(mode, unknown, ROW, x, right[:, j])
     for k in range(n):
         if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
             right[int(mode[k, FIRST]), m + k] += mode[k, 6]
     if not (size == 0 or (lu_solve_many(work, right, size) and regular_pivots(work, size))):
         return False
     for j in range(4 * n):
-        for i in range(size):
-            b[i] = right[i, j]
-        scatter(mode, unknown, COLUMN, b, moved)
-        for i in range(m):
-            out[i, j] = moved[i]
+        scatter(mode, unknown, COLUMN, right[:, j], out[:, j])
     for k in range(n):
         # the jump itself
         if mode[k, 0] != HELD:

@@ -6,6 +6,7 @@ Each is driven by its file in `backends/`. Both take the convex law. Contacts th
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -114,11 +115,5 @@ def _solve_qp(
     return Answer(_spread(problem, on, forces), found.iterations, Status.STALLED)
 
 
-def _register_qp(name: str) -> None:
-    @register(name, laws=("convex",), exact=False, polyhedral=True)
-    def solve_with(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-        return _solve_qp(name, problem, settings, warm_start)
-
-
 for _name in QP_SOLVERS:
-    _register_qp(_name)
+    register(_name, laws=("convex",), exact=False, polyhedral=True)(partial(_solve_qp, _name))

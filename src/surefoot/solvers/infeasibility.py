@@ -41,8 +41,8 @@ from surefoot.solvers.set_kernels import (
     project_sets,
 )
 
-STEPS, SHORTEST = 60, 1e-6
-"""Newton steps, and the shortest share of one that the line search tries."""
+STEPS, SHARES = 60, 0.5 ** np.arange(20)
+"""Newton steps, and the shares of one that the line search tries."""
 NULL = 1e-10
 """Eigenvalues of the scaled G below this share of the largest count as zero."""
 VANISHED = 1e-9
@@ -175,15 +175,12 @@ def _project(directions: _Directions, V: FloatArray, g: FloatArray, end: float) 
         H = V.T @ directions.product(J, V)
         H[np.diag_indices(rank)] += 1e-12
         step = np.linalg.solve(H, gradient)
-        share, found = 1.0, False
-        while share >= SHORTEST and not found:
+        for share in SHARES:
             trial, jacobian = directions.project(-(g + V @ (z + share * step)))
             now = float(trial @ trial)
             if now < value:
-                found = True
-            else:
-                share *= 0.5
-        if not found:
+                break
+        else:
             break
         z, d, J, value = z + share * step, trial, jacobian, now
     return d if value > VANISHED**2 else None

@@ -112,41 +112,29 @@ def relaxation(gap: float, relax: float, best: float, since: int) -> tuple[float
     return relax, best, since + 1
 
 
-@inline_kernel
-def _sweep_until(
-    sweep: Callable[..., None], refresh: Callable[..., None], matrix: Any, g: FloatArray, mu: FloatArray,
-    low: FloatArray, high: FloatArray, convex: bool, tol: float, sweeps: int, local: FloatArray,
-    forces: FloatArray, state: FloatArray,
-) -> tuple[int, bool]:  # fmt: skip
-    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
-
-    `sweep` and `refresh` are those of one form of the matrix, a tuple of arrays; `state` (3,) holds the
-    relaxation, the best gap and the sweeps since it, from call to call.
-    """
-    velocities = np.empty(g.size)
-    refresh(*matrix, g, forces, velocities)
-    relax, best, since = state[0], state[1], int(state[2])
-    for count in range(1, sweeps + 1):
-        sweep(*matrix, local, mu, low, high, convex, relax, forces, velocities)
-        error = velocity_error(forces, velocities, mu, low, high, local, convex)
-        relax, best, since = relaxation(error, relax, best, since)
-        state[0], state[1], state[2] = relax, best, since
-        if error <= tol:
-            refresh(*matrix, g, forces, velocities)
-            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
-                return count, True
-    return sweeps, False
-
-
 @kernel
 def run_dense(
     G: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray, convex: bool,
     tol: float, sweeps: int, local: FloatArray, forces: FloatArray, state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep as `_sweep_until` does over a dense G; arrays as for `sweep_dense`."""
-    return _sweep_until(
-        sweep_dense, refresh_dense, (G,), g, mu, low, high, convex, tol, sweeps, local, forces, state
-    )
+    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
+
+    Arrays as for `sweep_dense`; `state` (3,) holds the relaxation, the best gap and the sweeps since it, from
+    call to call.
+    """
+    velocities = np.empty(g.size)
+    refresh_dense(G, g, forces, velocities)
+    relax, best, since = state[0], state[1], int(state[2])
+    for count in range(1, sweeps + 1):
+        sweep_dense(G, local, mu, low, high, convex, relax, forces, velocities)
+        error = velocity_error(forces, velocities, mu, low, high, local, convex)
+        relax, best, since = relaxation(error, relax, best, since)
+        state[0], state[1], state[2] = relax, best, since
+        if error <= tol:
+            refresh_dense(G, g, forces, velocities)
+            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
+                return count, True
+    return sweeps, False
 
 
 @kernel
@@ -183,28 +171,29 @@ def sweep_blocks(
                 velocities[j + 2] += B[0, 2] * d0 + B[1, 2] * d1 + B[2, 2] * d2
 
 
-@inline_kernel
-def _refresh_blocks(
-    starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, forces: FloatArray,
-    velocities: FloatArray,
-) -> None:  # fmt: skip
-    """Recompute the flat (3n,) velocities of a block matrix."""
-    product = block_product(starts, columns, values, forces)
-    for j in range(g.size):
-        velocities[j] = product[j] + g[j]
-
-
 @kernel
 def run_blocks(
     starts: IntArray, columns: IntArray, values: FloatArray, g: FloatArray, mu: FloatArray, low: FloatArray,
     high: FloatArray, convex: bool, tol: float, sweeps: int, local: FloatArray, forces: FloatArray,
     state: FloatArray,
 ) -> tuple[int, bool]:  # fmt: skip
-    """Sweep as `_sweep_until` does over a block matrix; arrays as for `sweep_blocks`."""
-    return _sweep_until(
-        sweep_blocks, _refresh_blocks, (starts, columns, values), g, mu, low, high, convex, tol, sweeps,
-        local, forces, state,
-    )  # fmt: skip
+    """Sweep until the velocity error passes or the sweeps are used up; return sweeps and success.
+
+    Arrays as for `sweep_blocks`; `state` (3,) holds the relaxation, the best gap and the sweeps since it,
+    from call to call.
+    """
+    velocities = block_product(starts, columns, values, forces) + g
+    relax, best, since = state[0], state[1], int(state[2])
+    for count in range(1, sweeps + 1):
+        sweep_blocks(starts, columns, values, local, mu, low, high, convex, relax, forces, velocities)
+        error = velocity_error(forces, velocities, mu, low, high, local, convex)
+        relax, best, since = relaxation(error, relax, best, since)
+        state[0], state[1], state[2] = relax, best, since
+        if error <= tol:
+            velocities = block_product(starts, columns, values, forces) + g
+            if velocity_error(forces, velocities, mu, low, high, local, convex) <= tol:
+                return count, True
+    return sweeps, False
 
 
 @register("nsgs", bilateral=True)
