@@ -311,7 +311,7 @@ solvers.pyramid          project_any          solvers/test_solver_kernels.py::te
 solvers.pyramid          sector               solvers/test_solver_kernels.py::test_pyramid_projection_and_shift by project_any
 solvers.pyramid          shift_any            solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
 solvers.set_kernels      jacobian_sets        solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
-solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by error
+solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by measure
 solvers.set_kernels      newton_matrix        solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map
 solvers.set_kernels      project_sets         solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
 solvers.set_kernels      shift_sets           solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts

@@ -207,7 +207,8 @@ def _ask_host(convex: bool, tol: float, *arrays: Any) -> Any:
     shape = jax.ShapeDtypeStruct((*arrays[-1].shape, 3), arrays[0].dtype)
 
     def ask(*given: Any) -> Any:
-        return host_forces(*(np.asarray(a) for a in given), convex, tol).astype(shape.dtype)
+        matrices, free, frictions, there = (np.asarray(a) for a in given)
+        return host_forces(matrices, free, frictions, there, convex, tol).astype(shape.dtype)
 
     return jax.pure_callback(ask, shape, *arrays, vmap_method="expand_dims")
 

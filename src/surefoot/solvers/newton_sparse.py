@@ -116,7 +116,7 @@ class BlockNewton:
         self.local = prepare_blocks(*self.matrix, problem.scales)
         self.convex = problem.law.shift == 0.0
         self.laws = problem.mu, problem.normal_min, problem.normal_max
-        self._known = *np.empty((2, n, 3, 3)), *np.empty((3, n, 3))
+        self._frames, self._known = np.empty((2, n, 3, 3)), np.empty((3, n, 3))
         self._step, self._count = np.empty(3 * n), np.empty(n, dtype=np.int64)
 
     def measure(self, forces: FloatArray) -> tuple[FloatArray, float, float]:
@@ -136,8 +136,9 @@ class BlockNewton:
 
     def step(self, forces: FloatArray, velocities: FloatArray, proximal: float) -> FloatArray | None:
         """Return the (3n,) forces after one step; None if the linearised equations are singular."""
-        (rows, columns, weight, jump, target), count = self._known, self._count
-        classify(forces, velocities, self.local, *self.laws, self.convex, *self._known, proximal, count)
+        (rows, columns), (weight, jump, target), count = self._frames, self._known, self._count
+        known = rows, columns, weight, jump, target
+        classify(forces, velocities, self.local, *self.laws, self.convex, *known, proximal, count)
         first = np.concatenate([[0], np.cumsum(count)])
         moved = velocities + block_product(*self.matrix, jump.ravel())
         reduced = _reduced_entries(*self.matrix, rows, columns, weight, count, first)
