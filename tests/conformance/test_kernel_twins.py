@@ -26,10 +26,10 @@ batch.active             add_product          batch/test_batch.py::test_kernels_
 batch.active             fill                 batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             gather               batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             least_squares        batch/test_batch.py::test_redundant_contacts_in_a_batch by solve_batch
+batch.active             list_unknowns        batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             read_modes           batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             regular_pivots       batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             scatter              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
-batch.active             unknowns             batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.active             unscale              batch/test_batch.py::test_kernels_match_their_numpy_twin by contact_vjp
 batch.central_path       follow_path          batch/test_central_path.py::test_the_point_and_its_derivative_are_those_of_the_interior_point
 batch.central_path       path_blocks          batch/test_central_path.py::test_the_point_and_its_derivative_are_those_of_the_interior_point
@@ -260,8 +260,8 @@ simulation.sensor_kernels heard                simulation/test_sensors.py::test_
 simulation.sensor_kernels mean_readings       simulation/test_sensors.py::test_mean_readings_are_those_of_matrices
 simulation.sensor_kernels sense                simulation/test_sensors.py::test_a_row_of_readings_is_that_of_its_parts by Sensors
 simulation.sensor_kernels with_points          simulation/test_sensors.py::test_feet_with_active_points_are_found
-solvers.admm             error_any            solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.admm             next_penalty         conformance/test_small_kernels.py::test_the_penalty_follows_the_relative_residuals
+solvers.compiled         read_system          solvers/test_contact_solver.py::test_answers_are_those_of_solve by solve
 solvers.compiled         solve_compiled       conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.compiled         solve_within         conformance/test_contact_axioms.py::test_the_convex_law_is_the_cone_program by solve
 solvers.dual_newton.dense minimise            solvers/test_dual_newton.py::test_general_newton_matches_the_six_dimensional_one
@@ -304,15 +304,15 @@ solvers.one_contact      prepare              solvers/test_one_contact.py::test_
 solvers.one_contact      slide_one            solvers/test_one_contact.py::test_matches_a_projected_fixed_point by solve_one
 solvers.one_contact      solve_one            solvers/test_one_contact.py::test_matches_a_projected_fixed_point
 solvers.pyramid          project_any          solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
+solvers.pyramid          sector               solvers/test_solver_kernels.py::test_pyramid_projection_and_shift by project_any
 solvers.pyramid          shift_any            solvers/test_solver_kernels.py::test_pyramid_projection_and_shift
 solvers.set_kernels      jacobian_sets        solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
-solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by error
+solvers.set_kernels      natural_sets         solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map by measure
 solvers.set_kernels      newton_matrix        solvers/test_set_kernels.py::test_newton_matrix_is_the_derivative_of_the_natural_map
 solvers.set_kernels      project_sets         solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
 solvers.set_kernels      shift_sets           solvers/test_set_kernels.py::test_projection_shift_and_jacobian_are_those_of_the_contacts
 solvers.stopping         fill_measure         conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         force_error          solvers/test_solver_kernels.py::test_projection_and_errors
-solvers.stopping         project              solvers/test_solver_kernels.py::test_projection_and_errors
 solvers.stopping         settle               conformance/test_small_kernels.py::test_contacts_without_speed_rest_at_their_least_force
 solvers.stopping         velocity_error       solvers/test_solver_kernels.py::test_projection_and_errors
 stepping.arithmetic      apply_impulses       stepping/test_arithmetic.py::test_problem_is_the_delassus_operator_with_the_shifted_free_velocity

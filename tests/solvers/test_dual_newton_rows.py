@@ -23,10 +23,7 @@ def loaded(seed, n=4, count=5):
     work[n, layout.ROOT : layout.ROOT + 6] = rng.uniform(0.5, 2.0, 6)
     arrays = rows_of.rows_work(n, count)
     w = rng.normal(size=6)
-    columns, sets, points, duals, _, rows = arrays
-    rows_of._load_rows(
-        w, np.ascontiguousarray(T.T), low, high, work, columns, sets, points, duals, rows, n, 0.0
-    )
+    rows_of._load_rows(w, np.ascontiguousarray(T.T), low, high, work, arrays[:5], arrays[5], 0.0)
     units = np.column_stack([unit_t, unit_t, unit_n]).ravel()
     return T, low, high, units, w, work, arrays
 
@@ -48,7 +45,7 @@ def test_loaded_program(seed):
 
 
 def test_stiffer_rows_are_the_same_program():
-    _, _, _, _, _, _, (columns, sets, _, duals, _, rows) = loaded(1)
+    *_, (columns, sets, points, duals, H, rows) = loaded(1)
     rng = np.random.default_rng(1)
     f, q = rng.normal(size=12), rng.normal(size=5)
     duals[newton.DUAL, 6:] = rng.normal(size=5)
@@ -58,20 +55,20 @@ def test_stiffer_rows_are_the_same_program():
         return (columns[:, 6:].T @ f - sets[4:, newton.LINK] * light * q) / rows[:, rows_of.HEAVY]
 
     first = gap()
-    rows_of._stiffen(columns, sets, duals, rows, 7.0)
+    rows_of._stiffen((columns, sets, points, duals, H), rows, 7.0)
     np.testing.assert_allclose(gap(), first)
     np.testing.assert_allclose(duals[newton.DUAL, 6:] * rows[:, rows_of.HEAVY], before)
 
 
 def test_update_moves_multipliers_and_measures():
-    T, low, high, units, _, _, (columns, sets, points, duals, _, rows) = loaded(2)
+    T, low, high, units, _, _, (columns, sets, points, duals, H, rows) = loaded(2)
     rng = np.random.default_rng(2)
     f, q, y = rng.normal(size=12) * 3.0, rng.normal(size=5), rng.normal(size=11)
     rows[:, rows_of.MULTIPLIER], rows[:, rows_of.LAST] = rng.normal(size=(2, 5))
     old, last = rows[:, rows_of.MULTIPLIER].copy(), rows[:, rows_of.LAST].copy()
     points[newton.VALUE] = np.concatenate([f, q * rows[:, rows_of.LIGHT]])
     duals[newton.DUAL] = y
-    violation, shift = rows_of._update(columns, sets, points, duals, rows)
+    violation, shift = rows_of._update((columns, sets, points, duals, H), rows)
     value = T @ (units * f)
     assert violation == pytest.approx(max(0.0, *(low - value), *(value - high)))
     assert shift == pytest.approx(np.max(np.abs(q - last) * rows[:, rows_of.LIGHT]))

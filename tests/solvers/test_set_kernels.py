@@ -7,7 +7,7 @@ import pytest
 
 import surefoot as sf
 from surefoot.solvers import set_kernels
-from surefoot.solvers.set_admm import Scaled
+from surefoot.solvers.set_admm import Sets
 
 C = sf.contacts
 CONTACTS = [
@@ -65,19 +65,19 @@ def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) ->
     rng = np.random.default_rng(1)
     A = rng.normal(size=(SET.rows, 2 * SET.rows)) / SET.lengths[:, None]
     problem = sf.ContactProblem(A @ A.T / SET.rows, A[:, 0], contacts=CONTACTS, law=law)
-    s = Scaled(problem)
+    s = Sets(problem)
     J, matrix = np.empty((len(SET), 6, 6)), np.empty((SET.rows, SET.rows))
     for x in draws(10)[3:]:
-        u, _ = s.error(x)
+        u, _ = s.measure(x)
         base = s.gap.copy()
         set_kernels.jacobian_sets(*s.packed, s.point, J)
         set_kernels.newton_matrix(s.G, *s.packed, s.step, u, J, matrix)
         h = 1e-6
         for _ in range(10):
             d = rng.normal(size=SET.rows)
-            s.error(x + h * d)
+            s.measure(x + h * d)
             ahead = (s.gap - base) / h
-            s.error(x - h * d)
+            s.measure(x - h * d)
             behind = (base - s.gap) / h
             smooth = np.abs(ahead - behind) < 1e-3 * (1.0 + np.abs(ahead))  # no kink in between
             assert smooth.mean() > 0.8

@@ -30,7 +30,7 @@ def project(w: np.ndarray, mu: np.ndarray) -> np.ndarray:
 
 
 def test_admm_with_sparse_factors_matches_a_dense_twin(heap: ContactProblem) -> None:
-    s = admm._Scaled(heap, Settings(1e-8), None)
+    s = admm.Cones(heap, None)
     assert s.sparse is not None
     rho, mu = 0.3, heap.mu
     x, y, z = (np.zeros(s.g.size) for _ in range(3))
@@ -41,7 +41,7 @@ def test_admm_with_sparse_factors_matches_a_dense_twin(heap: ContactProblem) -> 
         r = admm.RELAXATION * x + (1.0 - admm.RELAXATION) * z
         z = project(r + y / rho, mu)
         y = y + rho * (r - z)
-    admm._factorised(s, rho + s.eta)(rho, 30)
+    s.iterations(rho)(30)
     np.testing.assert_allclose(s.z, z, atol=1e-10 * np.abs(z).max())
     np.testing.assert_allclose(s.y, y, atol=1e-10 * np.abs(y).max())
     assert np.abs(z).max() > 0.0

@@ -13,6 +13,7 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.derivative_system import RANK
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.vectors import Three
 
 SINGULAR = 1e-10
 """Pivots below this share of the matrix are looked at again, by singular values."""
@@ -20,17 +21,19 @@ STICK, SLIDE, BARE = 1.0, 2.0, 0.0
 """What the tangential force of a contact does: free, on the cone, or nothing (no friction, no load)."""
 FREE, HELD, AT_LOW, AT_HIGH = 0.0, 1.0, 2.0, 3.0
 """What its normal force does, the bounds last; a bilateral contact is held."""
+WEIGHT, COLUMN, ROW, FIRST = 0, 1, 4, 8
+"""Columns of the unknowns: W, and three numbers each of C and R; of the modes: a contact's first unknown."""
 
 
 @inline_kernel
-def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, mode: FloatArray) -> int:
-    """Fill mode (n, 8): normal, tangent, e, ratio, weight, ||u_t|| and λ_n; return the number of unknowns.
+def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray, mode: FloatArray) -> None:
+    """Fill mode (n, 9): normal, tangent, e, ratio, weight, ||u_t|| and λ_n, and room for `list_unknowns`.
 
     G is (3n, 3n), the laws (3, n) mu and bounds, the buffer (2n + 3, 3) forces and velocities. The modes and
     their equations are those of `contact.derivative_modes`; a sliding force without radius has no unknown of
     its own.
     """
-    n, size = laws.shape[1], 0
+    n = laws.shape[1]
     for k in range(n):
         i = 3 * k
         mu, low, high = laws[0, k], laws[1, k], laws[2, k]
@@ -42,7 +45,6 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
         # bilateral: three free directions
         if low == -np.inf:
             mode[k, 0], mode[k, 1] = HELD, STICK
-            size += 3
             continue
         weight, own = max(G[i, i], G[i + 1, i + 1]), G[i + 2, i + 2]
         weight, own = weight if weight > 0.0 else 1.0, own if own > 0.0 else 1.0
@@ -53,14 +55,12 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
             normal, z = AT_LOW, low
         elif lifted >= high:
             normal, z = AT_HIGH, high
-        size += 1 if normal == FREE else 0
         radius = mu * z
         a, b = x - p / weight, y - q / weight
         length = math.sqrt(a * a + b * b)
         mode[k, 0], mode[k, 1] = normal, STICK
         # inside its disc: it sticks
         if length <= radius and radius > 0.0:
-            size += 2
             continue
         if length > 0.0:
             mode[k, 2], mode[k, 3] = a / length, b / length
@@ -70,139 +70,91 @@ def read_modes(G: FloatArray, laws: FloatArray, convex: bool, buffer: FloatArray
             # on the cone: ratio of radii, and (1 - ratio) w against turning
             mode[k, 1], mode[k, 4] = SLIDE, radius / length
             mode[k, 5] = (1.0 - mode[k, 4]) * weight
+
+
+@inline_kernel
+def _note(unknown: FloatArray, i: int, weight: float, column: Three, row: Three) -> None:
+    unknown[i, WEIGHT] = weight
+    unknown[i, COLUMN], unknown[i, COLUMN + 1], unknown[i, COLUMN + 2] = column
+    unknown[i, ROW], unknown[i, ROW + 1], unknown[i, ROW + 2] = row
+
+
+@inline_kernel
+def list_unknowns(laws: FloatArray, mode: FloatArray, convex: bool, unknown: FloatArray) -> int:
+    """Fill unknown (3n, 7) with the active system's unknowns, contact by contact; return their number.
+
+    An unknown moves its contact's force along a column of C; its equation is a row of R and a weight W. The
+    laws are (3, n), mode (n + 1, 9) from `read_modes`; its last column gets each contact's first unknown.
+    """
+    size = 0
+    for k in range(laws.shape[1]):
+        normal, tangent, mu, ratio = mode[k, 0], mode[k, 1], laws[0, k], mode[k, 4]
+        ex, ey = mode[k, 2], mode[k, 3]
+        mode[k, FIRST] = size
+        if tangent == STICK:
+            _note(unknown, size, 0.0, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+            _note(unknown, size + 1, 0.0, (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))
+            size += 2
+        if normal < AT_LOW:
+            # the normal drags the sliding force along; its equation leans alike under the convex law
+            lean = mu if tangent == SLIDE else 0.0
+            own = lean if convex else 0.0
+            _note(unknown, size, 0.0, (lean * ex, lean * ey, 1.0), (own * ex, own * ey, 1.0))
             size += 1
+        if tangent == SLIDE:
+            # across e, the equation shrunk by the ratio
+            _note(unknown, size, mode[k, 5], (-ey, ex, 0.0), (-ratio * ey, ratio * ex, 0.0))
+            size += 1
+    mode[laws.shape[1], FIRST] = size
     return size
 
 
 @inline_kernel
 def fill(
-    G: FloatArray, laws: FloatArray, mode: FloatArray, rows_lean: bool, columns_lean: bool, transposed: bool,
+    G: FloatArray, mode: FloatArray, unknown: FloatArray, left: int, right: int, row: FloatArray,
     A: FloatArray,
 ) -> None:  # fmt: skip
-    """Fill the active matrix R G C + W in the first rows of A, or its transpose.
+    """Fill the active matrix R G C + W in the first rows and columns of A, or its transpose.
 
-    G is (3n, 3n), laws (3, n), mode (n, 8) from `read_modes`; A has at least a row for each of the k unknowns
-    and 3n columns, of which the first k are left in the end. A row that leans is mu e, 1 where a contact
-    slides, as the columns are (and the convex law's equations); else it is 0, 0, 1. First the rows times G,
-    then, in place, that times the columns.
+    G is (3n, 3n); mode and unknown are what `list_unknowns` filled; `left` and `right` are ROW and COLUMN, or
+    COLUMN and ROW for the transpose; row (3n,) is scratch memory.
     """
-    n, m, i = laws.shape[1], G.shape[0], 0
-    for k in range(n):
-        b = 3 * k
-        normal, tangent, mu = mode[k, 0], mode[k, 1], laws[0, k]
-        ex, ey = mode[k, 2], mode[k, 3]
-        if tangent == STICK:
-            for a in range(3 if normal < AT_LOW else 2):
-                for j in range(m):
-                    A[i, j] = G[b + a, j]
-                i += 1
-            continue
-        if normal == FREE:
-            # the row of the normal: with the sliding force it drags along, R or C as asked
-            p, q = (mu * ex, mu * ey) if rows_lean and tangent == SLIDE else (0.0, 0.0)
-            for j in range(m):
-                A[i, j] = p * G[b, j] + q * G[b + 1, j] + G[b + 2, j]
-            i += 1
-        if tangent == SLIDE:
-            # the row across e, shrunk by the ratio
-            share = 1.0 if transposed else mode[k, 4]
-            p, q = -share * ey, share * ex
-            for j in range(m):
-                A[i, j] = p * G[b, j] + q * G[b + 1, j]
-            i += 1
-    # the columns in place: a contact's unknowns never outnumber its rows
-    for r in range(i):
-        at = 0
-        for k in range(n):
-            b = 3 * k
-            normal, tangent, mu = mode[k, 0], mode[k, 1], laws[0, k]
-            x, y, z = A[r, b], A[r, b + 1], A[r, b + 2]
-            if tangent == STICK:
-                A[r, at], A[r, at + 1] = x, y
-                at += 2
-                if normal < AT_LOW:
-                    A[r, at] = z
-                    at += 1
-                continue
-            ex, ey = mode[k, 2], mode[k, 3]
-            if normal == FREE:
-                A[r, at] = mu * (ex * x + ey * y) + z if columns_lean and tangent == SLIDE else z
-                at += 1
-            if tangent == SLIDE:
-                A[r, at] = (mode[k, 4] if transposed else 1.0) * (ex * y - ey * x)
-                if at == r:
-                    A[r, at] += mode[k, 5]
-                at += 1
-
-
-@inline_kernel
-def gather(laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, x: FloatArray, b: FloatArray) -> None:
-    """Fill b (k,) with Cᵀ x, or with R x, for x (3n,)."""
-    i = 0
-    for k in range(laws.shape[1]):
+    for k in range(mode.shape[0] - 1):
         h = 3 * k
-        normal, tangent = mode[k, 0], mode[k, 1]
-        if tangent == STICK:
-            b[i], b[i + 1] = x[h], x[h + 1]
-            i += 2
-            if normal < AT_LOW:
-                b[i] = x[h + 2]
-                i += 1
-            continue
-        ex, ey = mode[k, 2], mode[k, 3]
-        if normal == FREE:
-            b[i] = x[h + 2]
-            if lean and tangent == SLIDE:
-                b[i] += laws[0, k] * (ex * x[h] + ey * x[h + 1])
-            i += 1
-        if tangent == SLIDE:
-            b[i] = (mode[k, 4] if rows else 1.0) * (ex * x[h + 1] - ey * x[h])
-            i += 1
+        for i in range(int(mode[k, FIRST]), int(mode[k + 1, FIRST])):
+            x, y, z = unknown[i, left], unknown[i, left + 1], unknown[i, left + 2]
+            for j in range(row.size):
+                row[j] = x * G[h, j] + y * G[h + 1, j] + z * G[h + 2, j]
+            gather(mode, unknown, right, row, A[i])
+            A[i, i] += unknown[i, WEIGHT]
 
 
 @inline_kernel
-def scatter(laws: FloatArray, mode: FloatArray, lean: bool, rows: bool, b: FloatArray, x: FloatArray) -> None:
-    """Fill x (3n,) with C b, or with Rᵀ b, for b (k,)."""
-    i = 0
-    for k in range(laws.shape[1]):
-        h = 3 * k
-        normal, tangent = mode[k, 0], mode[k, 1]
-        x[h] = x[h + 1] = x[h + 2] = 0.0
-        if tangent == STICK:
-            x[h], x[h + 1] = b[i], b[i + 1]
-            i += 2
-            if normal < AT_LOW:
-                x[h + 2] = b[i]
-                i += 1
-            continue
-        ex, ey = mode[k, 2], mode[k, 3]
-        if normal == FREE:
-            x[h + 2] = b[i]
-            if lean and tangent == SLIDE:
-                x[h], x[h + 1] = laws[0, k] * ex * b[i], laws[0, k] * ey * b[i]
-            i += 1
-        if tangent == SLIDE:
-            share = (mode[k, 4] if rows else 1.0) * b[i]
-            x[h] -= share * ey
-            x[h + 1] += share * ex
-            i += 1
+def gather(mode: FloatArray, unknown: FloatArray, side: int, x: FloatArray, b: FloatArray) -> None:
+    """Fill b (k,) with Cᵀ x (side COLUMN), or with R x (ROW), for x (3n,); see `fill`."""
+    for k in range(mode.shape[0] - 1):
+        p, q, r = x[3 * k], x[3 * k + 1], x[3 * k + 2]
+        for i in range(int(mode[k, FIRST]), int(mode[k + 1, FIRST])):
+            b[i] = unknown[i, side] * p + unknown[i, side + 1] * q + unknown[i, side + 2] * r
 
 
 @inline_kernel
-def unscale(laws: FloatArray, mode: FloatArray, lean: bool, x: FloatArray) -> None:
+def scatter(mode: FloatArray, unknown: FloatArray, side: int, b: FloatArray, x: FloatArray) -> None:
+    """Fill x (3n,) with C b (side COLUMN), or with Rᵀ b (ROW), for b (k,); see `fill`."""
+    for k in range(mode.shape[0] - 1):
+        p = q = r = 0.0
+        for i in range(int(mode[k, FIRST]), int(mode[k + 1, FIRST])):
+            p += unknown[i, side] * b[i]
+            q += unknown[i, side + 1] * b[i]
+            r += unknown[i, side + 2] * b[i]
+        x[3 * k], x[3 * k + 1], x[3 * k + 2] = p, q, r
+
+
+@inline_kernel
+def unscale(unknown: FloatArray, size: int, x: FloatArray) -> None:
     """Divide x (k,) by the squares of the equations' rows: R Rᵀ, which is diagonal."""
-    i = 0
-    for k in range(laws.shape[1]):
-        normal, tangent = mode[k, 0], mode[k, 1]
-        if tangent == STICK:
-            i += 3 if normal < AT_LOW else 2
-            continue
-        if normal == FREE:
-            x[i] /= 1.0 + laws[0, k] ** 2 if lean and tangent == SLIDE else 1.0
-            i += 1
-        if tangent == SLIDE:
-            x[i] /= mode[k, 4] ** 2
-            i += 1
+    for i in range(size):
+        x[i] /= unknown[i, ROW] ** 2 + unknown[i, ROW + 1] ** 2 + unknown[i, ROW + 2] ** 2
 
 
 @inline_kernel
@@ -246,9 +198,3 @@ def add_product(G: FloatArray, x: FloatArray, sign: float, out: FloatArray) -> N
         if a != 0.0:
             for j in range(x.size):
                 out[j] += a * G[i, j]
-
-
-@inline_kernel
-def unknowns(normal: float, tangent: float) -> int:
-    """Return the number of unknowns of a mode."""
-    return (1 if normal < AT_LOW else 0) + (2 if tangent == STICK else (1 if tangent == SLIDE else 0))

@@ -124,13 +124,13 @@ class BatchDerivative:
         if g is not None:
             b += finite_array("g", g, (B, m))
         if compliance is not None:
-            b += _fit("compliance", compliance, B, m) * flat
+            b += fitting("compliance", finite_array("compliance", compliance), B, m) * flat
         rates[:, :n] = b.reshape(B, n, 3)
         for column, (name, value) in enumerate(
             (("mu", mu), ("normal_min", normal_min), ("normal_max", normal_max))
         ):
             if value is not None:
-                rates[:, n:, column] = _fit(name, value, B, n)
+                rates[:, n:, column] = fitting(name, finite_array(name, value), B, n)
         out, regular = self._run(True, rates)
         for k in np.flatnonzero(self.valid & (self.distance <= KINK)):
             self._one_sided(int(k), rates[k], out[k])
@@ -176,13 +176,8 @@ class BatchDerivative:
         """Fill the one-sided derivative of problem k, which is at a kink."""
         n = self._g.shape[1] // 3
         here = self._mask[k] if len(self._mask) else np.ones(n, dtype=np.bool_)
-        rows = np.repeat(here, 3)
-        mu, low, high = self._laws[k if len(self._laws) > 1 else 0][:, here]
-        held = np.isinf(low)
-        problem = ContactProblem(
-            self._G[k][np.ix_(rows, rows)], self._g[k][rows], mu, np.where(held, 0.0, low), high, self._law,
-            bilateral=held,
-        )  # fmt: skip
+        laws = self._laws[k if len(self._laws) > 1 else 0]
+        problem = problem_of(self._G[k], self._g[k], laws, here, self._law)
         d = ContactDerivative(
             problem, self._buffers[k, :n][here], self._buffers[k, n : 2 * n][here], kink_tol=10.0 * KINK
         )
@@ -194,9 +189,18 @@ class BatchDerivative:
         out[:n][here], out[n:][here] = found.forces, found.velocities
 
 
-def _fit(name: str, value: ArrayLike, B: int, width: int) -> FloatArray:
-    """Return a rate that is a number, (width,) or (B, width)."""
-    array = finite_array(name, value)
+def problem_of(G: FloatArray, g: FloatArray, laws: FloatArray, here: BoolArray, law: Law) -> ContactProblem:
+    """Return one problem of a batch, (3n, 3n), (3n,) and (3, n), with the contacts that are there (n,)."""
+    rows = np.repeat(here, 3)
+    mu, low, high = laws[:, here]
+    held = np.isinf(low)
+    return ContactProblem(
+        G[np.ix_(rows, rows)], g[rows], mu, np.where(held, 0.0, low), high, law, bilateral=held
+    )  # fmt: skip
+
+
+def fitting(name: str, array: FloatArray, B: int, width: int) -> FloatArray:
+    """Return an array that is a number, (width,) or (B, width)."""
     if array.shape not in ((), (width,), (B, width)):
         raise ProblemError(
             f"{name} must be a number or have shape ({width},) or ({B}, {width}), got {array.shape}"

@@ -89,7 +89,7 @@ def solve(
     wanted = TOLERANCE[single] if tol is None else float(tol)
     if not 0.0 <= float(smoothing) < np.inf:
         raise ProblemError(f"smoothing must be >= 0 and finite, got {smoothing}")
-    found: Forces = _solve((check_law(law), float(smoothing), wanted), *prepared)
+    found: Forces = _solve((check_law(law), float(smoothing), wanted, False), *prepared)
     return found
 
 
@@ -100,7 +100,7 @@ def solve_on_host(
 
     Faster than `solve` on a CPU; from an accelerator every call waits for the copies.
     """
-    found: Forces = _solve_host((check_law(law), 0.0, float(tol)), *_prepare(G, g, mu, mask))
+    found: Forces = _solve((check_law(law), 0.0, float(tol), True), *_prepare(G, g, mu, mask))
     return found
 
 
@@ -173,12 +173,19 @@ def _descend(path: Any, target: Any) -> tuple[Any, Any]:
     return best, error
 
 
+Told = tuple[bool, float, float, bool]
+"""Whether the law is convex, the smoothing, the tolerance, and whether the CPU solves."""
+
+
 @partial(jax.jit, static_argnums=0)
-def _answer(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> tuple[Forces, Any]:
-    """Return the answer and the path's y."""
-    convex, smoothing, tol = settings
+def _answer(told: Told, G: Any, g: Any, mu: Any, on: Any) -> tuple[Forces, Any]:
+    """Return the answer and the path's y, g where there is no path."""
+    convex, smoothing, tol, hosted = told
     G, g, mu, good = lawful(jnp, G, g, mu)
     s = scales(jnp, G, g, on)
+    if hosted:
+        forces = _ask_host(convex, tol, G, g, mu, on)
+        return certified(jnp, G, g, mu, on, s, forces, good, convex, tol), g
     path = path_of(jnp, G, g, mu, on, s, convex)
     target = smoothing / path.unit
     y, error = _descend(path, target)
@@ -195,20 +202,31 @@ def _answer(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: An
     return out, y
 
 
+def _ask_host(convex: bool, tol: float, *arrays: Any) -> Any:
+    """Return the forces (..., n, 3) of lawful G, g, mu and mask, from the CPU."""
+    shape = jax.ShapeDtypeStruct((*arrays[-1].shape, 3), arrays[0].dtype)
+
+    def ask(*given: Any) -> Any:
+        matrices, free, frictions, there = (np.asarray(a) for a in given)
+        return host_forces(matrices, free, frictions, there, convex, tol).astype(shape.dtype)
+
+    return jax.pure_callback(ask, shape, *arrays, vmap_method="expand_dims")
+
+
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def _solve(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Forces:
-    found: Forces = _answer(settings, G, g, mu, on)[0]
+def _solve(told: Told, G: Any, g: Any, mu: Any, on: Any) -> Forces:
+    found: Forces = _answer(told, G, g, mu, on)[0]
     return found
 
 
-def _forward(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Any:
-    out, y = _answer(settings, G, g, mu, on)
+def _forward(told: Told, G: Any, g: Any, mu: Any, on: Any) -> Any:
+    out, y = _answer(told, G, g, mu, on)
     return out, (G, g, mu, on, out.forces, out.velocities, y)
 
 
 @partial(jax.jit, static_argnums=0)
-def _pull_back(settings: tuple[bool, float, float], kept: Any, weights: tuple[Any, Any]) -> Any:
-    convex, smoothing, _ = settings
+def _pull_back(told: Told, kept: Any, weights: tuple[Any, Any]) -> Any:
+    convex, smoothing, _, _ = told
     G, g, mu, on, forces, velocities, y = kept
     G, g, mu, good = lawful(jnp, G, g, mu)
     s = scales(jnp, G, g, on)
@@ -222,39 +240,11 @@ def _pull_back(settings: tuple[bool, float, float], kept: Any, weights: tuple[An
     return finite(jnp, found, good)
 
 
-def _backward(settings: tuple[bool, float, float], kept: Any, cotangents: Forces) -> Any:
-    return (*_pull_back(settings, kept, (cotangents.forces, cotangents.velocities)), None)
+def _backward(told: Told, kept: Any, cotangents: Forces) -> Any:
+    return (*_pull_back(told, kept, (cotangents.forces, cotangents.velocities)), None)
 
 
 _solve.defvjp(_forward, _backward)
-
-
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
-def _solve_host(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Forces:
-    found: Forces = _ask_host(settings, G, g, mu, on)
-    return found
-
-
-@partial(jax.jit, static_argnums=0)
-def _ask_host(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Forces:
-    convex, _, tol = settings
-    G, g, mu, good = lawful(jnp, G, g, mu)
-    shape = jax.ShapeDtypeStruct((*on.shape, 3), G.dtype)
-
-    def ask(*arrays: Any) -> Any:
-        matrices, free, frictions, there = (np.asarray(a) for a in arrays)
-        return host_forces(matrices, free, frictions, there, convex, tol).astype(shape.dtype)
-
-    forces = jax.pure_callback(ask, shape, G, g, mu, on, vmap_method="expand_dims")
-    return certified(jnp, G, g, mu, on, scales(jnp, G, g, on), forces, good, convex, tol)
-
-
-def _forward_host(settings: tuple[bool, float, float], G: Any, g: Any, mu: Any, on: Any) -> Any:
-    out = _solve_host(settings, G, g, mu, on)
-    return out, (G, g, mu, on, out.forces, out.velocities, g)
-
-
-_solve_host.defvjp(_forward_host, _backward)
 
 
 def cone_margin(forces: Any, mu: Any) -> Any:

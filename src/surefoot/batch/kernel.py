@@ -15,27 +15,25 @@ from surefoot.arrays import FloatArray
 from surefoot.batch.active import (
     AT_HIGH,
     AT_LOW,
+    COLUMN,
+    FIRST,
     FREE,
     HELD,
+    ROW,
     STICK,
     add_product,
     fill,
     gather,
     least_squares,
+    list_unknowns,
     read_modes,
     regular_pivots,
     scatter,
-    unknowns,
     unscale,
 )
-from surefoot.contact.blocks import checked_copy
 from surefoot.kernels import borrowed, inline_kernel, keep, kernel, window
 from surefoot.numerics.elimination import lu_solve, lu_solve_many
-from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, WORK, solve_within
-
-NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
-"""What `solve_contacts` returns for a G or g that is not finite, and for a G that is not symmetric positive
-semidefinite as far as it looks."""
+from surefoot.solvers.compiled import CONVEX, UNBOUNDED, UNSOLVED, WARM, WORK, read_system, solve_within
 
 
 @kernel
@@ -44,6 +42,9 @@ def solve_contacts(
     warm: bool, buffer: FloatArray,
 ) -> int:  # fmt: skip
     """Solve one contact problem; return the iterations, bit by bit turned (negative) if it is not solved.
+
+    `compiled.NOT_NUMBERS` and `DOUBTFUL` stand for a G or g that is not finite, and for a G that is not
+    symmetric positive semidefinite as far as it looks.
 
     Parameters
     ----------
@@ -84,20 +85,12 @@ def solve_within_memory(
     """Do as `solve_contacts`, see there for the shapes, with borrowed arrays in memory that is there."""
     m = g.size
     matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
-    total = 0.0
-    for i in range(m):
-        vectors[0, i] = g[i]
-        total += g[i]
+    refused = read_system(G, g, asymmetry, matrix, vectors)
+    if refused != 0:
+        return refused
     for a in range(3):
         for k in range(m // 3):
             vectors[1, a * (m // 3) + k] = laws[a, k]
-    if not abs(total) < np.inf:
-        return NOT_NUMBERS
-    finite, sound = checked_copy(G, asymmetry, matrix)
-    if not finite:
-        return NOT_NUMBERS
-    if not sound:
-        return DOUBTFUL
     mode = (CONVEX if convex else 0) | (WARM if warm else 0)
     bound = most if most >= 0 else UNBOUNDED
     done = solve_within(matrix, vectors, tol, bound, mode, buffer, memory, m * (m + 2))
@@ -138,7 +131,7 @@ def contact_vjp(
 @inline_kernel
 def slope_memory(n: int) -> int:
     """Return how many numbers of memory the gradient of a problem takes."""
-    return (3 * n + 5) * 3 * n + 8 * n
+    return (3 * n + 6) * 3 * n + 30 * n + 9
 
 
 @inline_kernel
@@ -149,30 +142,31 @@ def vjp_within(
     """Do as `contact_vjp`, see there for the shapes, with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
-    work, mode = window(memory, 0, m + 4, m), window(memory, (m + 4) * m, n, 8)
-    p, b, back = work[m], work[m + 1], work[m + 2]
-    size = read_modes(G, laws, convex, buffer, mode)
+    work, mode = window(memory, 0, m + 5, m), window(memory, (m + 5) * m, n + 1, 9)
+    unknown = window(memory, (m + 5) * m + 9 * (n + 1), m, 7)
+    p, b, back, spare = work[m], work[m + 1], work[m + 2], work[m + 3]
+    read_modes(G, laws, convex, buffer, mode)
+    size = list_unknowns(laws, mode, convex, unknown)
     # what reaches the forces: their own weights and, by u = G λ + g, those of the velocities
     for k in range(n):
         for a in range(3):
             p[3 * k + a], back[3 * k + a] = weights[k, a], weights[n + k, a]
     add_product(G, back, 1.0, p)
     # Aᵀ z = Cᵀ p: the adjoint of the active system
-    fill(G, laws, mode, True, convex, True, work)
-    gather(laws, mode, True, False, p, b)
+    fill(G, mode, unknown, COLUMN, ROW, spare, work)
+    gather(mode, unknown, COLUMN, p, b)
     regular = size == 0 or (lu_solve(work, b, size) and regular_pivots(work, size))
     # redundant contacts: least squares, and what A misses stays with the velocities
     if not regular:
-        extra = work[m + 3]
-        fill(G, laws, mode, True, convex, True, work)
-        gather(laws, mode, True, False, p, b)
-        gather(laws, mode, convex, True, back, extra)
-        unscale(laws, mode, convex, extra)
+        extra = work[m + 4]
+        fill(G, mode, unknown, COLUMN, ROW, spare, work)
+        gather(mode, unknown, COLUMN, p, b)
+        gather(mode, unknown, ROW, back, extra)
+        unscale(unknown, size, extra)
         least_squares(work, b, size, extra)
     # the gradient in g is v̄ - Rᵀ z, that of a force that jumps with its bound is p - G Rᵀ z
-    scatter(laws, mode, convex, True, b, back)
+    scatter(mode, unknown, ROW, b, back)
     add_product(G, back, -1.0, p)
-    i = 0
     for k in range(n):
         h = 3 * k
         out[k, 0], out[k, 1] = weights[n + k, 0] - back[h], weights[n + k, 1] - back[h + 1]
@@ -182,11 +176,10 @@ def vjp_within(
         own = mode[k, 7] * e_p if normal != HELD else 0.0
         # the convex law has mu ||u_t|| in its normal equation
         if convex and normal == FREE and tangent != STICK:
-            own += mode[k, 6] * b[i]
+            own += mode[k, 6] * b[int(mode[k, FIRST])]
         along = p[h + 2] + laws[0, k] * e_p
         out[n + k, 0] = own
         out[n + k, 1], out[n + k, 2] = along if normal == AT_LOW else 0.0, along if normal == AT_HIGH else 0.0
-        i += unknowns(normal, tangent)
     return regular
 
 
@@ -227,9 +220,11 @@ def jvp_within(
     """Do as `contact_jvp`, see there for the shapes, with borrowed arrays in memory that is there."""
     n = laws.shape[1]
     m = 3 * n
-    work, mode = window(memory, 0, m + 5, m), window(memory, (m + 5) * m, n, 8)
-    v, b, jump, extra, moved = work[m], work[m + 1], work[m + 2], work[m + 3], work[m + 4]
-    size = read_modes(G, laws, convex, buffer, mode)
+    work, mode = window(memory, 0, m + 6, m), window(memory, (m + 6) * m, n + 1, 9)
+    unknown = window(memory, (m + 6) * m + 9 * (n + 1), m, 7)
+    v, b, jump, extra, moved, spare = work[m], work[m + 1], work[m + 2], work[m + 3], work[m + 4], work[m + 5]
+    read_modes(G, laws, convex, buffer, mode)
+    size = list_unknowns(laws, mode, convex, unknown)
     for k in range(n):
         h, mu, normal = 3 * k, laws[0, k], mode[k, 0]
         # the known part: forces at a bound follow it, sliding ones their radius
@@ -244,24 +239,22 @@ def jvp_within(
     for attempt in range(2):
         if regular:
             break
-        fill(G, laws, mode, convex, True, False, work)
-        gather(laws, mode, convex, True, v, b)
-        i = 0
+        fill(G, mode, unknown, ROW, COLUMN, spare, work)
+        gather(mode, unknown, ROW, v, b)
         for k in range(n):
             # the convex law's separation mu ||u_t|| is taken off the normal velocity
             if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
-                b[i] -= mode[k, 6] * rates[n + k, 0]
-            i += unknowns(mode[k, 0], mode[k, 1])
+                b[int(mode[k, FIRST])] -= mode[k, 6] * rates[n + k, 0]
         if attempt == 0:
             regular = lu_solve(work, b, size) and regular_pivots(work, size)
         else:
             for i in range(size):
                 extra[i] = 0.0
             least_squares(work, b, size, extra)
-            unscale(laws, mode, convex, extra)
-    scatter(laws, mode, True, False, b, moved)
+            unscale(unknown, size, extra)
+    scatter(mode, unknown, COLUMN, b, moved)
     if not regular:
-        scatter(laws, mode, convex, True, extra, v)
+        scatter(mode, unknown, ROW, extra, v)
     for i in range(m):
         jump[i] -= moved[i]
         out[i // 3, i % 3] = jump[i]
@@ -286,36 +279,28 @@ def contact_blocks(
     """
     n = laws.shape[1]
     m = 3 * n
-    mode, work, right = np.empty((n, 8)), np.empty((m, m)), np.empty((m, 4 * n))
-    x, b, moved = np.zeros(m), np.empty(m), np.empty(m)
-    size = read_modes(G, laws, convex, buffer, mode)
-    fill(G, laws, mode, convex, True, False, work)
-    # right sides: unit rates of g, then G times each contact's jump with mu
+    mode, unknown = np.empty((n + 1, 9)), np.empty((m, 7))
+    work, right, x = np.empty((m, m)), np.empty((m, 4 * n)), np.empty(m)
+    read_modes(G, laws, convex, buffer, mode)
+    size = list_unknowns(laws, mode, convex, unknown)
+    fill(G, mode, unknown, ROW, COLUMN, x, work)
+    # right sides, negative: unit rates of g, then G times each contact's jump with mu
     for j in range(4 * n):
         x[:] = 0.0
         if j < m:
-            x[j] = 1.0
+            x[j] = -1.0
         elif mode[j - m, 0] != HELD:
             k = j - m
             for i in range(m):  # G times the jump of the force
-                x[i] = mode[k, 7] * (G[i, 3 * k] * mode[k, 2] + G[i, 3 * k + 1] * mode[k, 3])
-        gather(laws, mode, convex, True, x, b)
-        for i in range(size):
-            right[i, j] = -b[i]
-    if convex:
-        i = 0
-        for k in range(n):
-            if mode[k, 0] == FREE and mode[k, 1] != STICK:
-                right[i, m + k] += mode[k, 6]
-            i += unknowns(mode[k, 0], mode[k, 1])
+                x[i] = -mode[k, 7] * (G[i, 3 * k] * mode[k, 2] + G[i, 3 * k + 1] * mode[k, 3])
+        gather(mode, unknown, ROW, x, right[:, j])
+    for k in range(n):
+        if convex and mode[k, 0] == FREE and mode[k, 1] != STICK:
+            right[int(mode[k, FIRST]), m + k] += mode[k, 6]
     if not (size == 0 or (lu_solve_many(work, right, size) and regular_pivots(work, size))):
         return False
     for j in range(4 * n):
-        for i in range(size):
-            b[i] = right[i, j]
-        scatter(laws, mode, True, False, b, moved)
-        for i in range(m):
-            out[i, j] = moved[i]
+        scatter(mode, unknown, COLUMN, right[:, j], out[:, j])
     for k in range(n):
         # the jump itself
         if mode[k, 0] != HELD:

@@ -33,8 +33,8 @@ def _count(mask: BoolArray, b: int, n: int) -> int:
 
 @inline_kernel
 def _contract(
-    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, b: int, few: int, A: FloatArray,
-    a: FloatArray, own: FloatArray,
+    G: FloatArray, g: FloatArray, laws: FloatArray, mask: BoolArray, b: int, A: FloatArray, a: FloatArray,
+    own: FloatArray,
 ) -> None:  # fmt: skip
     """Fill A, a and own with the parts of G, g and laws of the contacts that are there."""
     n, i = laws.shape[1], 0
@@ -114,12 +114,10 @@ def solve_range(
             done[b] = 0
             continue
         if few < n:
-            A, a, own, buffer, _, _ = _reduced(room, few)
-            _contract(
-                borrowed(G)[b], borrowed(g)[b], borrowed(laws)[b if laws.shape[0] > 1 else 0], mask, b, few,
-                A, a, own,
-            )  # fmt: skip
-            _pick(mask, b, n, 1, borrowed(buffers)[b], buffer[:few])
+            small = _reduced(room, few)
+            _contract(A, a, own, mask, b, small[0], small[1], small[2])
+            _pick(mask, b, n, 1, buffer, small[3][:few])
+            A, a, own, buffer = small[0], small[1], small[2], small[3]
         done[b] = solve_within_memory(A, a, own, convex, asymmetry, tol, most, warm, buffer, memory)
         if few < n:
             _put(mask, b, n, 2, few, buffer, borrowed(buffers)[b])
@@ -146,13 +144,11 @@ def derive_range(
         A, buffer, ends, found = borrowed(G)[b], borrowed(buffers)[b], borrowed(given)[b], borrowed(out)[b]
         own = borrowed(laws)[b if laws.shape[0] > 1 else 0]
         if few < n:
-            A, a, own, buffer, ends, found = _reduced(room, few)
-            _contract(
-                borrowed(G)[b], borrowed(G)[b, 0], borrowed(laws)[b if laws.shape[0] > 1 else 0], mask, b,
-                few, A, a, own,
-            )  # fmt: skip
-            _pick(mask, b, n, 2, borrowed(buffers)[b], buffer[: 2 * few])
-            _pick(mask, b, n, 2, borrowed(given)[b], ends)
+            small = _reduced(room, few)
+            _contract(A, A[0], own, mask, b, small[0], small[1], small[2])
+            _pick(mask, b, n, 2, buffer, small[3][: 2 * few])
+            _pick(mask, b, n, 2, ends, small[4])
+            A, _, own, buffer, ends, found = small
         if forward:
             regular[b] = jvp_within(A, own, convex, buffer, ends, found, memory)
         else:
@@ -174,7 +170,7 @@ def measure_range(
     `solve_range`.
     """
     n = laws.shape[2]
-    mode = np.empty((n, 8))
+    mode = np.empty((n, 9))
     for b in range(start, stop):
         own = laws[b if laws.shape[0] > 1 else 0]
         read_modes(G[b], own, convex, buffers[b], mode)

@@ -6,7 +6,7 @@ import os
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypedDict, Unpack
@@ -23,16 +23,14 @@ from surefoot.arrays import (
     real_number,
     whole_number,
 )
-from surefoot.batch.derivative import BatchDerivative
-from surefoot.batch.kernel import NOT_NUMBERS
+from surefoot.batch.derivative import BatchDerivative, fitting, problem_of
 from surefoot.batch.loops import solve_range
 from surefoot.contact.laws import LAWS, Law
 from surefoot.contact.matrix import ASYMMETRY, SINGLE_ASYMMETRY
-from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.solvers import solve
-from surefoot.solvers.compiled import COMPILED_CONTACTS
+from surefoot.solvers.compiled import COMPILED_CONTACTS, NOT_NUMBERS
 
 SMALL = 128
 """Problems up to which one thread does it: waking others takes longer."""
@@ -191,27 +189,22 @@ def _solve_rest(
 ) -> Status:  # fmt: skip
     """Solve by the general path what the compiled loop left; fill the buffer and return the status."""
     n = len(here)
-    rows = np.repeat(here, 3)
     used = int(~done[b]) if done[b] > NOT_NUMBERS - 1 and done[b] != NOT_NUMBERS else 0
-    A, a, (mu, low, high) = G[np.ix_(rows, rows)], g[rows], laws[:, here]
+    rows = np.repeat(here, 3)
     start = buffer[:n][here].copy()
     buffer[:] = 0.0
-    if not (np.isfinite(A).all() and np.isfinite(a).all()):
+    if not (np.isfinite(G[np.ix_(rows, rows)]).all() and np.isfinite(g[rows]).all()):
         done[b] = 0
         buffer[2 * n :] = np.nan
         return Status.INVALID
-    held = np.isinf(low)
     try:
-        problem = ContactProblem(A, a, mu, np.where(held, 0.0, low), high, law, bilateral=held)
+        problem = problem_of(G, g, laws, here, law)
     except ProblemError as error:
         raise ProblemError(f"problem {b} of the batch: {error}") from error
     guess = start if used > 0 and np.isfinite(start).all() else None
     found = solve(problem, "auto", tol, max_iterations=max(most - used, 0), warm_start=guess)
     buffer[:n][here], buffer[n : 2 * n][here] = found.forces, found.velocities
-    r = found.residuals
-    buffer[2 * n] = r.velocity_error, r.rounding, r.energy_gap
-    buffer[2 * n + 1] = r.cone_violation, r.penetration_velocity, r.complementarity
-    buffer[2 * n + 2] = r.dissipation, 0.0, 0.0
+    buffer[2 * n :].reshape(-1)[:7] = astuple(found.residuals)
     done[b] = used + found.iterations
     return found.status
 
@@ -269,10 +262,7 @@ def _read_laws(
     """Return the laws (1, 3, n), or (B, 3, n) where they differ from problem to problem."""
     read = [real_array(name, v) for name, v in (("mu", mu), ("normal_min", low), ("normal_max", high))]
     for name, value in zip(("mu", "normal_min", "normal_max"), read, strict=True):
-        if value.shape not in ((), (n,), (B, n)):
-            raise ProblemError(
-                f"{name} must be a number or have shape ({n},) or ({B}, {n}), got {value.shape}"
-            )
+        fitting(name, value, B, n)
         if (value < 0.0).any() or (name != "normal_max" and np.isinf(value).any()):
             raise ProblemError(
                 f"{name} must be finite and >= 0" if name != "normal_max" else f"{name} must be >= 0"

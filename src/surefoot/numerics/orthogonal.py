@@ -12,6 +12,7 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.kernels import inline_kernel, kernel
+from surefoot.numerics.vectors import advance, dot
 
 RANK_TOLERANCE = 1e-10
 """Share of a row that must be independent of the others for the row to count."""
@@ -23,19 +24,13 @@ def remove_rows(Q: FloatArray, k: int, shares: FloatArray, passes: int = 2) -> f
 
     Adds what each took to `shares` (k or more,). The second pass takes out what rounding left of the first.
     """
-    m = Q.shape[1]
+    row = Q[k]
     for _ in range(passes):
         for j in range(k):
-            s = 0.0
-            for i in range(m):
-                s += Q[j, i] * Q[k, i]
-            for i in range(m):
-                Q[k, i] -= s * Q[j, i]
+            s = dot(Q[j], row)
+            advance(row, -s, Q[j])
             shares[j] += s
-    size = 0.0
-    for i in range(m):
-        size += Q[k, i] * Q[k, i]
-    return math.sqrt(size)
+    return math.sqrt(dot(row, row))
 
 
 @inline_kernel
@@ -63,43 +58,32 @@ def orthonormal_rows(A: FloatArray, Q: FloatArray, T: FloatArray, pivots: IntArr
         The rank.
     """
     p: int = A.shape[0]
-    m: int = A.shape[1]
     rest = A.copy()
     first, spare = np.empty(p), np.zeros(p)
     taken = np.zeros(p, dtype=np.bool_)
     T[:, :] = 0.0
     for j in range(p):
-        s = 0.0
-        for i in range(m):
-            s += A[j, i] * A[j, i]
-        first[j] = math.sqrt(s)
+        first[j] = math.sqrt(dot(A[j], A[j]))
     for k in range(p):
         best, at = -1.0, -1
         for j in range(p):
-            if taken[j]:
-                continue
-            s = 0.0
-            for i in range(m):
-                s += rest[j, i] * rest[j, i]
+            s = -1.0 if taken[j] else dot(rest[j], rest[j])
             if s > best:
                 best, at = s, j
         length = math.sqrt(best)
         # what is left of every row is rounding: the rank is reached
         if length <= RANK_TOLERANCE * first[at] or length <= RANK_TOLERANCE * 1e-3:
             return k
-        for i in range(m):
+        for i in range(A.shape[1]):
             Q[k, i] = rest[at, i] / length
         scale_row(Q, k, remove_rows(Q, k, spare, 1))  # once more, against rounding
         pivots[k] = at
         taken[at] = True
         for j in range(p):
-            s = 0.0
-            for i in range(m):
-                s += rest[j, i] * Q[k, i]
+            s = dot(rest[j], Q[k])
             T[j, k] = s if not taken[j] or j == at else 0.0
             if not taken[j]:
-                for i in range(m):
-                    rest[j, i] -= s * Q[k, i]
+                advance(rest[j], -s, Q[k])
     return p
 
 

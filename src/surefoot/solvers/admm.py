@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any
 
@@ -34,17 +35,15 @@ from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.elimination import invert_shifted
 from surefoot.solvers.pyramid import project_any, shift_any
 from surefoot.solvers.solver import Answer, Settings, register, start_forces
-from surefoot.solvers.stopping import measure_of
+from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS = 20_000
-CHECK_EVERY, CHECK_EVERY_LARGE, LARGE = 20, 50, 40
-"""Iterations between two looks at residual and penalty, for few and for many contacts; and what is few."""
+CHECK_EVERY, LARGE = 20, 40
+"""Iterations between two looks at residual and penalty for few contacts; and what is few."""
 ENTRY = 4e-10
 """Seconds per entry of G that an iteration takes."""
 ADAPTING = 0.8
 """Share of the iterations on many contacts in which the penalty may change: mass ratios find theirs late."""
-FINISH_FROM, FINISH_GROWTH = 100, 1.5
-"""Iterations after which something else may try to finish, and by how much more each time."""
 SPARSE_BELOW = 0.2
 """Share of stored blocks under which many contacts are factorised as a sparse matrix."""
 PROXIMAL = 1e-9
@@ -134,41 +133,6 @@ def _half_step(
     return 0.0, 0.0
 
 
-def _iterate_sparse(
-    factor: Any, g: FloatArray, laws: Laws, rho: float, eta: float, x: FloatArray, z: FloatArray,
-    y: FloatArray, count: int,
-) -> tuple[float, float]:  # fmt: skip
-    """Run `count` iterations with a sparse factorisation; see `_iterate`."""
-    b = np.empty(g.size)
-    primal = dual = 0.0
-    for _ in range(count):
-        _half_step(g, *laws, rho, eta, x, z, y, b, False)
-        x[:] = factor.solve(b)
-        primal, dual = _half_step(g, *laws, rho, eta, x, z, y, b, True)
-    return primal, dual
-
-
-@kernel
-def error_any(
-    forces: FloatArray, velocities: FloatArray, mu: FloatArray, low: FloatArray, high: FloatArray,
-    measure: FloatArray, coulomb: bool, facets: int, inner: bool,
-) -> float:  # fmt: skip
-    """Return the velocity error of flat forces on cones or pyramids; see `stopping.velocity_error`."""
-    worst = total = 0.0
-    for k in range(mu.size):
-        i = 3 * k
-        x, y, z = forces[i], forces[i + 1], forces[i + 2]
-        p, q, r = velocities[i], velocities[i + 1], velocities[i + 2]
-        if coulomb and low[k] > -np.inf:
-            r += shift_any(p, q, mu[k], facets, inner)
-        step = measure[k, 0]
-        a, b, c = project_any(x - step * p, y - step * q, z - step * r, mu[k], low[k], high[k], facets, inner)
-        gap = ((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) * measure[k, 1]
-        worst = max(worst, gap)
-        total += gap
-    return math.sqrt(worst) if total >= 0.0 else np.inf
-
-
 @inline_kernel
 def next_penalty(
     rho: float, used: float, primal: float, dual: float, z: FloatArray, y: FloatArray, largest: float
@@ -225,7 +189,9 @@ def _run_dense(
         for i in range(m):
             forces[i] = z[i] * D[i]
             velocities[i] /= D[i]
-        relative = error_any(forces, velocities, mu, own_low, own_high, measure, coulomb, facets, inner)
+        relative = velocity_error(
+            forces, velocities, mu, own_low, own_high, measure, not coulomb, facets, inner
+        )
         if relative < least:
             least = relative
             for i in range(m):
@@ -241,7 +207,60 @@ def _run_dense(
     return done, least
 
 
-def _scaling(problem: ContactProblem) -> FloatArray:
+Iterations = Callable[[int], tuple[float, float]]
+"""Runs that many iterations with one penalty; returns the primal and dual residuals of the last one."""
+Finish = Callable[[FloatArray], tuple[FloatArray, float]]
+"""Takes scaled (m,) forces, leaves them be, and returns others, not scaled, with their velocity error."""
+
+
+class Splitting(ABC):
+    """A problem in scaled variables λ = D λ', and where its iteration is.
+
+    Attributes
+    ----------
+    D, G, g
+        (m,) the scale of each row, and the problem in the scaled variables.
+    x, z, y
+        (m,) see `admm`; z from the warm start, and y from its velocities.
+    rho, eta, largest
+        The first penalty, the proximal term, and about the largest eigenvalue of G.
+    span, start
+        `largest` over the mean eigenvalue, and the first penalty over `largest`.
+    check_every, finish_from, finish_growth
+        Iterations between two looks at the error; those after which something else may try to finish, and by
+        how much more each time.
+    """
+
+    span: float
+    start: float
+    check_every: int
+    finish_from: int
+    finish_growth: float
+
+    def __init__(self, problem: ContactProblem, D: FloatArray, warm_start: FloatArray | None) -> None:
+        self.problem, self.D = problem, D
+        self.G, self.g = D[:, None] * problem.G * D[None, :], D * problem.g
+        self.largest = max(float(np.trace(self.G)) / self.g.size * self.span, 1e-300)
+        self.eta, self.rho = PROXIMAL * self.largest, self.start * self.largest
+        self.z = start_forces(problem, warm_start) / D
+        self.x, self.y = self.z.copy(), np.zeros(self.g.size)
+        if warm_start is not None:
+            self.y = -self.shifted(self.G @ self.z + self.g)
+
+    @abstractmethod
+    def shifted(self, u: FloatArray) -> FloatArray:
+        """Return scaled velocities (m,) with the law's shift."""
+
+    @abstractmethod
+    def iterations(self, rho: float) -> Iterations:
+        """Return what runs iterations with a penalty."""
+
+    @abstractmethod
+    def error(self, z: FloatArray) -> float:
+        """Return the velocity error of scaled forces (m,)."""
+
+
+def scaling(problem: ContactProblem) -> FloatArray:
     """Return the (3n,) factors, equal within a contact, that give every block of G the trace 3."""
     trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1) / 3.0
     top = trace.max(initial=0.0)
@@ -249,104 +268,120 @@ def _scaling(problem: ContactProblem) -> FloatArray:
     return np.repeat(1.0 / np.sqrt(trace), 3)
 
 
-class _Scaled:
-    """A problem scaled by D, what its iterations start from, and how far they may go."""
+class Cones(Splitting):
+    """Contacts of three rows on cones or pyramids: compiled for few of them, with sparse factors for many."""
 
-    def __init__(self, problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> None:
-        D = self.D = _scaling(problem)
-        self.G, self.g = D[:, None] * problem.G * D[None, :], D * problem.g
+    span, start = 3.0, 0.1
+    check_every, finish_from, finish_growth = 50, 100, 1.5
+
+    def __init__(self, problem: ContactProblem, warm_start: FloatArray | None) -> None:
+        D = scaling(problem)
         low, high = problem.normal_min / D[2::3], problem.normal_max / D[2::3]
-        coulomb, facets = problem.law.shift > 0.0, problem.facets or 0
-        self.laws = problem.mu, low, high, coulomb, facets, problem.fit == "inner"
-        self.largest = max(float(np.trace(self.G)) / self.g.size * 3.0, 1e-300)
-        self.eta, self.rho = PROXIMAL * self.largest, 0.1 * self.largest
-        self.z = start_forces(problem, warm_start) / D
-        self.x, self.y = self.z.copy(), np.zeros(self.g.size)
-        if warm_start is not None:
-            u = (self.G @ self.z + self.g).reshape(-1, 3)
-            if coulomb:
-                slip = np.where(low > -np.inf, problem.mu * np.hypot(u[:, 0], u[:, 1]), 0.0)
-                u[:, 2] = np.maximum(u[:, 2], 0.0) + slip
-            self.y = -u.ravel()
-        self.limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
-        self.end = time.perf_counter() + settings.max_time
+        self.coulomb, facets, inner = problem.law.shift > 0.0, problem.facets or 0, problem.fit == "inner"
+        self.laws = problem.mu, low, high, self.coulomb, facets, inner
         self.measure = measure_of(problem)
+        self.own = (
+            problem.mu,
+            problem.normal_min,
+            problem.normal_max,
+            self.measure,
+            not self.coulomb,
+            facets,
+            inner,
+        )
+        super().__init__(problem, D, warm_start)
         self.sparse: Any = None
         if problem.contacts > LARGE and problem.blocks.density < SPARSE_BELOW:
             self.sparse = sp.csc_matrix(self.G)
+
+    def shifted(self, u: FloatArray) -> FloatArray:
+        """Return scaled velocities (m,) with Coulomb's shift, none of them into the ground."""
+        if self.coulomb:
+            t, n = np.hypot(u[0::3], u[1::3]), u[2::3]
+            slip = np.where(self.laws[1] > -np.inf, self.problem.mu * t, 0.0)
+            u[2::3] = np.maximum(n, 0.0) + slip
+        return u
+
+    def error(self, z: FloatArray) -> float:
+        """Return the velocity error of scaled forces (m,)."""
+        forces = z * self.D
+        velocities = self.problem.velocity(forces.reshape(-1, 3)).ravel()
+        return float(velocity_error(forces, velocities, *self.own))
+
+    def iterations(self, rho: float) -> Iterations:
+        """Return what runs iterations with the inverse of G + (rho + eta) I, or with its sparse factors."""
+        shift = rho + self.eta
+        if self.sparse is None:
+            inverse = _inverse(self.G, shift)
+            return lambda n: _iterate(inverse, self.g, *self.laws, rho, self.eta, self.x, self.z, self.y, n)
+        matrix = (self.sparse + shift * sp.identity(self.g.size, format="csc")).tocsc()
+        # positive definite: the diagonal serves as pivot, and the ordering may look at G alone
+        factor = scipy.sparse.linalg.splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+        return lambda n: self._iterate_sparse(factor, rho, n)
+
+    def _iterate_sparse(self, factor: Any, rho: float, count: int) -> tuple[float, float]:
+        """Run `count` iterations with a sparse factorisation; see `_iterate`."""
+        half = self.g, *self.laws, rho, self.eta, self.x, self.z, self.y, np.empty(self.g.size)
+        primal = dual = 0.0
+        for _ in range(count):
+            _half_step(*half, False)
+            self.x[:] = factor.solve(half[-1])
+            primal, dual = _half_step(*half, True)
+        return primal, dual
 
 
 @register("admm", polyhedral=True, bilateral=True)
 def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, on cones or pyramids, from a (n, 3) warm start by ADMM."""
+    s = Cones(problem, warm_start)
     if problem.contacts > LARGE:
-        return run_admm(problem, settings, warm_start, None)
-    s, tol = _Scaled(problem, settings, warm_start), settings.tol
-    size = s.g.size
-    inverse, state = np.empty((size, size)), np.array([s.rho, 0.0, s.eta, 0.5 * s.limit])
-    chunk = s.limit
+        return run_admm(s, settings)
+    size, tol = s.g.size, settings.tol
+    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
+    end = time.perf_counter() + settings.max_time
+    inverse, state = np.empty((size, size)), np.array([s.rho, 0.0, s.eta, 0.5 * limit])
+    chunk = limit
     if settings.max_time < math.inf:  # the clock is read four times or more
         chunk = max(CHECK_EVERY, int(0.25 * settings.max_time / (ENTRY * size * (size + 30))))
     program, memory = (s.G, s.g, s.D, s.measure), (s.x, s.z, s.y, inverse, state)
     best, least, done, found = s.z * s.D, math.inf, 0, np.empty(size)
-    while done < s.limit and least > tol:
-        if done > 0 and time.perf_counter() > s.end:
+    while done < limit and least > tol:
+        if done > 0 and time.perf_counter() > end:
             return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
-        used, gap = _run_dense(program, s.laws, memory, tol, min(chunk, s.limit - done), found)
+        used, gap = _run_dense(program, s.laws, memory, tol, min(chunk, limit - done), found)
         done += used
         if gap < least:
             best, least = found.copy(), gap
     return Answer(best.reshape(-1, 3), done)
 
 
-def run_admm(
-    problem: ContactProblem,
-    settings: Settings,
-    warm_start: FloatArray | None,
-    finish: Callable[[FloatArray], tuple[FloatArray, float]] | None,
-) -> Answer:
-    """Run ADMM on many contacts; after `FINISH_FROM` iterations, then ever less often, `finish` may try.
-
-    `finish` takes flat (3n,) forces, returns others with their velocity error, and leaves the iteration be.
-    """
-    s = _Scaled(problem, settings, warm_start)
-    *_, coulomb, facets, inner = s.laws
-    own = problem.mu, problem.normal_min, problem.normal_max, s.measure, coulomb, facets, inner
-    best, best_gap, rho, used = s.z * s.D, math.inf, s.rho, 0.0
-    done, next_finish = 0, FINISH_FROM
-    while done < s.limit:
+def run_admm(s: Splitting, settings: Settings, finish: Finish | None = None) -> Answer:
+    """Run ADMM; after `finish_from` iterations, then ever less often, `finish` may try from where it is."""
+    end = time.perf_counter() + settings.max_time
+    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
+    shape, rho, used = s.problem.shape, s.rho, 0.0
+    best, least, done, next_finish = s.z * s.D, s.error(s.z), 0, s.finish_from
+    while done < limit and least > settings.tol:
+        if time.perf_counter() > end:
+            return Answer(best.reshape(shape), done, Status.MAX_TIME)
         if rho != used:
-            solve, used = _factorised(s, rho + s.eta), rho
-        now = min(CHECK_EVERY_LARGE, s.limit - done)
-        primal, dual = solve(rho, now)
+            iterate, used = s.iterations(rho), rho
+        now = min(s.check_every, limit - done)
+        primal, dual = iterate(now)
         done += now
-        forces = s.z * s.D
-        relative = float(error_any(forces, problem.velocity(forces.reshape(-1, 3)).ravel(), *own))
-        if finish is not None and done >= next_finish and relative > settings.tol:
-            next_finish = int(FINISH_GROWTH * next_finish)
-            forces, relative = finish(forces)
-        if relative < best_gap:
-            best, best_gap = forces, relative
-        if relative <= settings.tol:
-            break
-        if time.perf_counter() > s.end:
-            return Answer(best.reshape(-1, 3), done, Status.MAX_TIME)
-        if done < ADAPTING * s.limit:
+        found, error = s.z * s.D, s.error(s.z)
+        if finish is not None and done >= next_finish and error > settings.tol:
+            next_finish = int(s.finish_growth * next_finish)
+            tried, better = finish(s.z)
+            if better < error:
+                found, error = tried, better
+        if error < least:
+            best, least = found, error
+        if done < ADAPTING * limit:
             rho = next_penalty(rho, used, primal, dual, s.z, s.y, s.largest)
-    return Answer(best.reshape(-1, 3), done)
-
-
-def _factorised(s: _Scaled, shift: float) -> Callable[[float, int], tuple[float, float]]:
-    """Return what runs iterations at one penalty: with the inverse of G + shift I, or its sparse factors."""
-    if s.sparse is None:
-        inverse = _inverse(s.G, shift)
-        return lambda rho, count: _iterate(inverse, s.g, *s.laws, rho, s.eta, s.x, s.z, s.y, count)
-    matrix = (s.sparse + shift * sp.identity(s.g.size, format="csc")).tocsc()
-    # positive definite: the diagonal serves as pivot, and the ordering may look at G alone
-    factor = scipy.sparse.linalg.splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    return lambda rho, count: _iterate_sparse(factor, s.g, s.laws, rho, s.eta, s.x, s.z, s.y, count)
+    return Answer(best.reshape(shape), done)
 
 
 def _inverse(G: FloatArray, shift: float) -> FloatArray:

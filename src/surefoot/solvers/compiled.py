@@ -13,6 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from surefoot.arrays import FloatArray
+from surefoot.contact.blocks import checked_copy
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import certify_dense
 from surefoot.contact.scales import scales_dense
@@ -42,6 +43,9 @@ ROUNDS, BURST, BURST_MANY = 8, 2, 10
 """Alternations, and sweeps before the first Newton step (then twice as many each time), of few contacts and
 of many."""
 UNBOUNDED = 1 << 40
+NOT_NUMBERS, DOUBTFUL = -(1 << 40), -(1 << 40) - 1
+"""Instead of iterations, for a G or g that is not finite, and for a G that is not symmetric positive
+semidefinite as far as `read_system` looks."""
 WORK = 10 + WIDTH
 """Numbers of scratch memory per contact."""
 ITERATION = 2e-7
@@ -99,6 +103,26 @@ def solve_within(
     record[2 * n + 1, 0], record[2 * n + 1, 1], record[2 * n + 1, 2] = numbers[3], numbers[4], numbers[5]
     record[2 * n + 2, 0], record[2 * n + 2, 1], record[2 * n + 2, 2] = numbers[6], 0.0, 0.0
     return done if max(numbers[0], numbers[1], numbers[2]) <= tol else done + UNSOLVED
+
+
+@inline_kernel
+def read_system(
+    G: FloatArray, g: FloatArray, asymmetry: float, matrix: FloatArray, vectors: FloatArray
+) -> int:
+    """Copy G (m, m) and g (m,) into the matrix and the first of the vectors (2, m), as they are checked.
+
+    A copy, because the caller's matrix may change, or be read-only. Return 0, NOT_NUMBERS or DOUBTFUL.
+    """
+    total = 0.0
+    for i in range(g.size):
+        vectors[0, i] = g[i]
+        total += g[i]
+    if not abs(total) < np.inf:  # NaN and infinity survive a sum
+        return NOT_NUMBERS
+    finite, sound = checked_copy(G, asymmetry, matrix)
+    if not finite:
+        return NOT_NUMBERS
+    return 0 if sound else DOUBTFUL
 
 
 Packed = tuple[FloatArray, FloatArray, int, tuple[int, int]]

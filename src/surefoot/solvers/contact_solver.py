@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray, real_number, whole_number
-from surefoot.contact.blocks import checked_copy
 from surefoot.contact.matrix import ASYMMETRY
 from surefoot.contact.problem import ContactOptions, ContactProblem
 from surefoot.contact.proof import InfeasibilityProof
@@ -36,10 +35,13 @@ from surefoot.kernels import (
 from surefoot.solvers.compiled import (
     COMPILED_CONTACTS,
     CONVEX,
+    DOUBTFUL,
+    NOT_NUMBERS,
     UNBOUNDED,
     UNSOLVED,
     WARM,
     WORK,
+    read_system,
     solve_within,
 )
 from surefoot.solvers.solver import solve
@@ -48,8 +50,6 @@ FLOAT = np.dtype(np.float64)
 _empty, _ndarray, _SOLVED = np.empty, np.ndarray, Status.SOLVED
 LAWS, FLAGS, COMPLIANCE, LAST = 1, 2, 3, 4
 """Rows of the solver's memory after G and g: see `_solve_raw`."""
-NOT_NUMBERS, DOUBTFUL = -1, -2
-"""What `_solve_raw` returns for a G or g that is not finite, and for a G that the problem must look at."""
 
 
 @releasing_kernel
@@ -63,22 +63,12 @@ def _solve_raw(
     `solve_within`. The buffer is `solve_compiled`'s.
     """
     m = g.size
-    # NaN and infinity survive a sum
-    total = 0.0
-    for i in range(m):
-        memory[m, i] = g[i]
-        total += g[i]
     start = warm and memory[m + FLAGS, 1] != 0.0
     memory[m + FLAGS, 1] = 0.0
-    if not abs(total) < np.inf:
-        return NOT_NUMBERS
-    matrix = window(memory, 0, m, m)
-    # a copy: the caller's matrix may change, or be read-only
-    finite, sound = checked_copy(borrowed(G), ASYMMETRY, matrix)
-    if not finite:
-        return NOT_NUMBERS
-    if not sound:
-        return DOUBTFUL
+    matrix, vectors = window(memory, 0, m, m), window(memory, m * m, 2, m)
+    refused = read_system(borrowed(G), borrowed(g), ASYMMETRY, matrix, vectors)
+    if refused != 0:
+        return refused
     for i in range(m):
         memory[i, i] += memory[m + COMPLIANCE, i]
     if start:
@@ -88,7 +78,6 @@ def _solve_raw(
     mode = int(memory[m + FLAGS, 0])
     if start:
         mode |= WARM
-    vectors = window(memory, m * m, 2, m)
     done = solve_within(matrix, vectors, tol, most, mode, borrowed(buffer), memory, (m + LAST + 1) * m)
     # a solved answer is the next call's start
     if done < UNSOLVED:

@@ -6,6 +6,7 @@ Each is driven by its file in `backends/`. Both take the convex law. Contacts th
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,13 +45,6 @@ def _spread(problem: ContactProblem, on: IntArray, active: Any) -> FloatArray:
     return forces
 
 
-def _selector(count: int, component: int) -> Any:
-    """Return the sparse (count, 3 count) matrix that picks one component of every contact's force."""
-    return sp.csc_matrix(
-        (np.ones(count), (np.arange(count), 3 * np.arange(count) + component)), (count, 3 * count)
-    )
-
-
 def _scaled(problem: ContactProblem, G: FloatArray, g: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """Return G and g of size one, and the unit of force [N·s] that goes with it: tolerances are absolute."""
     size, length = problem.norm or 1.0, float(np.linalg.norm(g)) or 1.0
@@ -68,11 +62,10 @@ def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: Floa
     low, high, mu = problem.normal_min[on] / unit, problem.normal_max[on] / unit, problem.mu[on]
     # without friction the second-order cone says nothing of the sign of f_z
     lower = np.flatnonzero((low > 0.0) | (mu == 0.0))
-    pick_z = _selector(n, 2)
-    order = (np.arange(3)[None, :] * n + np.arange(n)[:, None]).ravel()  # (mu z, x, y) per contact
-    stack = sp.vstack([sp.diags(mu) @ pick_z, _selector(n, 0), _selector(n, 1)]).tocsr()
-    bounds = sp.vstack([-pick_z.tocsr()[lower], pick_z], format="csr"), np.concatenate([-low[lower], high])
-    program = ConeProgram.of(G, g, nonneg=bounds, second_order=(-stack[order], np.zeros(3 * n)))
+    pick_z = sp.identity(3 * n, format="csr")[2::3]
+    bounds = sp.vstack([-pick_z[lower], pick_z], format="csr"), np.concatenate([-low[lower], high])
+    cones = sp.block_diag([[[0.0, 0.0, m], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] for m in mu], format="csr")
+    program = ConeProgram.of(G, g, nonneg=bounds, second_order=(-cones, np.zeros(3 * n)))
     # its stopping test is not ours: on a cone's boundary the velocity error is about the root of its gap
     gap = max(settings.tol**2, 1e-16)
     own = {"tol_gap_abs": gap, "tol_gap_rel": gap, "tol_feas": max(1e-3 * settings.tol, 1e-14)}
@@ -122,11 +115,5 @@ def _solve_qp(
     return Answer(_spread(problem, on, forces), found.iterations, Status.STALLED)
 
 
-def _register_qp(name: str) -> None:
-    @register(name, laws=("convex",), exact=False, polyhedral=True)
-    def solve_with(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
-        return _solve_qp(name, problem, settings, warm_start)
-
-
 for _name in QP_SOLVERS:
-    _register_qp(_name)
+    register(_name, laws=("convex",), exact=False, polyhedral=True)(partial(_solve_qp, _name))

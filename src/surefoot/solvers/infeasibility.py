@@ -20,14 +20,14 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from typing import Protocol
 
 import numpy as np
 
-from surefoot.arrays import BoolArray, FloatArray, IntArray
+from surefoot.arrays import FloatArray
+from surefoot.contact.laws import Law
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.proof import InfeasibilityProof, check_proof, connected_parts
-from surefoot.contact.sets import ContactSet
+from surefoot.contact.sets import Contact, ContactSet
 from surefoot.solvers.set_kernels import (
     CODE,
     DISCS,
@@ -41,8 +41,8 @@ from surefoot.solvers.set_kernels import (
     project_sets,
 )
 
-STEPS, SHORTEST = 60, 1e-6
-"""Newton steps, and the shortest share of one that the line search tries."""
+STEPS, SHARES = 60, 0.5 ** np.arange(20)
+"""Newton steps, and the shares of one that the line search tries."""
 NULL = 1e-10
 """Eigenvalues of the scaled G below this share of the largest count as zero."""
 VANISHED = 1e-9
@@ -61,17 +61,18 @@ def find_proof(problem: ContactProblem, max_time: float = math.inf) -> Infeasibi
     """
     if not 0 < problem.contacts <= LARGEST:
         return None
-    label = connected_parts(problem)
+    contacts, label = problem.contact_set, connected_parts(problem)
     speeds = problem.scales[1]
     end = time.perf_counter() + max_time
-    for part in np.argsort(np.bincount(label), kind="stable"):  # the smallest first: their time is short
-        members = np.flatnonzero(label == part)
+    for name in np.argsort(np.bincount(label), kind="stable"):  # the smallest first: their time is short
+        members = np.flatnonzero(label == name)
         if float(speeds[members].max()) == 0.0:
             continue
         if time.perf_counter() + DECOMPOSITION * members.size**3 > end:
             continue
-        rows = _rows(problem, members)
-        found = _part_direction(problem, members, rows, end)
+        rows = np.concatenate([np.arange(*contacts.offsets[k : k + 2]) for k in members])
+        part = _Directions([contacts[k] for k in members], problem.law)
+        found = _part_direction(part, problem.G[np.ix_(rows, rows)], problem.g[rows], end)
         if found is None:
             continue
         direction = np.zeros(problem.g.size)
@@ -82,24 +83,12 @@ def find_proof(problem: ContactProblem, max_time: float = math.inf) -> Infeasibi
     return None
 
 
-def _rows(problem: ContactProblem, members: IntArray) -> IntArray:
-    """Return the rows of G that belong to some contacts."""
-    if not problem.general:
-        return np.asarray((3 * members[:, None] + np.arange(3)).ravel())
-    offsets = problem.contact_set.offsets
-    return np.concatenate([np.arange(offsets[k], offsets[k + 1]) for k in members])
-
-
-def _part_direction(
-    problem: ContactProblem, members: IntArray, rows: IntArray, end: float
-) -> FloatArray | None:
+def _part_direction(directions: _Directions, G: FloatArray, g: FloatArray, end: float) -> FloatArray | None:
     """Return the best direction of one connected part, flat, None if there is none."""
-    G, g = problem.G[np.ix_(rows, rows)], problem.g[rows]
-    directions = _Discs(problem, members) if problem.general else _Directions(problem, members)
     L = directions.lengths
     trace = np.add.reduceat(np.diagonal(G) * L * L, directions.starts)
     scale = 1.0 / np.sqrt(np.where(trace > 0.0, trace, 1.0))  # blocks of one size; one factor keeps a cone
-    D = L * np.repeat(scale, np.diff([*directions.starts, rows.size]))
+    D = L * np.repeat(scale, np.diff([*directions.starts, g.size]))
     G, g = D[:, None] * G * D[None, :], D * g
     size = float(np.linalg.norm(g))
     if not 0.0 < size < np.inf:
@@ -114,7 +103,7 @@ def _part_direction(
     return np.asarray(D * d)
 
 
-def _onto_null_space(directions: Directions, G: FloatArray, d: FloatArray) -> FloatArray:
+def _onto_null_space(directions: _Directions, G: FloatArray, d: FloatArray) -> FloatArray:
     """Move d within its face of D onto the null space of G: what is left of G d is then rounding."""
     J = directions.project(d)[1]
     # an edge of the cone counts as the ray through d: its roundness is left out
@@ -137,103 +126,41 @@ def _onto_null_space(directions: Directions, G: FloatArray, d: FloatArray) -> Fl
     return np.asarray(C @ x)
 
 
-class Directions(Protocol):
-    """The cone D of a problem: where a direction may lie, contact by contact, and the projection onto it.
+class _Directions:
+    """The cone D of some contacts: where a direction may lie, contact by contact; see `proof`.
 
-    Attributes
-    ----------
-    starts, lengths
-        First row of each contact, and the lengths that moments are counted over.
+    `starts` (n,) is the first row of each contact, `lengths` (m,) what moments are counted over.
     """
 
-    starts: IntArray
-    lengths: FloatArray
-
-    def project(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return P_D(x) and its generalised Jacobian, (n, d, d), for flat x over the lengths."""
-        ...
-
-    def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
-        """Return the product (m, c) of the Jacobian, contact by contact (n, d, d), and a matrix (m, c)."""
-        ...
-
-
-class _Discs:
-    """The cone D of contacts of any kind; see `proof` for which discs are narrowed."""
-
-    def __init__(self, problem: ContactProblem, members: IntArray) -> None:
-        whole = problem.contact_set
-        chosen = [whole[k] for k in members]
+    def __init__(self, chosen: list[Contact], law: Law) -> None:
         contacts = ContactSet(chosen)
         self.starts, self.lengths = contacts.offsets[:-1], contacts.lengths
-        offset, group, table = pack(contacts, problem.law, np.ones(len(chosen)))
-        for row, contact in zip(table, chosen, strict=True):
+        offset, group, table = pack(contacts, law, np.ones(len(chosen)))
+        for row, start, contact in zip(table, self.starts, chosen, strict=True):
             row[LOW], row[HIGH] = 0.0, np.inf if contact.normal_max == np.inf else 0.0
             if contact.polygon is not None:
                 row[CODE] = DISCS
             for b, disc in enumerate(contact.discs_inside):
                 row[RADIUS + b] = disc.radius * (1.0 - row[SHIFT] if disc.friction else 1.0)
-        for start, contact in zip(self.starts, chosen, strict=True):
-            for b, disc in enumerate(contact.discs_inside):
                 group[start + np.array(disc.rows)] = b
         self.packed = offset, group, table
 
     def project(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return P_D(x) and its generalised Jacobian; see `Directions`."""
+        """Return P_D(x) and its generalised Jacobian, (n, d, d), for flat x over the lengths."""
         out, J = np.empty(x.size), np.empty((self.starts.size, WIDEST, WIDEST))
         project_sets(*self.packed, x, out)
         jacobian_sets(*self.packed, x, J)
         return out, J
 
     def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
-        """Return J V; see `Directions`."""
+        """Return the product (m, c) of the Jacobian, contact by contact (n, d, d), and a matrix (m, c)."""
         out = np.empty_like(V)
-        for k, (start, end) in enumerate(zip(self.packed[0][:-1], self.packed[0][1:], strict=True)):
-            out[start:end] = J[k, : end - start, : end - start] @ V[start:end]
+        for block, (start, end) in zip(J, itertools.pairwise(self.packed[0]), strict=True):
+            out[start:end] = block[: end - start, : end - start] @ V[start:end]
         return out
 
 
-class _Directions:
-    """The cone D of contacts of three rows."""
-
-    def __init__(self, problem: ContactProblem, members: IntArray) -> None:
-        self.starts, self.lengths = 3 * np.arange(members.size), np.ones(3 * members.size)
-        self.held: BoolArray = problem.normal_min[members] == -np.inf
-        self.free: BoolArray = ~self.held & (problem.normal_max[members] == np.inf)
-        mu = (1.0 - problem.law.shift) * problem.mu[members]  # see `proof` for what the law leaves
-        if problem.facets and problem.fit == "inner":
-            mu = mu * np.cos(np.pi / problem.facets)  # the round cone inside the pyramid
-        self.mu = mu
-
-    def project(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return P_D(x) and its generalised Jacobian, (n, 3, 3), for flat x."""
-        p = x.reshape(-1, 3)
-        out, J = np.zeros_like(p), np.zeros((len(p), 3, 3))
-        out[self.held], J[self.held] = p[self.held], np.eye(3)
-        t, z, mu = np.hypot(p[:, 0], p[:, 1]), p[:, 2], self.mu
-        flat = self.free & (mu == 0.0) & (z > 0.0)
-        out[flat, 2], J[flat, 2, 2] = z[flat], 1.0
-        inside = self.free & (mu > 0.0) & (t <= mu * z)
-        out[inside], J[inside] = p[inside], np.eye(3)
-        edge = self.free & (mu > 0.0) & (t > mu * z) & (mu * t + z > 0.0)
-        if edge.any():
-            m, length = mu[edge], t[edge]
-            e = p[edge, :2] / length[:, None]
-            ray = np.column_stack([m[:, None] * e, np.ones(len(m))]) / np.sqrt(1.0 + m * m)[:, None]
-            along = (ray * p[edge]).sum(axis=1)
-            out[edge] = along[:, None] * ray
-            J[edge] = ray[:, :, None] * ray[:, None, :]
-            side = np.column_stack([-e[:, 1], e[:, 0], np.zeros(len(m))])
-            bend = along * m / np.sqrt(1.0 + m * m) / length  # the cone's roundness
-            J[edge] += bend[:, None, None] * side[:, :, None] * side[:, None, :]
-        return out.ravel(), J
-
-    def product(self, J: FloatArray, V: FloatArray) -> FloatArray:
-        """Return J V; see `Directions`."""
-        return np.asarray(np.einsum("kab,kbr->kar", J, V.reshape(len(J), 3, -1)).reshape(V.shape))
-
-
-def _project(directions: Directions, V: FloatArray, g: FloatArray, end: float) -> FloatArray | None:
+def _project(directions: _Directions, V: FloatArray, g: FloatArray, end: float) -> FloatArray | None:
     """Return the projection of -g onto C, for g of length one; None if it vanishes."""
     rank = V.shape[1]
     z = np.zeros(rank)
@@ -248,15 +175,12 @@ def _project(directions: Directions, V: FloatArray, g: FloatArray, end: float) -
         H = V.T @ directions.product(J, V)
         H[np.diag_indices(rank)] += 1e-12
         step = np.linalg.solve(H, gradient)
-        share, found = 1.0, False
-        while share >= SHORTEST and not found:
+        for share in SHARES:
             trial, jacobian = directions.project(-(g + V @ (z + share * step)))
             now = float(trial @ trial)
             if now < value:
-                found = True
-            else:
-                share *= 0.5
-        if not found:
+                break
+        else:
             break
         z, d, J, value = z + share * step, trial, jacobian, now
     return d if value > VANISHED**2 else None

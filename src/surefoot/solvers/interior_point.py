@@ -29,11 +29,12 @@ import scipy.sparse.linalg
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
+from surefoot.solvers.admm import scaling
 from surefoot.solvers.newton_sparse import BlockNewton
-from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.solver import Answer, Search, Settings, register
 from surefoot.solvers.stopping import measure_of, velocity_error
 
-MAX_ITERATIONS = 100
+MAX_ITERATIONS, PATIENCE = 100, 15
 LARGE, SPARSE_BELOW = 40, 0.4
 """Contacts above which, and share of stored blocks below which, matrices are sparse."""
 REGULAR = 1e-15
@@ -72,10 +73,7 @@ def _program(problem: ContactProblem) -> _Program:
     keep[0::3] &= rough | held
     keep[1::3] &= rough | held
     columns = np.flatnonzero(keep)
-    trace = np.diagonal(problem.G).reshape(-1, 3).sum(axis=1) / 3.0
-    top = trace.max(initial=0.0)
-    trace = np.where(trace > 1e-12 * top, trace, top if top > 0.0 else 1.0)
-    D = np.repeat(1.0 / np.sqrt(trace), 3)
+    D = scaling(problem)
     scale = D[columns]
     sparse = problem.contacts > LARGE and problem.blocks.density < SPARSE_BELOW
     if sparse:
@@ -198,36 +196,22 @@ def solve_interior_point(
     start = max(float(np.abs(p.c).max(initial=0.0)), 1e-12)
     s, z, y = start * unit, start * unit, start * y
     degree = m + p.b.size - 3 * m
-    end = time.perf_counter() + settings.max_time
-    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
-    best, best_gap, done, stop, since = np.zeros(3 * problem.contacts), math.inf, 0, Status.MAX_ITERATIONS, 0
-    while done < limit:
-        done += 1
+    search = Search(settings, MAX_ITERATIONS, np.zeros(3 * problem.contacts), math.inf, PATIENCE)
+    while search.done < search.limit:
         with np.errstate(all="ignore"):  # past the last digit of the barrier: found out below
             y, s, z = _advance(p, y, s, z, unit, degree, coulomb)
         if not np.isfinite(y).all():
-            stop = Status.STALLED
+            search.done, search.stop = search.done + 1, Status.STALLED
             break
         forces = np.zeros(3 * problem.contacts)
         forces[p.columns] = p.scale * y
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
-        relative = float(velocity_error(forces, velocities, *laws))
-        since += 1
-        if relative < best_gap:
-            since = 0 if relative < 0.9 * best_gap else since
-            best, best_gap = forces, relative
-        if relative <= settings.tol:
+        if search.over(forces, float(velocity_error(forces, velocities, *laws))):
             break
-        if since > 15:
-            stop = Status.STALLED
-            break
-        if time.perf_counter() > end:
-            stop = Status.MAX_TIME
-            break
-    if settings.tol < best_gap < POLISH and time.perf_counter() < end:
-        steps, _ = BlockNewton(problem, settings.tol, end).run(best, 20, 0.1)
-        done += steps
-    return Answer(best.reshape(-1, 3), done, stop)
+    best, done = search.best, search.done
+    if settings.tol < search.error < POLISH and time.perf_counter() < search.end:
+        done += BlockNewton(problem, settings.tol, search.end).run(best, 20, 0.1)[0]
+    return Answer(best.reshape(-1, 3), done, search.stop)
 
 
 def _advance(

@@ -7,8 +7,6 @@ symmetric); on others it may stall, and says so.
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import scipy.linalg
 
@@ -16,7 +14,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Settings
+from surefoot.solvers.solver import Search, Settings
 
 
 @register_lcp("interior_point")
@@ -24,29 +22,19 @@ def solve_interior_point(problem: LCP, settings: Settings) -> LcpAnswer:
     """Solve a monotone LCP by a primal-dual interior-point method."""
     scale = max(float(np.abs(problem.M).max()), 1e-300)
     M, q = problem.M / scale, problem.q / scale
-    limit = 200 if settings.max_iterations is None else settings.max_iterations
-    end = time.perf_counter() + settings.max_time
     start = max(float(np.abs(q).max()), 1e-3)
     z, w = np.full(q.size, start), np.full(q.size, start)
-    best, best_residual, since = np.zeros(q.size), problem.residual(np.zeros(q.size)), 0
-    for done in range(1, limit + 1):
+    search = Search(settings, 200, np.zeros(q.size), problem.residual(np.zeros(q.size)), 40)
+    while search.done < search.limit:
         with np.errstate(all="ignore"):
             z, w = _advance(M, q, z, w)
         if not (np.isfinite(z).all() and np.isfinite(w).all()):
-            return LcpAnswer(best, done, Status.STALLED)
-        since += 1
-        for candidate in (z, np.where(z > w, z, 0.0)):
-            residual = problem.residual(candidate)
-            if residual < best_residual:
-                since = 0 if residual < 0.9 * best_residual else since
-                best, best_residual = candidate.copy(), residual
-        if best_residual <= settings.tol:
-            return LcpAnswer(best, done)
-        if since > 40:
-            return LcpAnswer(best, done, Status.STALLED)
-        if time.perf_counter() > end:
-            return LcpAnswer(best, done, Status.MAX_TIME)
-    return LcpAnswer(best, limit)
+            return LcpAnswer(search.best, search.done + 1, Status.STALLED)
+        snapped = np.where(z > w, z, 0.0)
+        residuals = problem.residual(z), problem.residual(snapped)
+        if search.over(snapped if residuals[1] < residuals[0] else z, min(residuals)):
+            break
+    return LcpAnswer(search.best, search.done, search.stop)
 
 
 def _advance(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray) -> tuple[FloatArray, FloatArray]:

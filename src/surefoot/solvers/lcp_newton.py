@@ -12,15 +12,13 @@ Limits: finds stationary points of the merit function, which are solutions for P
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Settings
+from surefoot.solvers.solver import Search, Settings
 
 
 def _equations(z: FloatArray, w: FloatArray) -> FloatArray:
@@ -32,13 +30,11 @@ def solve_newton(problem: LCP, settings: Settings) -> LcpAnswer:
     """Solve an LCP by damped Newton steps on the Fischer-Burmeister equations."""
     scale = max(float(np.abs(problem.M).max()), 1e-300)
     M, q = problem.M / scale, problem.q / scale
-    limit = 200 if settings.max_iterations is None else settings.max_iterations
-    end = time.perf_counter() + settings.max_time
     z = np.zeros(problem.size)
     w = q.copy()
     phi = _equations(z, w)
-    best, best_residual = z, problem.residual(z)
-    for done in range(1, limit + 1):
+    search = Search(settings, 200, z, problem.residual(z), np.inf)
+    while search.done < search.limit:
         root = np.hypot(z, w)
         smooth = root > 1e-14 * max(1.0, float(np.abs(q).max()))
         safe = np.where(smooth, root, 1.0)
@@ -57,16 +53,13 @@ def solve_newton(problem: LCP, settings: Settings) -> LcpAnswer:
                 break
             length *= 0.5
         z, w, phi = trial, slack, new
-        residual = problem.residual(np.maximum(z, 0.0))
-        if residual < best_residual:
-            best, best_residual = np.maximum(z, 0.0), residual
-        if best_residual <= settings.tol:
-            return LcpAnswer(best, done)
+        point = np.maximum(z, 0.0)
+        if search.over(point, problem.residual(point)):
+            break
         if length <= 1e-10:
-            return LcpAnswer(best, done, Status.STALLED, None, "a stationary point that is no solution")
-        if time.perf_counter() > end:
-            return LcpAnswer(best, done, Status.MAX_TIME)
-    return LcpAnswer(best, limit)
+            message = "a stationary point that is no solution"
+            return LcpAnswer(search.best, search.done, Status.STALLED, None, message)
+    return LcpAnswer(search.best, search.done, search.stop)
 
 
 def _direction(J: FloatArray, phi: FloatArray, gradient: FloatArray) -> FloatArray:

@@ -111,16 +111,15 @@ def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
     """Return z from the equations of the final basis, or from the tableau if they are singular."""
     n = problem.size
     z = np.zeros(n)
-    active = basis[(basis >= n) & (basis < 2 * n)] - n
+    among = (basis >= n) & (basis < 2 * n)
+    active = basis[among] - n
     if active.size == 0:
         return z
     rows = np.ones(n, dtype=bool)
     rows[basis[basis < n]] = False
     held = np.flatnonzero(rows)
     tableau, size = np.zeros(n), float(np.abs(problem.q).max())
-    for i, b in enumerate(basis):
-        if n <= b < 2 * n:
-            tableau[b - n] = size * T[i, -1]
+    tableau[active] = size * T[among, -1]
     if held.size != active.size:
         return np.maximum(tableau, 0.0)
     try:
@@ -179,8 +178,7 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
     n = problem.size
     direction = np.zeros(2 * n + 1)
     direction[entering] = 1.0
-    for i, b in enumerate(basis):
-        direction[b] = -T[i, entering]
+    direction[basis] = -T[:, entering]
     z, slack = np.maximum(direction[n : 2 * n], 0.0), np.flatnonzero(direction[n : 2 * n] > 1e-12)
     message = f"Lemke's method left along a ray in z{slack.tolist()}"
     return LcpAnswer(_from_basis(problem, basis, T), pivots, Status.INFEASIBLE, z, message)

@@ -116,8 +116,7 @@ class BlockNewton:
         self.local = prepare_blocks(*self.matrix, problem.scales)
         self.convex = problem.law.shift == 0.0
         self.laws = problem.mu, problem.normal_min, problem.normal_max
-        self._rows, self._columns = np.empty((n, 3, 3)), np.empty((n, 3, 3))
-        self._weight, self._jump, self._target = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
+        self._frames, self._known = np.empty((2, n, 3, 3)), np.empty((3, n, 3))
         self._step, self._count = np.empty(3 * n), np.empty(n, dtype=np.int64)
 
     def measure(self, forces: FloatArray) -> tuple[FloatArray, float, float]:
@@ -137,17 +136,16 @@ class BlockNewton:
 
     def step(self, forces: FloatArray, velocities: FloatArray, proximal: float) -> FloatArray | None:
         """Return the (3n,) forces after one step; None if the linearised equations are singular."""
-        known = self._rows, self._columns, self._weight, self._jump, self._target
-        classify(forces, velocities, self.local, *self.laws, self.convex, *known, proximal, self._count)
-        first = np.concatenate([[0], np.cumsum(self._count)])
-        moved = velocities + block_product(*self.matrix, self._jump.ravel())
-        reduced = _reduced_entries(
-            *self.matrix, self._rows, self._columns, self._weight, self._count, first
-        )  # fmt: skip
-        unknowns = _solve(*reduced, _right_hand_side(moved, self._rows, self._target, self._count, first))
+        (rows, columns), (weight, jump, target), count = self._frames, self._known, self._count
+        known = rows, columns, weight, jump, target
+        classify(forces, velocities, self.local, *self.laws, self.convex, *known, proximal, count)
+        first = np.concatenate([[0], np.cumsum(count)])
+        moved = velocities + block_product(*self.matrix, jump.ravel())
+        reduced = _reduced_entries(*self.matrix, rows, columns, weight, count, first)
+        unknowns = _solve(*reduced, _right_hand_side(moved, rows, target, count, first))
         if unknowns is None:
             return None
-        spread(self._columns, self._jump, self._count, unknowns, self._step)
+        spread(columns, jump, count, unknowns, self._step)
         return forces + self._step
 
     def run(

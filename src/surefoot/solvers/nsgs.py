@@ -12,6 +12,8 @@ in their last loop only, and are written out all the same: parts shared between 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -194,52 +196,26 @@ def run_blocks(
     return sweeps, False
 
 
-def use_blocks(problem: ContactProblem) -> bool:
-    """Tell whether G is sparse enough for its block form to pay."""
-    return problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW
-
-
 @register("nsgs", bilateral=True)
 def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law by Gauss-Seidel with exact local solves from a (n, 3) start; iterations are sweeps."""
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations
     end = time.perf_counter() + settings.max_time
-    sweep = Sweeper(problem, forces)
+    laws = problem.mu, problem.normal_min, problem.normal_max, problem.law.shift == 0.0
+    matrix: tuple[Any, ...] = (problem.G,)
+    prepare: Callable[..., FloatArray] = prepare_dense
+    run: Callable[..., tuple[int, bool]] = run_dense
+    if problem.contacts >= 8 and problem.blocks.density < SPARSE_BELOW:
+        b = problem.blocks
+        matrix, prepare, run = (b.starts, b.columns, b.values), prepare_blocks, run_blocks
+    local, state = prepare(*matrix, problem.scales), np.array([1.0, np.inf, 0.0])
     chunk = limit if settings.max_time == np.inf else max(1, int(2e6 / (9.0 * problem.contacts**2 + 1)))
     done, solved = 0, False
     while not solved and done < limit:
-        used, solved = sweep(settings.tol, min(chunk, limit - done))
+        now = min(chunk, limit - done)
+        used, solved = run(*matrix, problem.g, *laws, settings.tol, now, local, forces, state)
         done += used
         if not solved and time.perf_counter() > end:
             return Answer(forces.reshape(-1, 3), done, Status.MAX_TIME)
     return Answer(forces.reshape(-1, 3), done, Status.MAX_ITERATIONS)
-
-
-class Sweeper:
-    """Gauss-Seidel on one problem's flat forces, call after call; picks the dense or the block form of G."""
-
-    def __init__(self, problem: ContactProblem, forces: FloatArray) -> None:
-        self.problem, self.forces = problem, forces
-        self.blocks = problem.blocks if use_blocks(problem) else None
-        b = self.blocks
-        scales = problem.scales
-        if b is None:
-            self.local = prepare_dense(problem.G, scales)
-        else:
-            self.local = prepare_blocks(b.starts, b.columns, b.values, scales)
-        self.state = np.array([1.0, np.inf, 0.0])
-
-    def __call__(self, tol: float, sweeps: int) -> tuple[int, bool]:
-        """Run up to `sweeps` sweeps; return how many ran, and whether the velocity error is below tol."""
-        p, b = self.problem, self.blocks
-        convex = p.law.shift == 0.0
-        if b is None:
-            return run_dense(
-                p.G, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps, self.local, self.forces,
-                self.state,
-            )  # fmt: skip
-        return run_blocks(
-            b.starts, b.columns, b.values, p.g, p.mu, p.normal_min, p.normal_max, convex, tol, sweeps,
-            self.local, self.forces, self.state,
-        )  # fmt: skip

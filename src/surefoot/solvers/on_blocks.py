@@ -12,7 +12,7 @@ import time
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.admm import run_admm
+from surefoot.solvers.admm import Cones, run_admm
 from surefoot.solvers.compiled import UNBOUNDED
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
 from surefoot.solvers.solver import Answer, Settings, start_forces
@@ -52,13 +52,13 @@ def admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Flo
     It sorts out who slides long before it converges.
     """
     newton = BlockNewton(problem, settings.tol, time.perf_counter() + settings.max_time)
+    s = Cones(problem, warm_start)
 
-    def finish(forces: FloatArray) -> tuple[FloatArray, float]:
-        found = forces.copy()
-        _, relative = newton.run(found, UNBOUNDED, *FINISH)
-        return found, relative
+    def finish(z: FloatArray) -> tuple[FloatArray, float]:
+        found = z * s.D
+        return found, newton.run(found, UNBOUNDED, *FINISH)[1]
 
-    return run_admm(problem, settings, warm_start, finish)
+    return run_admm(s, settings, finish)
 
 
 def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float, float]:

@@ -10,7 +10,24 @@ from __future__ import annotations
 import math
 
 from surefoot.kernels import inline_kernel
-from surefoot.solvers.stopping import project
+from surefoot.numerics.projection import project_truncated
+
+
+@inline_kernel
+def sector(
+    x: float, y: float, mu: float, facets: int, inner: bool
+) -> tuple[float, float, float, float, float, float]:
+    """Return the face nearest to a point's bearing, and where the point is in its axes.
+
+    The cosine and sine of the bearing of the face's middle; the face's slope and half its width at z = 1; the
+    point's coordinates along the face's normal and along the face.
+    """
+    half = math.pi / facets
+    middle = half if inner else 0.0
+    turn = middle + 2.0 * half * math.floor((math.atan2(y, x) - middle) / (2.0 * half) + 0.5)
+    c, s = math.cos(turn), math.sin(turn)
+    slope = mu * math.cos(half) if inner else mu
+    return c, s, slope, slope * math.tan(half), c * x + s * y, c * y - s * x
 
 
 @inline_kernel
@@ -18,16 +35,11 @@ def project_any(
     x: float, y: float, z: float, mu: float, low: float, high: float, facets: int, inner: bool
 ) -> tuple[float, float, float]:
     """Return the nearest admissible force; facets = 0 is the exact cone, low = -inf a bilateral contact."""
-    if facets == 0 or low == -math.inf or mu == 0.0:
-        return project(x, y, z, mu, low, high)
-    half = math.pi / facets
-    middle = half if inner else 0.0  # bearing of a face's middle
-    bearing = math.atan2(y, x)
-    turn = middle + 2.0 * half * math.floor((bearing - middle) / (2.0 * half) + 0.5)
-    c, s = math.cos(turn), math.sin(turn)
-    out, side = c * x + s * y, c * y - s * x  # along the face's normal, along the face
-    slope = mu * math.cos(half) if inner else mu
-    corner = slope * math.tan(half)  # half the face's width at z = 1
+    if low == -math.inf:
+        return x, y, z
+    if facets == 0 or mu == 0.0:
+        return project_truncated(x, y, z, mu, low, high)
+    c, s, slope, corner, out, side = sector(x, y, mu, facets, inner)
     sign = 1.0 if side >= 0.0 else -1.0
     side = abs(side)
     a, b, h = out, side, z

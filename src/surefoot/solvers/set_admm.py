@@ -13,25 +13,14 @@ Limits: linear convergence, a dense inverse; for shifted laws a heuristic, as al
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.solution import Status
 from surefoot.kernels import kernel
-from surefoot.solvers.admm import next_penalty
+from surefoot.solvers.admm import RELAXATION, Iterations, Splitting, run_admm
 from surefoot.solvers.set_kernels import natural_sets, pack, project_sets, shift_sets
 from surefoot.solvers.solver import Answer, Settings, register
-
-MAX_ITERATIONS, CHECK_EVERY = 20_000, 20
-PROXIMAL, RELAXATION = 1e-9, 1.6
-ADAPTING = 0.8
-"""Share of the iterations in which the penalty may change."""
-FINISH_FROM, FINISH_GROWTH = 40, 1.6
-"""Iterations after which something else may try to finish, and by how much more each time."""
 
 
 @kernel
@@ -67,88 +56,60 @@ def _iterate(
     return primal, dual
 
 
-class Scaled:
-    """A problem in scaled variables: λ = D λ', with what measures an answer.
+class Sets(Splitting):
+    """Contacts of any kind, with what measures an answer.
 
     Attributes
     ----------
-    D
-        (m,); the length of a row times the scale of its contact, which gives every block the trace of its
-        rows.
     packed
         What `set_kernels.pack` returns.
     step, weight
-        (n,); see `natural_sets`.
+        (n,); see `natural_sets`, as for `point` and `gap` (m,).
     """
 
-    def __init__(self, problem: ContactProblem) -> None:
+    span, start = 1.0, 0.3
+    check_every, finish_from, finish_growth = 20, 40, 1.6
+
+    def __init__(self, problem: ContactProblem, warm_start: FloatArray | None = None) -> None:
         contacts, scales = problem.contact_set, problem.scales
         counts = np.diff(contacts.offsets)
         size = scales[2] / np.maximum(counts, 1)
         top = float(size.max(initial=0.0))
         size = np.where(size > 1e-12 * top, size, top if top > 0.0 else 1.0)
         unit = 1.0 / np.sqrt(size)
-        self.D = contacts.lengths * np.repeat(unit, counts)
-        self.G, self.g = self.D[:, None] * problem.G * self.D[None, :], self.D * problem.g
         self.packed = pack(contacts, problem.law, unit)
         w, s = scales[0], scales[1]
         w = np.where(w > 0.0, w, np.where(s > 0.0, s, 1.0))
         self.step = 1.0 / (w * unit * unit)
         self.weight = np.where(s > 0.0, w * unit / np.where(s > 0.0, s, 1.0), 0.0)
+        # the length of a row times the scale of its contact gives every block the trace of its rows
+        super().__init__(problem, contacts.lengths * np.repeat(unit, counts), warm_start)
         self.point, self.gap = np.empty(self.g.size), np.empty(self.g.size)
 
-    def error(self, forces: FloatArray) -> tuple[FloatArray, float]:
+    def shifted(self, u: FloatArray) -> FloatArray:
+        """Return u + θ Γ(u) of scaled velocities (m,)."""
+        out = np.empty(u.size)
+        shift_sets(*self.packed, u, out)
+        return out
+
+    def measure(self, z: FloatArray) -> tuple[FloatArray, float]:
         """Return the velocities of scaled (m,) forces, and the velocity error; fills `point` and `gap`."""
-        u = self.G @ forces + self.g
-        return u, float(natural_sets(*self.packed, self.step, self.weight, forces, u, self.point, self.gap))
+        u = self.G @ z + self.g
+        return u, float(natural_sets(*self.packed, self.step, self.weight, z, u, self.point, self.gap))
 
+    def error(self, z: FloatArray) -> float:
+        """Return the velocity error of scaled forces (m,)."""
+        return self.measure(z)[1]
 
-Finish = Callable[[Scaled, FloatArray], tuple[FloatArray, float]]
+    def iterations(self, rho: float) -> Iterations:
+        """Return what runs iterations with the inverse of G + (rho + eta) I."""
+        inverse = np.asarray(np.linalg.inv(self.G + (rho + self.eta) * np.eye(self.g.size)))
+        return lambda n: _iterate(
+            inverse, self.g, *self.packed, rho, self.eta, self.x, self.z, self.y, n
+        )  # fmt: skip
 
 
 @register("set_admm", laws=None, polyhedral=True, bilateral=True, general=True)
 def solve_set_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve contacts of any kind, under any law, by ADMM from a warm start (n, d) or (m,)."""
-    return run_set_admm(problem, settings, warm_start, None)
-
-
-def run_set_admm(
-    problem: ContactProblem, settings: Settings, warm_start: FloatArray | None, finish: Finish | None
-) -> Answer:
-    """Run ADMM; after `FINISH_FROM` iterations, then ever less often, `finish` may try from where it is.
-
-    `finish` takes scaled (m,) forces, returns others with their error, and leaves the iteration be.
-    """
-    end = time.perf_counter() + settings.max_time
-    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
-    s = Scaled(problem)
-    z = s.D * 0.0 if warm_start is None else warm_start.ravel() / s.D
-    x, y = z.copy(), np.zeros(z.size)
-    if warm_start is not None:
-        shifted = np.empty(z.size)
-        shift_sets(*s.packed, s.G @ z + s.g, shifted)
-        y = -shifted
-    largest = max(float(np.trace(s.G)) / z.size, 1e-300)
-    rho, used, eta = 0.3 * largest, 0.0, PROXIMAL * largest
-    best, least = z.copy(), s.error(z)[1]
-    done, next_finish = 0, FINISH_FROM
-    inverse: FloatArray = s.G
-    while done < limit and least > settings.tol:
-        if time.perf_counter() > end:
-            return Answer(best * s.D, done, Status.MAX_TIME)
-        if rho != used:
-            inverse, used = np.asarray(np.linalg.inv(s.G + (rho + eta) * np.eye(z.size))), rho
-        now = min(CHECK_EVERY, limit - done)
-        primal, dual = _iterate(inverse, s.g, *s.packed, rho, eta, x, z, y, now)
-        done += now
-        found, error = z.copy(), s.error(z)[1]
-        if finish is not None and done >= next_finish and error > settings.tol:
-            next_finish = int(FINISH_GROWTH * next_finish)
-            tried, better = finish(s, z.copy())
-            if better < error:
-                found, error = tried, better
-        if error < least:
-            best, least = found, error
-        if done < ADAPTING * limit:
-            rho = next_penalty(rho, rho, primal, dual, z, y, largest)
-    return Answer(best * s.D, done)
+    return run_admm(Sets(problem, warm_start), settings)

@@ -15,7 +15,7 @@ from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact.laws import Law
 from surefoot.contact.sets import ContactSet
 from surefoot.kernels import inline_kernel, kernel
-from surefoot.solvers.pyramid import project_any, shift_any
+from surefoot.solvers.pyramid import project_any, sector, shift_any
 
 DISCS, POLYGON, FREE = 0, 1, 2
 """Codes: a section of discs, a polygon (three rows), any force."""
@@ -44,6 +44,22 @@ def pack(contacts: ContactSet, law: Law, unit: FloatArray) -> tuple[IntArray, In
 
 
 @inline_kernel
+def _norms(group: IntArray, start: int, end: int, x: FloatArray, sizes: FloatArray) -> int:
+    """Fill the norms of a contact's discs' rows of x; return its normal row, -1 for none."""
+    normal = -1
+    for b in range(MOST_DISCS):
+        sizes[b] = 0.0
+    for i in range(start, end):
+        if group[i] < 0:
+            normal = i
+        else:
+            sizes[group[i]] += x[i] * x[i]
+    for b in range(MOST_DISCS):
+        sizes[b] = math.sqrt(sizes[b])
+    return normal
+
+
+@inline_kernel
 def _height(
     group: IntArray, start: int, end: int, row: FloatArray, x: FloatArray, sizes: FloatArray
 ) -> float:
@@ -52,16 +68,8 @@ def _height(
     s - z = Σ r_b (||x_b|| - r_b s)₊ is concave in s where it counts: Newton's method from s = 0 rises to the
     root, one disc let go at a time.
     """
-    z = 0.0
-    for b in range(MOST_DISCS):
-        sizes[b] = 0.0
-    for i in range(start, end):
-        if group[i] < 0:
-            z = x[i]
-        else:
-            sizes[group[i]] += x[i] * x[i]
-    for b in range(MOST_DISCS):
-        sizes[b] = math.sqrt(sizes[b])
+    normal = _norms(group, start, end, x, sizes)
+    z = x[normal] if normal >= 0 else 0.0
     s = 0.0
     for _ in range(MOST_DISCS + 1):
         # the root for the discs that hold at s: (z + Σ r_b ||x_b||) / (1 + Σ r_b²)
@@ -110,24 +118,17 @@ def shift_sets(offset: IntArray, group: IntArray, table: FloatArray, u: FloatArr
     sizes = np.empty(MOST_DISCS)
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
-        gamma, normal = 0.0, -1
-        for b in range(MOST_DISCS):
-            sizes[b] = 0.0
+        gamma, normal = 0.0, _norms(group, start, end, u, sizes)
         for i in range(start, end):
             out[i] = u[i]
-            if group[i] < 0:
-                normal = i
-            else:
-                sizes[group[i]] += u[i] * u[i]
         if row[SHIFT] == 0.0 or row[CODE] == FREE:
             continue
         if row[CODE] == POLYGON:
-            normal = start + 2
             gamma = shift_any(u[start], u[start + 1], row[MU], int(row[SIDES]), row[INNER] != 0.0)
         else:
             for b in range(MOST_DISCS):
                 # Γ(u) = sup of -λ_t·u_t over friction's discs at λ_n = 1: Σ r_b ||u_b||
-                gamma += row[FRICTION + b] * row[RADIUS + b] * math.sqrt(sizes[b])
+                gamma += row[FRICTION + b] * row[RADIUS + b] * sizes[b]
         out[normal] += row[SHIFT] * gamma
 
 
@@ -167,41 +168,29 @@ def _disc_jacobian(
 @inline_kernel
 def _polygon_jacobian(start: int, row: FloatArray, x: FloatArray, J: FloatArray) -> None:
     """Fill the Jacobian of one contact's projection onto a pyramid; see `pyramid.project_any`."""
-    half = math.pi / row[SIDES]
-    inner = row[INNER] != 0.0
-    slope = row[MU] * math.cos(half) if inner else row[MU]
-    corner = slope * math.tan(half)
-    middle = half if inner else 0.0
-    # turn the plane so that the nearest face is met along `out`, and mirror to side >= 0
-    turn = middle + 2.0 * half * math.floor(
-        (math.atan2(x[start + 1], x[start]) - middle) / (2.0 * half) + 0.5
+    c, s, slope, corner, out, side = sector(
+        x[start], x[start + 1], row[MU], int(row[SIDES]), row[INNER] != 0.0
     )
-    c, s = math.cos(turn), math.sin(turn)
-    out, side, z = c * x[start] + s * x[start + 1], c * x[start + 1] - s * x[start], x[start + 2]
     sign = 1.0 if side >= 0.0 else -1.0
-    side = abs(side)
+    side, z = abs(side), x[start + 2]
     # rows of the map in (out, side, normal)
     P = np.zeros((3, 3))
     h = z
     P[0, 0] = P[1, 1] = P[2, 2] = 1.0
-    # beyond a face: onto its plane
+    # beyond a face: onto its plane, and beyond its edge onto the ray through the corner
     if out > slope * z:
         length = 1.0 + slope * slope
         h = z + slope * (out - slope * z) / length
-        P[0, 0], P[0, 2], P[2, 0], P[2, 2] = (
-            slope * slope / length,
-            slope / length,
-            slope / length,
-            1.0 / length,
-        )
-        # beyond its edge: onto the ray through the corner
-        if side > corner * h:
+        outside = side > corner * h
+        if outside:
             length += corner * corner
             h = (slope * out + corner * side + z) / length
-            ray = (slope, corner, 1.0)
-            for a in range(3):
-                for b in range(3):
-                    P[a, b] = ray[a] * ray[b] / length
+        ray = (slope, corner if outside else 0.0, 1.0)
+        for a in range(3):
+            for b in range(3):
+                P[a, b] = ray[a] * ray[b] / length
+        if not outside:
+            P[1, 1] = 1.0
     # a bound holds the height: what is left is the polygon's section
     if h <= 0.0 or h < row[LOW] or h > row[HIGH]:
         height = 0.0 if h <= 0.0 and row[LOW] <= 0.0 else min(max(h, row[LOW]), row[HIGH])
@@ -286,22 +275,14 @@ def newton_matrix(
     sizes, row_of_shift, moved = np.empty(MOST_DISCS), np.empty(WIDEST), np.empty((WIDEST, m))
     for k in range(table.shape[0]):
         start, end, row = offset[k], offset[k + 1], table[k]
-        normal = -1
-        for b in range(MOST_DISCS):
-            sizes[b] = 0.0
+        normal = _norms(group, start, end, u, sizes)
         # N has one row, the normal's: θ ∂Γ/∂u_b = θ r_b u_b / ||u_b||
-        for i in range(start, end):
-            if group[i] >= 0:
-                sizes[group[i]] += u[i] * u[i]
-            else:
-                normal = i
         for i in range(start, end):
             b, value = group[i], 0.0
             if row[CODE] == DISCS and b >= 0 and sizes[b] > 0.0:
-                value = row[FRICTION + b] * row[RADIUS + b] * u[i] / math.sqrt(sizes[b])
+                value = row[FRICTION + b] * row[RADIUS + b] * u[i] / sizes[b]
             row_of_shift[i - start] = row[SHIFT] * value
         if row[CODE] == POLYGON:
-            normal = start + 2
             _corner_slope(u[start], u[start + 1], row, row_of_shift)
         # (I + N) G, the rows of this contact
         for i in range(start, end):

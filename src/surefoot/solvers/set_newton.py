@@ -20,7 +20,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
-from surefoot.solvers.set_admm import Scaled, run_set_admm
+from surefoot.solvers.admm import run_admm
+from surefoot.solvers.set_admm import Sets
 from surefoot.solvers.set_kernels import WIDEST, jacobian_sets, newton_matrix, project_sets
 from surefoot.solvers.solver import Answer, Settings, register
 
@@ -30,12 +31,12 @@ PROXIMAL, PROXIMAL_FAR, SHARE = 1e-11, 1e-2, 1e-2
 
 
 def run_newton(
-    s: Scaled, forces: FloatArray, tol: float, limit: int, end: float
+    s: Sets, forces: FloatArray, tol: float, limit: int, end: float
 ) -> tuple[FloatArray, float, int]:
     """Take steps from scaled forces (m,); return the best, its velocity error, and the number of steps."""
     m, n = forces.size, s.step.size
     J, A = np.empty((n, WIDEST, WIDEST)), np.empty((m, m))
-    u, error = s.error(forces)
+    u, error = s.measure(forces)
     best, least, done, since = forces, error, 0, 0
     while least > tol and done < limit and since < PATIENCE and time.perf_counter() < end:
         jacobian_sets(*s.packed, s.point, J)
@@ -45,7 +46,7 @@ def run_newton(
             forces = forces - np.linalg.solve(A, s.gap)
         except np.linalg.LinAlgError:
             break
-        u, error = s.error(forces)
+        u, error = s.measure(forces)
         done, since = done + 1, since + 1
         if error < least:
             since = 0 if error < 0.9 * least else since
@@ -55,27 +56,27 @@ def run_newton(
     # a point of the sets: what is left of the natural map goes into the velocities
     admissible = np.empty(m)
     project_sets(*s.packed, best, admissible)
-    error = s.error(admissible)[1]
+    error = s.error(admissible)
     return (admissible, error, done) if error <= max(least, tol) else (best, least, done)
 
 
 @register("set_newton", laws=None, polyhedral=True, bilateral=True, general=True)
 def solve_set_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve contacts of any kind, under any law, as far as Newton's method gets from (n, d), (m,) forces."""
-    s = Scaled(problem)
-    start = np.zeros(s.g.size) if warm_start is None else warm_start.ravel() / s.D
+    s = Sets(problem, warm_start)
     end = time.perf_counter() + settings.max_time
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
-    forces, _, done = run_newton(s, start, settings.tol, limit, end)
+    forces, _, done = run_newton(s, s.z, settings.tol, limit, end)
     stop = Status.MAX_ITERATIONS if done >= limit else Status.STALLED
     return Answer(forces * s.D, done, Status.MAX_TIME if time.perf_counter() > end else stop)
 
 
 def set_admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Run ADMM from (n, d) or (m,) forces, with Newton steps from where it is every now and then."""
-    end = time.perf_counter() + settings.max_time
+    end, s = time.perf_counter() + settings.max_time, Sets(problem, warm_start)
 
-    def finish(s: Scaled, forces: FloatArray) -> tuple[FloatArray, float]:
-        return run_newton(s, forces, settings.tol, MAX_ITERATIONS, end)[:2]
+    def finish(z: FloatArray) -> tuple[FloatArray, float]:
+        found, error, _ = run_newton(s, z.copy(), settings.tol, MAX_ITERATIONS, end)
+        return found * s.D, error
 
-    return run_set_admm(problem, settings, warm_start, finish)
+    return run_admm(s, settings, finish)

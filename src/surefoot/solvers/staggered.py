@@ -21,13 +21,12 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
-from surefoot.contact.solution import Status
 from surefoot.solvers.compiled import attempt
 from surefoot.solvers.on_blocks import alternate
-from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, Search, Settings, register, start_forces
 from surefoot.solvers.stopping import measure_of, velocity_error
 
-MAX_ITERATIONS = 500
+MAX_ITERATIONS, PATIENCE = 500, 60
 INNER = 4000
 """Most sweeps and Newton steps for one convex problem on blocks: the next one starts where it ends."""
 
@@ -36,40 +35,27 @@ INNER = 4000
 def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
     """Solve either law by a sequence of convex problems from a (n, 3) start; iterations count them."""
     forces = start_forces(problem, warm_start)
-    end = time.perf_counter() + settings.max_time
+    search = Search(settings, MAX_ITERATIONS, forces.copy(), math.inf, PATIENCE)
     coulomb = problem.law.shift > 0.0
     laws = problem.mu, problem.normal_min, problem.normal_max, measure_of(problem), not coulomb
-    limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations
     held = problem.normal_min == -np.inf
     convex = problem.replace(law="convex")
     shift = _shift(problem, forces, held) if coulomb else np.zeros(problem.contacts)
-    relax, last, done, stop = 1.0, math.inf, 0, Status.MAX_ITERATIONS
-    best, best_gap, since = forces.copy(), math.inf, 0
-    while done < limit:
-        done += 1
+    relax, last = 1.0, math.inf
+    while search.done < search.limit:
         convex.g[:] = problem.g
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
-        _solve_convex(convex, Settings(tol, INNER, max(end - time.perf_counter(), 0.0)), forces)
+        _solve_convex(convex, Settings(tol, INNER, max(search.end - time.perf_counter(), 0.0)), forces)
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         relative = float(velocity_error(forces, velocities, *laws))
-        since += 1
-        if relative < best_gap:
-            since = 0 if relative < 0.9 * best_gap else since
-            best, best_gap = forces.copy(), relative
-        if relative <= settings.tol or not coulomb:
-            break
-        if time.perf_counter() > end:
-            stop = Status.MAX_TIME
-            break
-        if since > 60:
-            stop = Status.STALLED
+        if search.over(forces, relative) or not coulomb:
             break
         if relative > 0.9 * last:
             relax = max(0.7 * relax, 0.1)
         last = relative
         shift = (1.0 - relax) * shift + relax * _shift(problem, forces, held)
-    return Answer(best.reshape(-1, 3), done, stop)
+    return Answer(search.best.reshape(-1, 3), search.done, search.stop)
 
 
 def _solve_convex(problem: ContactProblem, settings: Settings, forces: FloatArray) -> None:

@@ -141,9 +141,9 @@ class Backend(ABC):
 
         return fresh
 
-    @abstractmethod
     def _set_up(self, item: Any) -> Any:
-        """Return a new workspace with a program in it."""
+        """Return a new workspace with a program in it; for a solver without one, the program."""
+        return item
 
     @abstractmethod
     def _run(self, solver: Any, start: FloatArray | None) -> Any:

@@ -48,9 +48,6 @@ class Ecos(Backend):
             E = sp.hstack([E, sp.csc_matrix((z, 1))], format="csc") if z else None
         return None, n, objective, sp.csc_matrix(rows), right, {"l": program.nonneg, "q": sizes}, E, e
 
-    def _set_up(self, item: Any) -> Any:
-        return item
-
     def _run(self, solver: Any, start: FloatArray | None) -> Any:
         _, n, *data = solver
         return n, self.module.solve(*data, **{"verbose": False, **self._words()})

@@ -31,9 +31,6 @@ class Quadprog(Backend):
         C = np.ascontiguousarray(-dense(program.A).T)  # its rows are Cᵀx >= b, equations first
         return None, dense(program.P), -program.q, C, -program.b, program.zero
 
-    def _set_up(self, item: Any) -> Any:
-        return item
-
     def _run(self, solver: Any, start: FloatArray | None) -> Any:
         _, P, a, C, b, equations = solver
         try:

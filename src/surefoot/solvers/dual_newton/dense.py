@@ -12,6 +12,7 @@ is the convex law of any contact problem; intervals carry linear rows, see `rows
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,23 +37,33 @@ PATH_START, PATH_STEP, PATH_TOLERANCE, STAGE = 0.002, 0.05, 1e-6, 10.0
 """Of the path: first weight over ||B||², its factor per stage, ||F||² over ||b||² that is enough for
 a stage, and the most steps of one."""
 
-Memory = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, float]
-"""Columns of B, `sets`, `points`, `duals`, the matrix, and the squared relative rounding error of F."""
 
+class Memory(NamedTuple):
+    """The program and where the method is; see `minimise`.
 
-@inline_kernel
-def _counts(memory: Memory) -> tuple[int, int, int]:
-    """Return the contacts, the intervals and m."""
-    _, sets, points, duals, _, _ = memory
-    contacts = (points.shape[1] - sets.shape[0]) // 2
-    return contacts, sets.shape[0] - contacts, duals.shape[1]
+    Attributes
+    ----------
+    columns, sets, points, duals, H
+        As for `minimise`.
+    contacts
+        Their number; what follows them in the sets are intervals, whose points follow those of the forces.
+    noise
+        The squared relative rounding error of F.
+    """
+
+    columns: FloatArray
+    sets: FloatArray
+    points: FloatArray
+    duals: FloatArray
+    H: FloatArray
+    contacts: int
+    noise: float
 
 
 @kernel
 def _project(memory: Memory, t: float) -> None:
     """Set POINT to OLD + t STEP, and VALUE to its projection."""
-    contacts, rows, _ = _counts(memory)
-    _, sets, points, _, _, _ = memory
+    sets, points, contacts = memory.sets, memory.points, memory.contacts
     for i in range(points.shape[1]):
         points[POINT, i] = points[OLD, i] + t * points[STEP, i]
     for k in range(contacts):
@@ -61,39 +72,37 @@ def _project(memory: Memory, t: float) -> None:
             points[POINT, i], points[POINT, i + 1], points[POINT, i + 2],
             sets[k, MU], sets[k, LOW], sets[k, HIGH],
         )  # fmt: skip
-    for j in range(rows):
-        i, k = 3 * contacts + j, contacts + j
+    for k in range(contacts, sets.shape[0]):
+        i = 2 * contacts + k
         points[VALUE, i] = min(max(points[POINT, i], sets[k, LOW]), sets[k, HIGH])
 
 
 @kernel
 def _pull_back(memory: Memory, y: FloatArray, kappa: float) -> None:
     """Set STEP to [Bᵀ; -Lᵀ] y / kappa."""
-    contacts, rows, m = _counts(memory)
-    columns, sets, points, _, _, _ = memory
+    columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
     rho = 1.0 / kappa
     for i in range(3 * contacts):
         points[STEP, i] = rho * dot(columns[i], y)
-    for j in range(rows):
-        points[STEP, 3 * contacts + j] = -rho * sets[contacts + j, LINK] * y[m - rows + j]
+    for k in range(contacts, sets.shape[0]):
+        points[STEP, 2 * contacts + k] = -rho * sets[k, LINK] * y[y.size - sets.shape[0] + k]
 
 
 @kernel
 def _gradient(memory: Memory, t: float) -> float:
     """Move the points to OLD + t STEP, set GRADIENT to y + B f - L q - b there and return its square."""
     _project(memory, t)
-    contacts, rows, m = _counts(memory)
-    columns, sets, points, duals, _, _ = memory
-    for a in range(m):
-        duals[GRADIENT, a] = duals[DUAL, a] - duals[TARGET, a]
+    columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
+    y, F = memory.duals[DUAL], memory.duals[GRADIENT]
+    for a in range(F.size):
+        F[a] = y[a] - memory.duals[TARGET, a]
     for i in range(3 * contacts):
         value = points[VALUE, i]
         if value != 0.0:
-            for a in range(m):
-                duals[GRADIENT, a] += columns[i, a] * value
-    for j in range(rows):
-        duals[GRADIENT, m - rows + j] -= sets[contacts + j, LINK] * points[VALUE, 3 * contacts + j]
-    return dot(duals[GRADIENT], duals[GRADIENT])
+            advance(F, value, columns[i])
+    for k in range(contacts, sets.shape[0]):
+        F[F.size - sets.shape[0] + k] -= sets[k, LINK] * points[VALUE, 2 * contacts + k]
+    return dot(F, F)
 
 
 @kernel
@@ -117,10 +126,10 @@ def _add_sum(H: FloatArray, columns: FloatArray, i: int, x: float, y: float, z: 
 @kernel
 def _assemble(memory: Memory, kappa: float) -> None:
     """Set the lower triangle of H to kappa I + the curvature of the contacts and intervals."""
-    contacts, rows, m = _counts(memory)
-    columns, sets, points, duals, H, _ = memory
+    columns, sets, points, contacts = memory.columns, memory.sets, memory.points, memory.contacts
+    H, spare = memory.H, memory.duals[SPARE]
     H[:, :] = 0.0
-    for a in range(m):
+    for a in range(spare.size):
         H[a, a] = kappa
     for k in range(contacts):
         i, mu = 3 * k, sets[k, MU]
@@ -131,13 +140,13 @@ def _assemble(memory: Memory, kappa: float) -> None:
             for c in range(3 if free else 2):
                 _add_outer(H, columns[i + c])
         if across > 0.0:
-            _add_sum(H, columns, i, -q * across, p * across, 0.0, duals[SPARE])
+            _add_sum(H, columns, i, -q * across, p * across, 0.0, spare)
         if along > 0.0:
-            _add_sum(H, columns, i, mu * p * along, mu * q * along, along, duals[SPARE])
-    for j in range(rows):
-        k = contacts + j
-        if sets[k, LOW] < points[VALUE, 3 * contacts + j] < sets[k, HIGH]:
-            H[m - rows + j, m - rows + j] += sets[k, LINK] ** 2
+            _add_sum(H, columns, i, mu * p * along, mu * q * along, along, spare)
+    for k in range(contacts, sets.shape[0]):
+        a = spare.size - sets.shape[0] + k
+        if sets[k, LOW] < points[VALUE, 2 * contacts + k] < sets[k, HIGH]:
+            H[a, a] += sets[k, LINK] ** 2
 
 
 @kernel
@@ -153,21 +162,20 @@ def _solve(H: FloatArray, x: FloatArray) -> None:
 @inline_kernel
 def _enter(memory: Memory, y: FloatArray, kappa: float) -> tuple[FloatArray, float]:
     """Place the points and evaluate; see `method.Form`, here and below. y, F and d are rows of `duals`."""
-    _, _, points, duals, _, _ = memory
+    points = memory.points
     _pull_back(memory, y, kappa)
     for i in range(points.shape[1]):
         points[OLD, i] = points[CENTRE, i]
-    return duals[GRADIENT], _gradient(memory, 1.0)
+    return memory.duals[GRADIENT], _gradient(memory, 1.0)
 
 
 @kernel
 def _direction(memory: Memory, F: FloatArray, kappa: float) -> tuple[FloatArray, float]:
-    _, _, points, duals, H, _ = memory
+    points, d = memory.points, memory.duals[DIRECTION]
     _assemble(memory, kappa)
-    d = duals[DIRECTION]
     for a in range(d.size):
         d[a] = -kappa * F[a]
-    _solve(H, d)
+    _solve(memory.H, d)
     for i in range(points.shape[1]):
         points[OLD, i] = points[POINT, i]
     _pull_back(memory, d, kappa)
@@ -178,7 +186,7 @@ def _direction(memory: Memory, F: FloatArray, kappa: float) -> tuple[FloatArray,
 def _take(
     memory: Memory, y: FloatArray, d: FloatArray, kappa: float, t: float, before: float
 ) -> tuple[FloatArray, FloatArray, float, float]:
-    F = memory[3][GRADIENT]
+    F = memory.duals[GRADIENT]
     advance(y, t - before, d)
     error = _gradient(memory, t)
     return y, F, error, dot(F, d)
@@ -186,13 +194,13 @@ def _take(
 
 @inline_kernel
 def _line(memory: Memory, y: FloatArray, d: FloatArray) -> tuple[float, float]:
-    return dot(y, d) - dot(memory[3][TARGET], d), dot(d, d)
+    return dot(y, d) - dot(memory.duals[TARGET], d), dot(d, d)
 
 
 @inline_kernel
 def _derivative(line: tuple[Memory, float, float, float], t: float) -> float:
     memory, kappa, ahead, curve = line
-    points = memory[2]
+    points = memory.points
     _project(memory, t)
     return kappa * dot(points[VALUE], points[STEP]) + ahead + (t - 1.0) * curve
 
@@ -200,7 +208,7 @@ def _derivative(line: tuple[Memory, float, float, float], t: float) -> float:
 @kernel
 def _noise_floor(memory: Memory) -> float:
     """Return the square of the rounding error of the gradient."""
-    return memory[5] * dot(memory[2][POINT], memory[2][POINT])
+    return memory.noise * dot(memory.points[POINT], memory.points[POINT])
 
 
 @inline_kernel
@@ -211,7 +219,7 @@ def _rounding(memory: Memory, progress: Progress, tol: float) -> bool:
 @kernel
 def _predict(memory: Memory, y: FloatArray, kappa: float, smaller: float) -> FloatArray:
     """Return the solution for the smaller weight if no contact changes its face."""
-    m, H, spare = y.size, memory[4], memory[3][GRADIENT]
+    m, H, spare = y.size, memory.H, memory.duals[GRADIENT]
     _assemble(memory, kappa)
     # on one face B Π(c + Bᵀ y / κ) is affine in Bᵀ y / κ: y' = (κ'/κ) H(κ')⁻¹ H(κ) y keeps F = 0
     for a in range(m):
@@ -263,7 +271,8 @@ def minimise(
     norm = 0.0
     for i in range(columns.shape[0]):
         norm += dot(columns[i], columns[i])
-    memory, y = (columns, sets, points, duals, H, ROUNDING * norm), duals[DUAL]
+    contacts, y = columns.shape[0] // 3, duals[DUAL]
+    memory = Memory(columns, sets, points, duals, H, contacts, ROUNDING * norm)
     count, error = 0, math.inf
     if warm:
         F, error = _enter(memory, y, 1.0)

@@ -36,6 +36,8 @@ from surefoot.solvers.dual_newton.dense import (
 from surefoot.solvers.dual_newton.wrench import RELATIVE, distribute_wrench
 
 RowsWork = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+Program = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+"""columns, sets, points, duals and H of `dense.minimise`, with the rows last among sets and duals."""
 
 # columns of `rows`, one line per row: roots of the weights of T f - q and of q, multiplier, last q, and
 # the direction in which the multiplier moved
@@ -49,10 +51,9 @@ ALMOST_KEPT = 1e-6
 
 
 @kernel
-def _stiffen(
-    columns: FloatArray, sets: FloatArray, duals: FloatArray, rows: FloatArray, factor: float
-) -> None:
+def _stiffen(program: Program, rows: FloatArray, factor: float) -> None:
     """Multiply the roots of the rows' weights by `factor`."""
+    columns, sets, _, duals, _ = program
     count, m = rows.shape[0], duals.shape[1]
     contacts = sets.shape[0] - count
     for j in range(count):
@@ -65,10 +66,9 @@ def _stiffen(
 
 
 @kernel
-def _update(
-    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray
-) -> tuple[float, float]:
+def _update(program: Program, rows: FloatArray) -> tuple[float, float]:
     """Move the multipliers; return the largest violation and the largest pull of a moved q."""
+    columns, sets, points, duals, _ = program
     count, m = rows.shape[0], duals.shape[1]
     contacts = sets.shape[0] - count
     violation = shift = 0.0
@@ -120,12 +120,9 @@ def _proves_empty(columns: FloatArray, sets: FloatArray, rows: FloatArray) -> bo
 
 @kernel
 def _keep_rows(
-    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
-    rows: FloatArray, warm: bool, tol: float, row_tol: float, limit: float,
-) -> tuple[float, float, int, bool, bool]:  # fmt: skip
-    """Solve the program with the intervals as limits on T f.
-
-    The arguments up to `tol` are those of `minimise`; `rows` is (rows, 5), see the top of this file.
+    program: Program, rows: FloatArray, tol: float, row_tol: float, limit: float
+) -> tuple[float, float, int, bool, bool]:
+    """Solve the program with the intervals as limits on T f; `rows` is (rows, 5), see the top of this file.
 
     Returns
     -------
@@ -133,18 +130,19 @@ def _keep_rows(
         ||F||², largest violation of a row, iterations, whether the multipliers have settled and whether
         no force fits.
     """
+    columns, sets, points, duals, _ = program
     count, m = rows.shape[0], duals.shape[1]
     contacts = sets.shape[0] - count
     iterations = still = raised = 0
     error = violation = last = np.inf
     empty = False
-    for turn in range(TURNS):
+    for _ in range(TURNS):
         for j in range(count):
             duals[TARGET, m - count + j] = rows[j, MULTIPLIER] / rows[j, HEAVY]
             points[CENTRE, 3 * contacts + j] = rows[j, LIGHT] * rows[j, LAST]
-        error, floor, used = minimise(columns, sets, points, duals, H, warm or turn > 0, tol, limit)
+        error, floor, used = minimise(*program, True, tol, limit)
         iterations += used
-        violation, shift = _update(columns, sets, points, duals, rows)
+        violation, shift = _update(program, rows)
         # a multiplier that stands still leaves q where it was: the proximal term 1/2 ||q - q_last||² is spent
         if violation <= row_tol and shift**2 <= max(tol, floor):
             return error, violation, iterations, True, False
@@ -153,12 +151,12 @@ def _keep_rows(
         if iterations >= limit or (empty and still >= STUBBORN):
             break
         if still >= STUBBORN and raised < 4:  # feasible, it seems, but with multipliers far away
-            _stiffen(columns, sets, duals, rows, math.sqrt(RAISE))
+            _stiffen(program, rows, math.sqrt(RAISE))
             raised += 1
             still = 0
         last = violation
     for _ in range(raised):
-        _stiffen(columns, sets, duals, rows, 1.0 / math.sqrt(RAISE))
+        _stiffen(program, rows, 1.0 / math.sqrt(RAISE))
     return error, violation, iterations, False, empty
 
 
@@ -190,11 +188,11 @@ def rows_work(contacts: int, count: int) -> RowsWork:
 @kernel
 def _load_rows(
     wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
-    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, rows: FloatArray,
-    contacts: int, margin: float,
+    program: Program, rows: FloatArray, margin: float,
 ) -> None:  # fmt: skip
     """Copy a loaded wrench program from `work` and add the rows to it, `margin` inside their limits."""
-    count = rows.shape[0]
+    columns, sets, points, duals, _ = program
+    count, contacts = rows.shape[0], columns.shape[0] // 3
     wide = steep = 0.0
     for k in range(contacts):
         on = 1.0 if work[k, base.HIGH] > 0.0 else 0.0
@@ -215,10 +213,8 @@ def _load_rows(
         rows[j, HEAVY], rows[j, LIGHT] = heavy, light
         # a little inside the limits, so that the answer keeps them in spite of its tolerance
         inset = min(margin, 0.25 * (high[j] - low[j]))
-        sets[contacts + j, LOW], sets[contacts + j, HIGH] = (
-            light * (low[j] + inset),
-            light * (high[j] - inset),
-        )
+        sets[contacts + j, LOW] = light * (low[j] + inset)
+        sets[contacts + j, HIGH] = light * (high[j] - inset)
         # the slack q of a row is a variable in an interval, like a contact in its cone
         sets[contacts + j, LINK] = heavy / light
         rows[j, LAST] = min(max(rows[j, LAST], low[j] + inset), high[j] - inset)
@@ -230,13 +226,11 @@ def _load_rows(
 
 
 @kernel
-def _restore(
-    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
-    rows: FloatArray, tol: float, limit: float, contacts: int,
-) -> tuple[int, bool]:  # fmt: skip
+def _restore(program: Program, rows: FloatArray, tol: float, limit: float) -> tuple[int, bool]:
     """Move the forces to the nearest ones that keep the rows, whatever the wrench; a far easier program."""
+    columns, _, points, duals, _ = program
     steep = 0.0
-    for i in range(3 * contacts):
+    for i in range(columns.shape[0]):
         # nearest to the forces at hand, and no wrench
         points[CENTRE, i] = points[VALUE, i]
         for a in range(6):
@@ -247,8 +241,8 @@ def _restore(
     duals[DUAL, :] = 0.0
     rows[:, MULTIPLIER] = 0.0
     heavy = math.sqrt(HEAVINESS * rows.shape[0] / steep) if steep > 0.0 else 1.0
-    _stiffen(columns, sets, duals, rows, heavy / rows[0, HEAVY])
-    _, _, used, settled, _ = _keep_rows(columns, sets, points, duals, H, rows, True, tol, INSET, limit)
+    _stiffen(program, rows, heavy / rows[0, HEAVY])
+    _, _, used, settled, _ = _keep_rows(program, rows, tol, INSET, limit)
     return used, settled
 
 
@@ -266,8 +260,7 @@ def _not_usable(jacobian: FloatArray, low: FloatArray, high: FloatArray) -> bool
 @inline_kernel
 def _solve_rows(
     wrench: FloatArray, jacobian: FloatArray, low: FloatArray, high: FloatArray, work: FloatArray,
-    columns: FloatArray, sets: FloatArray, points: FloatArray, duals: FloatArray, H: FloatArray,
-    rows: FloatArray, contacts: int, tol: float, limit: float,
+    program: Program, rows: FloatArray, tol: float, limit: float,
 ) -> tuple[float, int, bool, bool]:  # fmt: skip
     """Solve the loaded wrench program with the rows, a little inside their limits.
 
@@ -279,10 +272,8 @@ def _solve_rows(
     """
     margin, iterations, settled, empty, error = INSET, 0, False, False, math.inf
     for _ in range(3):
-        _load_rows(wrench, jacobian, low, high, work, columns, sets, points, duals, rows, contacts, margin)
-        error, violation, used, settled, empty = _keep_rows(
-            columns, sets, points, duals, H, rows, True, tol, margin, limit
-        )
+        _load_rows(wrench, jacobian, low, high, work, program, rows, margin)
+        error, violation, used, settled, empty = _keep_rows(program, rows, tol, margin, limit)
         iterations += used
         if settled or empty or violation > WIDEST_INSET:
             break
@@ -293,7 +284,7 @@ def _solve_rows(
     for _ in range(3):
         if not settled and not empty:
             error = math.inf
-            used, settled = _restore(columns, sets, points, duals, H, rows, tol, limit, contacts)
+            used, settled = _restore(program, rows, tol, limit)
             iterations += used
     return error, iterations, solved, empty
 
@@ -339,7 +330,7 @@ def distribute_with_rows(
             duals[DUAL, a] = work[contacts, base.DUAL + a]
     tol, limit = work[results, base.TOLERANCE] ** 2, max(work[results, base.LIMIT], 200.0)
     error, iterations, solved, empty = _solve_rows(
-        wrench, jacobian, low, high, work, columns, sets, points, duals, H, rows, contacts, tol, limit
+        wrench, jacobian, low, high, work, (columns, sets, points, duals, H), rows, tol, limit
     )
     if not _take_forces(points, work, contacts):
         work[results, base.WARM] = work[results, base.ROWS_WARM] = 0.0
