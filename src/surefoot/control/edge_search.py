@@ -157,6 +157,7 @@ class EdgeSearch:
         self.probe: FootProbe | None = None
         self._stage: Callable[[], None] = self._shift
         self._foot, self._began, self._time, self._elapsed = -1, math.nan, math.nan, 0.0
+        self._joined = False
         self._since = math.nan
 
     def update(
@@ -306,7 +307,9 @@ class EdgeSearch:
         base = float(self._soles[self._carrying, 2].mean())
         before = float(self._target[:2] @ self.along)
         self._target += (min(before + speed * dt, s + LEADING) - before) * self._way
-        self._target[2] = base + max(self._tread - PUSHED, z - PRESSED)
+        self._target[2] = self._tread + base - PUSHED
+        if self._joined:  # over long ways what friction lacks to one side adds up
+            self._target[2] = max(self._target[2], z + base - PRESSED)
         self._move(speed * self._way)
         if z < self._tread - SUNK:
             rest_of = self._radius - (self._tread - z)
@@ -336,7 +339,7 @@ class EdgeSearch:
             self.edges[self._group(foot)] = edge
             self._return(edge - BEFORE, base)
             return
-        self._edge, self._before, self._began = edge, edge - NEAR, self._time
+        self._edge, self._before, self._began, self._joined = edge, edge - NEAR, self._time, True
         self._step_to(edge + BEHIND, base)  # a front foot joins the other one
         self._bottom -= self._depth
 
@@ -368,4 +371,5 @@ class EdgeSearch:
         if self._carrying[self._foot]:
             self.probe, self._foot = None, -1
             self.failed = bool(self._looked[0] and math.isnan(self.edges[0])) or self._late()
+            self.done = bool(self._looked.all()) and not (self.failed or self._joined)
             self._enter(self._shift)
