@@ -65,6 +65,7 @@ def test_a_foot_that_finds_no_ground_stops_the_body_and_the_walk_says_why() -> N
     stand(ground, stands, (0.3, -0.12))
     assert ground.drop.depth == pytest.approx(0.12)
     assert ground.notes == []  # it may yet be steps down
+    stands[3, 2] = -0.12  # with a hind foot beyond it, too, it cannot feel for the edge
     ground.observe(state(0.41 + PATIENCE), stands, ALL, NONE, stands)
     (note,) = ground.notes
     assert note.startswith("stopped from 0.40 s on: a foot found the ground 120 mm lower")

@@ -85,7 +85,7 @@ class ScheduledMotion(Found):
 
 
 def start_from(problem: ScheduleProblem) -> FloatArray:
-    """Return variables to start from: the reference with the weight on the feet that stand."""
+    """Return (size,) variables to start from: the reference with the weight on the feet that stand."""
     import pinocchio
 
     robot, n, stance = problem.robot, problem.knots, problem.stance
