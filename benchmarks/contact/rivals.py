@@ -16,8 +16,8 @@ import scipy.sparse as sp
 
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
-from surefoot.errors import MissingExtra
 from surefoot.problems.judge import coarsest, judge
+from surefoot.robot.libraries import import_pinocchio
 
 BUDGET = 8.0
 """Seconds after which a rival that has not reached the residual gets no tighter tolerance."""
@@ -87,10 +87,7 @@ class PinocchioCall:
     """
 
     def __init__(self, problem: ContactProblem, setting: Setting, tol: float, iterations: int) -> None:
-        try:
-            import pinocchio
-        except ImportError as error:
-            raise MissingExtra("pin", "robot") from error
+        pinocchio = import_pinocchio()
         model, place = pinocchio.Model(), pinocchio.SE3.Identity()
         model.addJoint(0, pinocchio.JointModelFreeFlyer(), place, "body")
         self.models, self.datas = pinocchio.StdVec_ConstraintModel(), pinocchio.StdVec_ConstraintData()

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import BoolArray
-from surefoot.errors import MissingExtra
 from surefoot.robot.catalog import FootShape
+from surefoot.robot.libraries import import_pinocchio
 from surefoot.robot.robot import Robot
 
 BASE = ("base_x", "base_z", "base_pitch")
@@ -57,10 +57,7 @@ def passive_joints(robot: Robot) -> BoolArray:
 
 def _planar(name: str, mass: float, feet: Sequence[str], apart: Sequence[float]) -> Robot:
     """Return a body over legs of two links, whose feet stand `apart` of the hip."""
-    try:
-        import pinocchio as pin
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
+    pin = import_pinocchio()
     model = pin.Model()
     model.name = name
     body = 0

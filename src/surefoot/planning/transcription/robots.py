@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.errors import MissingExtra
 from surefoot.planning.transcription import textbook
 from surefoot.robot import Foot, Robot
+from surefoot.robot.libraries import import_pinocchio
 
 
 def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:
     """Return a free ball of `mass` [kg] and `radius` [m]."""
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     joint = model.addJoint(0, pinocchio.JointModelFreeFlyer(), pinocchio.SE3.Identity(), "root_joint")
     model.appendBodyToJoint(joint, pinocchio.Inertia.FromSphere(mass, radius), pinocchio.SE3.Identity())
@@ -31,7 +31,7 @@ def ball(mass: float = 1.0, radius: float = 0.1) -> Robot:
 
 def hopper() -> Robot:
     """Return the hopper of `textbook.hopper`: joints x, z, hip [rad] and leg [m]."""
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     joint = _slides(model, "x", "z")
     _mass(model, joint, textbook.BODY)
@@ -51,7 +51,7 @@ def block_and_foot() -> Robot:
 
     Its feet are where the block stands, and the foot's sphere.
     """
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     model: Any = pinocchio.Model()
     here, radius = pinocchio.SE3.Identity(), textbook.FOOT_RADIUS
     block, foot = _slides(model, "block_x", "block_z"), _slides(model, "foot_x", "foot_z")
@@ -68,7 +68,7 @@ def block_and_foot() -> Robot:
 
 def _slides(model: Any, *names: str) -> int:
     """Add slides along x and z of the world; return the last joint."""
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     here = pinocchio.SE3.Identity()
     joint = model.addJoint(0, pinocchio.JointModelPX(), here, names[0])
     return int(model.addJoint(joint, pinocchio.JointModelPZ(), here, names[1]))
@@ -76,7 +76,7 @@ def _slides(model: Any, *names: str) -> int:
 
 def _mass(model: Any, joint: int, mass: float) -> None:
     """Put a point mass [kg] at a joint."""
-    pinocchio = _pinocchio()
+    pinocchio = import_pinocchio()
     point = pinocchio.Inertia(mass, np.zeros(3), np.zeros((3, 3)))
     model.appendBodyToJoint(joint, point, pinocchio.SE3.Identity())
 
@@ -88,15 +88,7 @@ def _limit(model: Any, limits: Sequence[float]) -> None:
 
 def _robot(name: str, model: Any, feet: Sequence[Foot], nominal: FloatArray, floating: bool = False) -> Robot:
     """Return a robot without geometry."""
-    empty = _pinocchio().GeometryModel
+    empty = import_pinocchio().GeometryModel
     out = Robot(name, model, empty(), empty, (), nominal, floating)
     out.feet = tuple(feet)
     return out
-
-
-def _pinocchio() -> Any:
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise MissingExtra("pin", "robot") from error
-    return pinocchio
