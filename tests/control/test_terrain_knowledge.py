@@ -9,14 +9,21 @@ import numpy as np
 import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
+from surefoot.control.gait import Gait
 from surefoot.control.gait_library import named_gait
 from surefoot.control.look_ahead import plane_ahead
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief, MappedGround, TouchedGround, believed_ground
+from surefoot.control.walking import WalkingController
+from surefoot.control.walking_body import VelocityCommand
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
 from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
+from surefoot.simulation.rigid import RigidWorld
+from surefoot.simulation.run import run
+from surefoot.simulation.scenario import Scenario
+from surefoot.simulation.walk_terrain import start_pose
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain
 
 HEIGHT = 0.3
@@ -203,3 +210,28 @@ def test_the_plane_over_stairs_is_calm() -> None:
     assert np.ptp(level) < 0.012  # the treads themselves are off by 0.12
     assert np.ptp(slopes) < 0.05
     assert slopes.mean() == pytest.approx(0.4, abs=0.02)
+
+
+class Stumbling(TouchedGround):
+    """Believes at 0.4 s that a foot has struck an edge."""
+
+    def observe(self, state: RobotState, *feet: np.ndarray) -> None:
+        if abs(state.time - 0.4) < 1e-6:
+            self.stumbled(state.time)
+        super().observe(state, *feet)
+
+
+def highest_lift(ground: GroundBelief, gait: str | Gait) -> float:
+    """Return how far off flat ground Go2 gets its feet from 0.5 s on [m]."""
+    go2, flat = load_robot("go2"), FlatTerrain()
+    walker = WalkingController(go2, VelocityCommand.constant(0.4), gait, ground)
+    log = run(RigidWorld(go2, flat, 0.6), walker, Scenario(1.0, 0.6, start=start_pose(go2, flat)), [])
+    radius = float(np.mean([foot.radius for foot in go2.feet]))
+    return max(float(go2.foot_positions(q)[:, 2].max()) for q in log["q"][500:]) - radius
+
+
+@pytest.mark.parametrize("gait", ["trot", named_gait("trot", 4)], ids=["adaptive", "fixed"])
+def test_after_a_stumble_a_trot_lifts_its_feet_as_high_as_is_asked_for(gait: str | Gait) -> None:
+    usual, raised = highest_lift(TouchedGround(), gait), highest_lift(Stumbling(), gait)
+    assert usual == pytest.approx(0.07, abs=0.01)
+    assert raised == pytest.approx(0.133, abs=0.01)

@@ -31,11 +31,8 @@ UNFIT = 1.1
 """A cycle is not fit for a speed if its feet would carry this much longer than they should there."""
 AHEAD = 0.6
 """Stances are remembered that ended less than this ago [s]."""
-FIRST_LIFT, AFTER_HOLD = 0.02, 0.15
-"""A foot at rest lifts no sooner than this after a walk is wanted again [s], and where feet were held on the
-ground none waits for longer than this."""
-ALONE = 10.0
-"""A foot that lifts alone is expected back after this time, until it is told to land [s]."""
+FIRST_LIFT = 0.02
+"""A foot at rest lifts no sooner than this after a walk is wanted again [s]."""
 EARLIER = 0.25
 """Feet that would lift so much earlier than a leading one wait for a cycle, as a share of it."""
 LEAST_AIR = 0.95
@@ -105,7 +102,7 @@ class AdaptiveGait(ContactSchedule):
         self._stances: list[list[list[float]]] = [[[-math.inf, math.inf]] for _ in range(self.feet)]
         self.asked = np.zeros(3)
         self._next = 0.0
-        self._resting, self.held, self.leading, self._stood = True, False, 0, False
+        self._resting, self.held, self.leading = True, False, 0
         if self._first.moving:
             self._begin(0.0)
 
@@ -143,26 +140,11 @@ class AdaptiveGait(ContactSchedule):
             return
         self._make(time + SAME_TIME)
         self._forget_phases()
-        self.held = self._resting = self._stood = True
+        self.held = self._resting = True
         for stances in self._stances:
             coming = next(k for k, (_, end) in enumerate(stances) if end > time + SAME_TIME)
             del stances[coming + 1 :]
             stances[coming][1] = math.inf
-
-    def lift_alone(self, foot: int, time: float) -> None:
-        """Let one foot of those that are held be in the air from a time [s] on, until `land_alone`."""
-        stances = self._stances[foot]
-        if self.held and stances[-1][0] <= time:
-            self._forget_phases()
-            stances[-1][1] = time + SAME_TIME
-            stances.append([time + ALONE, math.inf])
-
-    def land_alone(self, foot: int, time: float) -> None:
-        """Let it be on the ground again from a time [s] on."""
-        stances = self._stances[foot]
-        if self.held and stances[-1][0] > time:
-            self._forget_phases()
-            stances[-1][0] = time
 
     @property
     def turning(self) -> bool:
@@ -221,11 +203,7 @@ class AdaptiveGait(ContactSchedule):
         self.stride = stride = self.wanted
         pace = stride.pace
         air = pace.period - pace.stance_time
-        longest = AFTER_HOLD if self._stood else math.inf
-        self._stood = False
-        lifts = [
-            max(time + FIRST_LIFT, min(s[-1][0] + pace.stance_time, time + longest)) for s in self._stances
-        ]
+        lifts = [max(time + FIRST_LIFT, s[-1][0] + pace.stance_time) for s in self._stances]
         shares = [float(o) for o in stride.offset]
         others = [o < shares[self.leading] - EARLIER for o in shares]  # lift a cycle later
         shares = [o + other for o, other in zip(shares, others, strict=True)]

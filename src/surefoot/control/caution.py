@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from surefoot.arrays import FloatArray
-from surefoot.control.walking_feet import SEARCH_SPEED, FootProbe
+from surefoot.control.walking_feet import SEARCH_SPEED
 
 
 class Caution:
@@ -21,18 +19,12 @@ class Caution:
         The share of its speed then.
     lead
         Speed with which late feet go along with the body then, over the body's.
-    lower
-        By how much less feet are lifted over edges [m].
     careful
         Whether late feet slow down on their way to the ground, and gait and body wait for them.
     standing
         Whether all feet should stay on the ground.
     leading
         A foot that is to be among the first to lift after that.
-    probe
-        What one of them should do meanwhile, if anything.
-    com
-        (3,) centre of mass of the robot [m].
     notes
         What the walk says of its command: a line is added for what has been slowed.
     """
@@ -41,15 +33,12 @@ class Caution:
     unsure: bool = False
     pace: float = 1.0
     lead: float = 0.0
-    lower: float = 0.0
     careful: bool = False
     standing: bool = False
     leading: int = 0
-    probe: FootProbe | None = None
 
     def __init__(self) -> None:
         self.notes: list[str] = []
-        self.com: FloatArray = np.zeros(3)
 
     def allowed(self, command: FloatArray) -> FloatArray:
         """Return what may be followed of a (3,) velocity in heading axes [m/s, m/s, rad/s]."""

@@ -2,9 +2,8 @@
 
 A foot that goes on down where the ground should be, farther than steps that matter, has found a drop. All
 that touch tells of it are stands: up to the farthest one before it the ground is level, the least far one
-beyond it lies lower, and the edge is somewhere between. So the body stops, and feet keep to where feet have
-stood. If the drop is no deeper than a step down and the command leads on, feet slide to the edges
-(`EdgeSearch`), and steps down are known; else the only way that is left is back.
+beyond it lies lower, and the edge is somewhere between. So the body stops, feet keep to where feet have
+stood, and the only way that is left is back.
 """
 
 from __future__ import annotations
@@ -15,18 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.edge_search import FRONT, EdgeSearch, to_diagonal
 from surefoot.control.stair_gait import LOW
 from surefoot.spatial import GRAVITY
 
-TAKEN = 0.45
-"""A drop of no more than this share of the height of the centre of mass may be the first of steps down."""
-STEEPEST = 0.43
-"""Steps down are not taken by touch alone if they are deeper than this share of their treads."""
-PATIENCE = 1.5
-"""So long after it is told a robot that cannot feel for edges says that it has stopped [s]."""
-NEAR_GROUND = 0.08
-"""Where the depth is known, feet come down gently from so near to the ground on, likewise."""
+DROP = 0.29
+"""A drop of more than this share of the height of the centre of mass is not taken by touch alone; less is a
+small step, and the walk goes on."""
 BOTTOMLESS = 0.5
 """No ground is found any more that is lower than this share of it."""
 SURE_TREAD = 0.75
@@ -77,10 +70,6 @@ class FeltDrop:
         Whether a foot has stood on the ground beyond it.
     standing, astride
         Whether the body stands still, and whether feet stand beyond the edge.
-    search
-        What feels for the edges, None where nothing does.
-    feeling, refused, steep
-        Whether it does so now, whether the robot does not go on, and whether that is for the steps' slope.
     leading
         A foot of the diagonal that should step first then.
 
@@ -100,9 +89,6 @@ class FeltDrop:
         self._before, self._beyond, self._farthest = before, max(beyond, before), -math.inf
         self._height, self._radius = height, radius
         self.found = self.standing = self.astride = False
-        self.search: EdgeSearch | None = None
-        self.feeling = self.refused = self.steep = False
-        self._told_at = math.nan
         self.leading, self._halted = 0, False
         self._excess, self._shift, self._stood = np.zeros(2), np.zeros(2), False
         self._stepped: BoolArray = np.zeros(4, dtype=bool)
@@ -120,12 +106,12 @@ class FeltDrop:
     @property
     def shallow(self) -> bool:
         """Whether the ground beyond has been found, and is no lower than after a small step."""
-        return self.found and self.depth < LOW * self._height
+        return self.found and self.depth < DROP * self._height
 
     @property
     def told(self) -> bool:
         """Whether it is certain that the drop is not a small step."""
-        return self.depth > LOW * self._height and (self.found or self.depth > BOTTOMLESS * self._height)
+        return self.depth > DROP * self._height and (self.found or self.depth > BOTTOMLESS * self._height)
 
     def deeper(self, along: float, height: float) -> None:
         """Learn that a foot at a place has gone down to a height without finding ground [m]."""
@@ -166,58 +152,6 @@ class FeltDrop:
         low, high = max(self._beyond, self.edge + REACH), max(self._farthest, sure)
         below = min(max(along, low), high)
         return top if along - top < below - along else below
-
-    def feel(
-        self, time: float, com: FloatArray, flow: FloatArray, feet: FloatArray, soles: FloatArray,
-        carrying: BoolArray, onward: bool,
-    ) -> None:  # fmt: skip
-        """Feel for the edges of steps down where the robot stands astride.
-
-        Parameters
-        ----------
-        time, com, flow, feet, soles, carrying
-            Of this step, see `EdgeSearch.update`.
-        onward
-            Whether the command leads on, ahead of the robot.
-        """
-        if self.told and math.isnan(self._told_at):
-            self._told_at = time
-        search = self.search
-        if search is None and onward and self._taken and self._stood and carrying.all():
-            beyond = feet[:, 2] < self.level - 0.5 * self.depth
-            if len(feet) == 4 and beyond[:FRONT].any() and not beyond[FRONT:].any():
-                edges = self._before, self._beyond
-                search = EdgeSearch(self.along, edges, self.depth, self._height, self._radius)
-        if search is not None and search.probe is None and not onward:
-            search = None
-        if search is not None and search.done:
-            self.leading = search.leading
-            self.steep = self.depth > STEEPEST * float(np.diff(search.edges)[0])  # no second edge: not steep
-            search.failed |= self.steep
-        self.search = search
-        self.feeling = search is not None and not (search.failed or search.done)
-        patient = onward and self._taken and not time - self._told_at > PATIENCE
-        self.refused = self.told and not self.feeling and (search is not None or not patient)
-        if search is not None:
-            search.update(time, com, flow, feet, soles, carrying)
-
-    @property
-    def edges(self) -> FloatArray | None:
-        """Places (2,) of the first two edges along the way, the second nan if there is none near [m].
-
-        None as long as they have not been felt, and where the steps are not taken.
-        """
-        search = self.search
-        return search.edges if search is not None and search.done and not search.failed else None
-
-    @property
-    def _taken(self) -> bool:
-        """Whether it may be the first of steps down."""
-        return self.found and not self.shallow and self.depth < TAKEN * self._height
-
-    def falling(self, height: float) -> bool:
-        """Return whether a foot at a height that looks for ground of known depth is far above it [m]."""
-        return self.found and height > self.level - self.depth + NEAR_GROUND * self._height
 
     def rest(
         self, place: FloatArray, flow: FloatArray, feet: FloatArray, carrying: BoolArray, asked: bool
@@ -260,7 +194,10 @@ class FeltDrop:
 
     def _lines(self, place: FloatArray, feet: FloatArray) -> float:
         """Find where the body should go when it stands; return how far apart the diagonals are [m]."""
-        self._excess = to_diagonal(place, feet, self.leading)
+        first, last = feet[[[1, 2], [0, 3]][self.leading], :2]  # of the diagonal that will carry first
+        way = last - first
+        share = float(np.clip((place - first) @ way / (way @ way), 0.0, 1.0))
+        self._excess = first + share * way - place
         middle = feet[:, :2].mean(axis=0) - place
         self._shift = middle if math.hypot(*middle) > FAR * self._height else self._excess
         return abs(float((feet[0] + feet[3] - feet[1] - feet[2])[:2] @ self.along)) / 2.0
@@ -272,9 +209,7 @@ class FeltDrop:
         return np.zeros(2) if little else np.asarray(left)
 
     def shift(self) -> FloatArray:
-        """Return the (2,) velocity with which a body that stands goes to where it should be [m/s]."""
-        if self.feeling and self.search is not None:
-            return self.search.shift
+        """Return the (2,) velocity with which a body that stands goes to the middle of its feet [m/s]."""
         speed = math.hypot(*self._shift) / SHIFT_TIME
         return np.asarray(self._shift / SHIFT_TIME * min(1.0, FASTEST_SHIFT / max(speed, 1e-9)))
 
@@ -282,16 +217,10 @@ class FeltDrop:
         """Return whether all feet have gone back from the drop: they stand at (n, 3) `feet` [m]."""
         return bool((feet[:, :2] @ self.along).max() < self.edge - AWAY * self._height)
 
-    def note(self) -> str:
-        """Return what the walk says of a drop at which it has stopped."""
-        deep = self.depth >= TAKEN * self._height
-        why = "its edges have not been felt"
-        if deep:
-            why = f"drops of more than {1e3 * TAKEN * self._height:.0f} mm are not taken by touch alone"
-        elif self.steep and self.search is not None:
-            tread = 1e3 * float(np.diff(self.search.edges)[0])
-            why = f"steps of {tread:.0f} mm are too steep to be taken by touch alone"
+    def note(self, time: float) -> str:
+        """Return what the walk says of it, found at a time [s]."""
         return (
-            f"stopped from {self._told_at:.2f} s on: a foot found the ground {1e3 * self.depth:.0f} mm "
-            f"lower, and {why}; only commands that lead back are followed"
+            f"stopped from {time:.2f} s on: a foot found the ground {1e3 * self.depth:.0f} mm lower, and "
+            f"drops of more than {1e3 * DROP * self._height:.0f} mm are not taken by touch alone; only "
+            f"commands that lead back are followed"
         )

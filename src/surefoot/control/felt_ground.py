@@ -8,7 +8,6 @@ its gait is in step with them, every stand and every strike corrects where they 
 the ground one step too low has found their end.
 
 A foot that finds no ground where it should be, down to below steps that matter, stops the walk (`FeltDrop`).
-Feet that slide to the edges make steps down of it (`EdgeSearch`), which are known as steps up are.
 
 References
 ----------
@@ -26,7 +25,6 @@ from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.controller import RobotState
-from surefoot.control.felt_descent import FeltDescent
 from surefoot.control.felt_drop import FeltDrop
 from surefoot.control.stair_gait import LOW
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
@@ -48,10 +46,6 @@ FORWARD = 0.7
 FEELING, CATCHING_UP, BEHIND = 0.1, 0.3, 1.15
 """Shares of its speed with which the body goes on while feet feel for steps: as long as it is so near behind
 the farthest foot, in heights of the centre of mass, and farther behind."""
-LOWER = 0.12
-"""By how much less feet are lifted down steps, likewise: their end is met higher than expected."""
-SHORTER = 0.05
-"""`shorter` on the way down steps, likewise: what feet have slid over adds up to their error."""
 RETREAT = 0.3
 """Share of its speed with which the body leaves a drop."""
 UNMOVED = 0.1
@@ -102,7 +96,7 @@ class FeltGround(TouchedGround):
     Attributes
     ----------
     flight
-        The steps, None where there are none.
+        The steps up, None where there are none.
     drop
         The edge at which the ground falls off, None where there is none.
     """
@@ -110,9 +104,7 @@ class FeltGround(TouchedGround):
     def __init__(self) -> None:
         super().__init__()
         self.flight: FeltFlight | None = None
-        self._expected: dict[int, float] = {}
         self.drop: FeltDrop | None = None
-        self._descent: FeltDescent | None = None
         self._said: str | None = None
 
     def __repr__(self) -> str:
@@ -123,28 +115,26 @@ class FeltGround(TouchedGround):
         self._forget()
         self._heading, self._time = np.array([1.0, 0.0]), state.time
         self._struck: tuple[FloatArray, FloatArray] | None = None
-        self._ignored_until, self._slid = -math.inf, set[int]()
-        self._asked = self._onward = False
-        self._hush()
+        self._ignored_until = -math.inf
+        self._expected: dict[int, float] = {}
+        self._slid: set[int] = set()
+        self._asked = False
+        if self._said in self.notes:
+            self.notes.remove(self._said)
+        self._said = None
         super().begin(state, ground, height)
 
     def _forget(self) -> None:
         """Believe in a plane again."""
         self.flight, self.drop, self.unsure, self.pace = None, None, False, 1.0
-        self._descent, self.probe, self.lead, self.lower, self._expected = None, None, 0.0, 0.0, {}
         self.search_speed, self._felt_to = SEARCH_SPEED, -math.inf
-        self.careful = self.standing = self.underway = False
-        self.shorter, self.leading = 0.0, 0
-
-    def above(self, soles: FloatArray, asked: BoolArray) -> FloatArray:
-        """See `GroundBelief.above`: known of steps down."""
-        return np.zeros(len(soles)) if self._descent is None else self._descent.above(soles, asked)
+        self.careful = self.standing = False
+        self.leading = 0
 
     def may_strike(self, sole: FloatArray, velocity: FloatArray) -> bool:
         """See `GroundBelief.may_strike`: of known steps only a riser that is higher than the foot."""
         flight = self.flight
-        known = flight is not None and flight.tread_known and not (flight.down and flight.ended)
-        if self.drop is not None or known:
+        if self.drop is not None or (flight is not None and flight.tread_known):
             ahead = self.height(self._path_ahead(sole, velocity))
             if float(ahead.max()) < sole[2] + 0.5 * self.radius:
                 return False
@@ -161,10 +151,6 @@ class FeltGround(TouchedGround):
         if self.drop is not None:
             self.drop.struck(float(sole[:2] @ self.drop.along))
             return
-        if self._descent is not None:
-            if not self._descent.flight.ended:
-                return
-            self._forget()
         if self.flight is None:
             way = float(velocity[:2] @ self._heading)
             if abs(way) < FORWARD * math.hypot(velocity[0], velocity[1]):
@@ -184,17 +170,11 @@ class FeltGround(TouchedGround):
         self._heading = heading_of(state.q[3:7])
         falling = self.flight is None and (self._expected or sought.any())
         flow = base_velocity(state.q, state.v) if falling or self.drop is not None else np.zeros(3)
-        if falling or self._descent is not None:
-            self._expect(sought, soles)
         if falling:
-            self._look_down(flow, ground, carrying, soles)
-        if self._descent is not None:
-            below = max((level - float(soles[k, 2]) for k, level in self._expected.items()), default=0.0)
-            self._descent.observe(state.time, carrying, soles, below)
-            self.search_speed, self.lead = self._descent.search_speed, self._descent.lead
+            self._look_down(flow, ground, carrying, sought, soles)
         super().observe(state, ground, carrying, sought, soles)
         if self.drop is not None:
-            self._mind(self.drop, state, flow, ground, soles, carrying)
+            self._mind(self.drop, state, flow, ground, carrying)
         flight = self.flight
         if flight is not None:
             self.lift = 0.0  # feet are lifted over edges that are known
@@ -202,30 +182,22 @@ class FeltGround(TouchedGround):
             place = float(state.q[:2] @ flight.along)
             near = self._felt_to - place < BEHIND * self._height
             self.pace = FEELING if near else CATCHING_UP
-            if flight.ended:
-                end = flight.edge(flight.last)
-                below = flight.down and float((ground[:, :2] @ flight.along).min()) > end
-                if below or place - end > DEEPEST_TREAD * self._height:
-                    self._forget()
-                if below:  # level ground again, and no plane that goes on down
-                    self._start_over(ground)
+            if flight.ended and place - flight.edge(flight.last) > DEEPEST_TREAD * self._height:
+                self._forget()
         self._time = state.time
 
-    def _expect(self, sought: BoolArray, soles: FloatArray) -> None:
-        """Keep the heights at which late feet were to find the ground [m]."""
-        late = np.flatnonzero(sought).tolist()
-        self._expected = {k: self._expected.get(k, float(self.height(soles[k, :2]))) for k in late}
-
     def _look_down(
-        self, flow: FloatArray, ground: FloatArray, carrying: BoolArray, soles: FloatArray
+        self, flow: FloatArray, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """Learn from feet that go on down where the ground should be.
 
         `flow` (3,) is the body's velocity [m/s], the rest as for `observe`.
         """
-        self._slid = {k for k in self._expected if self._stood[k] or k in self._slid}
-        for k, level in self._expected.items():
-            sole = soles[k]
+        late = np.flatnonzero(sought).tolist()
+        self._expected = {k: self._expected.get(k, float(self.height(soles[k, :2]))) for k in late}
+        self._slid = {k for k in late if self._stood[k] or k in self._slid}
+        for k in late:
+            sole, level = soles[k], self._expected[k]
             if self.drop is not None:
                 self.drop.deeper(float(sole[:2] @ self.drop.along), float(sole[2]))
             elif FeltDrop.begins(level - sole[2], self._height):
@@ -249,61 +221,20 @@ class FeltGround(TouchedGround):
         return np.asarray(math.copysign(1.0, float(moved @ axis)) * axis)
 
     def _mind(
-        self, drop: FeltDrop, state: RobotState, flow: FloatArray, ground: FloatArray, soles: FloatArray,
-        carrying: BoolArray,
-    ) -> None:  # fmt: skip
-        """Stop before a drop, feel for its edges and say why; forget it once it is shallow or far."""
+        self, drop: FeltDrop, state: RobotState, flow: FloatArray, ground: FloatArray, carrying: BoolArray
+    ) -> None:
+        """Say why the body stops before a drop, and forget it once it is shallow or far."""
         if drop.left(ground) or (carrying.all() and not drop.found):
             self._forget()
             return
         self.pace, self.lift = RETREAT, 0.0
         self.search_speed, self.careful = GENTLE_SPEED, True
         self.lead = 0.0 if drop.found else LEAD
-        late = [float(soles[k, 2]) for k in self._expected]
-        if late and drop.falling(min(late)):
-            self.search_speed = SEARCH_SPEED
-        ahead = self._onward and float(drop.along @ self._heading) > FORWARD
-        drop.feel(state.time, self.com, flow, ground, soles, carrying, ahead)
-        self.probe = drop.search.probe if drop.search is not None else None
-        if drop.feeling:
-            self.standing, self.pace = True, 1.0
-            return
-        if drop.edges is not None:
-            self._descend(drop, drop.edges, ground, state.time)
-            return
         drop.rest(state.q[:2], flow[:2], ground, carrying, self._asked)
         self.standing, self.leading = drop.standing, drop.leading
-        if drop.refused and self._said is None:
-            self._say(drop.note())
-
-    def _say(self, line: str) -> None:
-        """Tell of the last drop."""
-        self._hush()
-        self._said = line
-        self.notes.append(line)
-
-    def _hush(self) -> None:
-        """Take back what has been told."""
-        if self._said in self.notes:
-            self.notes.remove(self._said)
-        self._said = None
-
-    def _descend(self, drop: FeltDrop, edges: FloatArray, ground: FloatArray, time: float) -> None:
-        """Take a drop for the first of steps down."""
-        deepest = DEEPEST_TREAD * self._height
-        flight = FeltFlight.downwards(drop.along, edges, drop.level, drop.depth, deepest)
-        self._forget()
-        self.flight, self._descent, self.careful = flight, FeltDescent(flight, self._height), True
-        self.lower, self.shorter = LOWER * self._height, SHORTER * self._height
-        self.underway, self.leading = True, drop.leading
-        for point in ground:
-            flight.stand(float(point[:2] @ flight.along), float(point[2]))
-        self._felt_to = float((ground[:, :2] @ flight.along).max()) + self.radius
-        what = "a step" if flight.ended else f"steps of {1e3 * flight.tread:.0f} mm"
-        self._say(
-            f"stood until {time:.2f} s: a foot found the ground {1e3 * drop.depth:.0f} mm lower, and feet "
-            f"felt for the edges of {what}"
-        )
+        if drop.told and self._said is None:
+            self._said = drop.note(state.time)
+            self.notes.append(self._said)
 
     def allowed(self, command: FloatArray) -> FloatArray:
         """See `GroundBelief.allowed`: nothing leads on towards a drop."""
@@ -312,8 +243,7 @@ class FeltGround(TouchedGround):
         turned = self._axes()
         slowed, turn = self.drop.slowed(command[:2] @ turned), 0.0 if self.drop.astride else command[2]
         self._asked = bool(slowed.any() or turn != 0.0)
-        self._onward = float(command[:2] @ turned @ self.drop.along) > 0.0
-        if self.standing:
+        if self.drop.standing:
             slowed, turn = self.drop.shift() / self.pace, 0.0
         return np.array([*(turned @ slowed), turn])
 
@@ -329,12 +259,11 @@ class FeltGround(TouchedGround):
             super()._touched(point)
             return
         s = float(point[:2] @ flight.along)
-        if self._descent is None:
-            flight.stand(s, float(point[2]))
+        flight.stand(s, float(point[2]))
         if s > flight.edge(0):
             self._felt_to = max(self._felt_to, s + self.radius)
         self.unsure = not flight.tread_known
-        low = flight.rise_known and abs(flight.rise) < LOW * self._height
+        low = flight.rise_known and flight.rise < LOW * self._height
         if low:
             self._ignored_until = self._time + IGNORED
         deep = self.unsure and self._felt_to - flight.edge(0) > DEEPEST_TREAD * self._height
@@ -363,14 +292,14 @@ class FeltGround(TouchedGround):
         """Rise over tread of the steps [-]."""
         if self.drop is not None:
             return self.drop.depth / (GUESSED_TREAD * self._height)
-        return 0.0 if self.flight is None else abs(self.flight.rise) / self.flight.tread
+        return 0.0 if self.flight is None else self.flight.rise / self.flight.tread
 
     @property
     def highest_step(self) -> float:
         """Height of the steps [m]."""
         if self.drop is not None:
             return self.drop.depth
-        return 0.0 if self.flight is None else abs(self.flight.rise)
+        return 0.0 if self.flight is None else self.flight.rise
 
     def steps_until(self, place: FloatArray, along: FloatArray) -> float:
         """See `Terrain.steps_until`: the last edge that is believed in."""

@@ -17,8 +17,7 @@ from surefoot.control.controller import RobotState
 from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import GroundBelief
-from surefoot.control.walking_feet import Feet, FootProbe
-from surefoot.control.whole_body import Kinematics
+from surefoot.control.walking_feet import Feet
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.terrain import Terrain
 
@@ -26,8 +25,6 @@ LONGEST_WAIT, WAIT_CAREFUL = 1.5, 3.0
 """Longest time that the gait waits for a foot, over sqrt(h / g), and where it goes carefully."""
 SLOWING = 1.3
 """Deceleration of late feet that should go on more slowly, as a share of g."""
-AT_ONCE = 3.0
-"""A foot that lifts after no more than so many steps lifts now."""
 LEAD_TIME = 0.03
 """Time in which such feet gain the body's speed [s]."""
 
@@ -41,17 +38,13 @@ class GroundSense:
         The ground that the controller plans on.
     weight, height
         m g [N], and of the centre of mass [m].
-    clearance
-        Of a swing over known ground [m].
     dt
         Time between steps [s].
     """
 
-    def __init__(
-        self, belief: GroundBelief, weight: float, height: float, clearance: float, dt: float
-    ) -> None:
+    def __init__(self, belief: GroundBelief, weight: float, height: float, dt: float) -> None:
         self.belief, self.dt = belief, dt
-        self._weight, self._height, self._clearance = weight, height, clearance
+        self._weight, self._height = weight, height
         self._fall = math.sqrt(height / GRAVITY)
         self._root = math.sqrt(GRAVITY * height)
         self._waited = self._lead = 0.0
@@ -100,9 +93,6 @@ class GroundSense:
                 feet.schedule.held, feet.schedule.leading = False, self.belief.leading
             elif clock >= 0.0:
                 feet.schedule.hold(clock)
-        if self.belief.probe is not None:
-            sensed = self._let_probe(self.belief.probe, feet, sensed, clock)
-        feet.probe, feet.lower = self.belief.probe, self.belief.lower
         if state.forces is None:
             return sensed
         soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]
@@ -120,44 +110,22 @@ class GroundSense:
             feet.take_back(k, centres[k])
         return ground
 
-    @staticmethod
-    def _let_probe(probe: FootProbe, feet: Feet, sensed: BoolArray, clock: float) -> BoolArray:
-        """Let one foot be in the air while the others are held; return which feet may have landed, (n,)."""
-        if isinstance(feet.schedule, AdaptiveGait):
-            (feet.schedule.land_alone if probe.down else feet.schedule.lift_alone)(probe.foot, clock)
-        landed = sensed.copy()
-        landed[probe.foot] &= probe.down
-        return landed
-
-    def learn(self, state: RobotState, feet: Feet, now: Kinematics, clock: float) -> None:
+    def learn(self, state: RobotState, feet: Feet, centres: FloatArray) -> None:
         """Tell the belief where the feet are, and hold the gait while one of them looks for the ground.
 
-        `now` is where the robot is, `clock` the time on the schedule [s].
+        `centres` (n, 3) is where the feet are [m].
         """
-        soles = now.centres - feet.radii[:, None] * feet.frames[:, :, 2]
-        self.belief.com = now.com
+        soles = centres - feet.radii[:, None] * feet.frames[:, :, 2]
         sought = feet.late & ~feet.carrying
         self.belief.observe(state, feet.ground, feet.carrying, sought, soles)
         if self.belief.careful:  # the body comes down with its feet
             feet.ground[sought] = soles[sought]
-        feet.clearance = self._clearance + self.belief.lift
         overdue = feet.overdue()
         if not overdue.any():
             self._waited = 0.0
-        elif self._waited < self._longest() and (
-            (feet.carrying | overdue).all() or self._lifts_next(feet, clock)
-        ):
+        elif self._waited < self._longest() and (feet.carrying | overdue).all():
             self._waited += self.dt
             feet.wait += self.dt
-
-    def _lifts_next(self, feet: Feet, clock: float) -> bool:
-        """Return whether another foot would lift now, where care is taken not to stand on too few."""
-        if not self.belief.careful:
-            return False
-        phases = feet.schedule.phases(clock)
-        return bool(
-            (feet.carrying & (phases[:, 0] > 0.0) & (phases[:, 2] <= clock + AT_ONCE * self.dt)).any()
-        )
 
     def _longest(self) -> float:
         """Return the longest time that the gait waits for a foot [s]."""
@@ -165,7 +133,7 @@ class GroundSense:
 
 
 def ground_sense(
-    terrain: Terrain, weight: float, height: float, clearance: float, dt: float, notes: list[str]
+    terrain: Terrain, weight: float, height: float, dt: float, notes: list[str]
 ) -> GroundSense | None:
     """Return what feeds a terrain that learns, None for one that is known; parameters of `GroundSense`.
 
@@ -175,4 +143,4 @@ def ground_sense(
         return None
     belief = cast(GroundBelief, terrain)
     belief.notes = notes
-    return GroundSense(belief, weight, height, clearance, dt)
+    return GroundSense(belief, weight, height, dt)

@@ -128,7 +128,6 @@ class StepPhase:
         if not isinstance(schedule, AdaptiveGait) or not schedule.wanted.in_step:
             self._off = False
             return False
-        self._off |= self.terrain.underway
         if schedule.turning and not self._off:
             self._waits_from = clock
             return False

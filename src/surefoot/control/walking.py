@@ -144,13 +144,12 @@ class WalkingController(Walker):
         rates = 0.0, 2.0 * self._pendulum
         self._normals = self._set_controllers(self._inertia, self._mpc_dt, self._pendulum, rates)
         self._grip = Grip(self._radii, weight, self._height, self.dt, s.mu) if s.watch_friction else None
-        clearance = s.clearance * self._height
         self._steps = None
         seen = self.terrain.highest_step > 0.0 or self.terrain.learns
         if isinstance(self.schedule, (Gait, AdaptiveGait)) and seen:
             margin = 2.0 * float(self._radii.mean())
             self._steps = StepPhase(self.terrain, self.schedule, self._offsets, margin)
-        self._sense = ground_sense(self.terrain, weight, self._height, clearance, self.dt, self.notes)
+        self._sense = ground_sense(self.terrain, weight, self._height, self.dt, self.notes)
         self._believed = (
             None
             if self._sense is None
@@ -207,7 +206,7 @@ class WalkingController(Walker):
             sensed = self._sense.feel(state, feet, sensed, clock, now.centres, now.twists)
         changed = clock >= 0.0 and feet.update(clock, sensed, now.centres)
         if self._sense is not None:
-            self._sense.learn(state, feet, now, clock)
+            self._sense.learn(state, feet, now.centres)
         if self._believed is not None:
             self._believed.learn()
         if self._grip is not None:
@@ -293,6 +292,7 @@ class WalkingController(Walker):
         self._aimed_at, self._aimless = time, False
         if isinstance(self.schedule, AdaptiveGait):
             self._pace(self.schedule, now, clock)
+        feet.clearance = self._clearance()
         if self._steps is not None and clock >= 0.0:
             self._steps.look(self.body, clock, self._feeling is not None)
             feet.stride = self._steps.stride
@@ -306,6 +306,12 @@ class WalkingController(Walker):
                 place = self._feeling.feel_ahead(place, feet.start[k], float(feet.duration[k]))
             feet.aim(k, place)
 
+    def _clearance(self) -> float:
+        """Return how high feet are lifted: what the gait asks for, and what the ground does [m]."""
+        adaptive = isinstance(self.schedule, AdaptiveGait)
+        own = self.schedule.pace.clearance if adaptive else self.settings.clearance * self._height
+        return own if self._sense is None else own + self._sense.belief.lift
+
     def _pace(self, schedule: AdaptiveGait, now: Kinematics, clock: float) -> None:
         """Let the gait follow the speed: the wanted one where that will be higher, else that of now."""
         assert self.feet is not None
@@ -317,7 +323,7 @@ class WalkingController(Walker):
         if not wanted.any() and float(np.linalg.norm(drift)) > UNREST * math.sqrt(GRAVITY * self._height):
             wanted = drift
         schedule.update(max(clock, 0.0), wanted)
-        self._stance_time, self.feet.clearance = schedule.stance_time, schedule.pace.clearance
+        self._stance_time = schedule.stance_time
         stride = schedule.wanted  # in step with the ground it is long, and the horizon with it
         step = stride.pace.period / self.settings.steps_per_period if stride.in_step else self._mpc_dt
         if abs(step / self.mpc.dt - 1.0) > 1e-3:
