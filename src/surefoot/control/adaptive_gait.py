@@ -69,7 +69,7 @@ Choose = Callable[[FloatArray, str], Stride]
 
 
 class AdaptiveGait(ContactSchedule):
-    """A schedule that follows the speed; call `update` with rising times.
+    """A schedule that follows the speed; call `follow` with rising times.
 
     Parameters
     ----------
@@ -89,6 +89,8 @@ class AdaptiveGait(ContactSchedule):
     stride, wanted
         The newest cycle's, and the one that suits the velocity that is `asked` for, (3,) [m/s, m/s, rad/s].
     """
+
+    adapts = True
 
     def __init__(self, name: str, choose: Choose, first: Stride) -> None:
         self.name, self.feet = name, len(first.offset)
@@ -112,16 +114,31 @@ class AdaptiveGait(ContactSchedule):
         return self.stride.pace
 
     @property
-    def period(self) -> float:
+    def period(self) -> float:  # type: ignore[override]
         """Length of the newest cycle [s]."""
         return self.stride.pace.period
 
     @property
-    def stance_time(self) -> float:
+    def stance_time(self) -> float:  # type: ignore[override]
         """Time that a foot carries in the newest cycle [s]."""
         return self.stride.pace.stance_time
 
-    def update(self, time: float, velocity: FloatArray) -> None:
+    @property
+    def clearance(self) -> float:  # type: ignore[override]
+        """Height of the newest cycle's swings [m]."""
+        return self.stride.pace.clearance
+
+    @property
+    def in_step(self) -> bool:  # type: ignore[override]
+        """Whether the stride that is wanted is in step with the ground."""
+        return self.wanted.in_step
+
+    @property
+    def coming_period(self) -> float:
+        """Length of the cycle that is wanted [s]."""
+        return self.wanted.pace.period
+
+    def follow(self, time: float, velocity: FloatArray) -> None:
         """Follow a (3,) velocity [m/s, m/s, rad/s] at a time [s]: cycles that are not made yet fit it."""
         self._forget_phases()
         self.wanted, self.asked = self._choose(velocity, self.wanted.name), velocity
@@ -146,8 +163,12 @@ class AdaptiveGait(ContactSchedule):
             del stances[coming + 1 :]
             stances[coming][1] = math.inf
 
+    def release(self, leading: int) -> None:
+        """Let feet lift again; `leading` is to be among the first."""
+        self.held, self.leading = False, leading
+
     @property
-    def turning(self) -> bool:
+    def turning(self) -> bool:  # type: ignore[override]
         """Whether the newest cycle is not yet in step with the ground, and should be."""
         if not self.wanted.in_step or self._resting:
             return False

@@ -13,6 +13,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,17 +61,41 @@ def mode_feet(number: int, feet: int) -> BoolArray:
 
 
 class ContactSchedule(ABC):
-    """When each foot carries; what a gait and a mode schedule have in common.
+    """When each foot carries: what a walk asks of any gait.
 
-    A schedule that changes calls `_forget_phases`.
+    A schedule that changes calls `_forget_phases`. One that follows the speed writes `follow`, `hold`,
+    `release` and `fits`; any other goes on as it is.
 
     Attributes
     ----------
+    name
+        For tables and messages.
     feet
         Number of feet.
+    period, stance_time
+        Length of a cycle, and of the stance in it; 0 for a schedule without one [s].
+    clearance
+        Height of its swings over the ground [m]; None for the walk's own.
+    adapts
+        Whether it follows the speed.
+    held, turning
+        Whether all feet stay on the ground; whether it is not yet in step with the ground, and should be.
+    in_step
+        Whether its cycle should be that of steps on the ground.
+    asked
+        (3,) velocity that it follows: forward, left [m/s], turn [rad/s].
     """
 
+    name: str = "schedule"
     feet: int
+    period: float = 0.0
+    stance_time: float = 0.0
+    clearance: float | None = None
+    adapts: ClassVar[bool] = False
+    held: bool = False
+    turning: bool = False
+    in_step: bool = False
+    asked: FloatArray = np.zeros(3)
     _rows: FloatArray
     _since, _until = math.inf, -math.inf  # `_rows` are of the times between: of none yet
 
@@ -84,6 +109,36 @@ class ContactSchedule(ABC):
 
         The ends are infinite for a foot that never changes.
         """
+
+    @property
+    def duty(self) -> FloatArray:
+        """(feet,) share of a cycle that each foot carries."""
+        return np.ones(self.feet)
+
+    @property
+    def coming_period(self) -> float:
+        """Length of the cycle that suits the velocity that is followed [s]."""
+        return self.period
+
+    def reset(self) -> None:
+        """Forget the past."""
+        return
+
+    def follow(self, time: float, velocity: FloatArray) -> None:
+        """Follow a (3,) velocity [m/s, m/s, rad/s] from a time [s] on."""
+        return
+
+    def fits(self, velocity: FloatArray) -> bool:
+        """Return whether the gait of now is fit for a (3,) velocity [m/s, m/s, rad/s]."""
+        return True
+
+    def hold(self, time: float) -> None:
+        """Let no foot lift from a time [s] on, until `release`."""
+        return
+
+    def release(self, leading: int) -> None:
+        """Let feet lift again; `leading` is to be among the first."""
+        return
 
     def phases(self, time: float) -> FloatArray:
         """Return `phase` of every foot: (feet, 3), the first 1 for a foot that carries and else 0.
@@ -248,7 +303,7 @@ class Gait(_ModeTable):
         return max(spans, default=0.0)
 
     @property
-    def stance_time(self) -> float:
+    def stance_time(self) -> float:  # type: ignore[override]
         """The longest time that a moving foot carries [s]; the period when standing."""
         spans = [end - start for foot in self._intervals if len(foot) > 1 for start, end, on in foot if on]
         return max(spans, default=self.period)

@@ -48,6 +48,11 @@ class Terrain(ABC):
         return 0.0
 
     @property
+    def unsure(self) -> bool:
+        """Whether there are steps and it is not known where."""
+        return False
+
+    @property
     def highest_step(self) -> float:
         """Largest height that a single step may have to climb or descend [m]."""
         return 0.0
