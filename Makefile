@@ -28,8 +28,8 @@ lint: setup ## ruff, mypy strict, import-linter
 test: lint ## lint, then every test
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -q
 
-test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gigabytes) and run their tests
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp,mjx,scale]'
+test-extras: setup ## install the large extras (torch, mjx, ray, dask: gigabytes) and run their tests
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,mjx,scale]'
 	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py tests/benchmarks/test_batch_bench.py
 
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)

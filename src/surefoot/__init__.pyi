@@ -28,7 +28,7 @@ from .contact import Residuals as Residuals
 from .contact import Status as Status
 from .contact import carry_over as carry_over
 from .contact import check_proof as check_proof
-from .contact import contacts as contacts
+from .contact import contact_sets as contact_sets
 from .contact import persisting as persisting
 from .contact import read_lcp as read_lcp
 from .contact import read_problem as read_problem
