@@ -230,7 +230,7 @@ def test_no_contacts() -> None:
 
 
 @pytest.mark.parametrize(
-    "other", [{"contacts": [sf.contact_sets.SoftFinger(0.5, radius=0.01)]}, {"law": "half"}]
+    "other", [{"contacts": [sf.contact_sets.SoftFinger(0.5, 0.01)]}, {"law": "half"}]
 )
 def test_what_has_no_derivative_is_refused(other: dict[str, Any]) -> None:
     law = sf.laws.Law("half", 0.5) if "law" in other else None

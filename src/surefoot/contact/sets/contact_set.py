@@ -41,7 +41,8 @@ class ContactSet(Sequence[Contact]):
     Examples
     --------
     >>> import surefoot as sf
-    >>> contacts = ContactSet([sf.contact_sets.Point(mu=0.5), sf.contact_sets.SoftFinger(mu=0.5, radius=0.02)])
+    >>> kinds = sf.contact_sets
+    >>> contacts = ContactSet([kinds.Point(mu=0.5), kinds.SoftFinger(mu=0.5, radius=0.02)])
     >>> contacts.rows, contacts.shape, contacts.offsets.tolist()
     (7, (7,), [0, 3, 7])
     """
