@@ -1,8 +1,8 @@
 """Docstrings name shapes and units: read from the source, so that no name is forgotten.
 
 What `import surefoot` shows (and `sf.laws`, `sf.contact_sets`) has to say for every parameter, field and
-result that is an array its shape ("(n, 3)"), and for every one that is a number or an array of numbers its unit
-("[N]", "[-]" for none), in the entry of that name or, where a docstring has no such sections, in its
+result that is an array its shape ("(n, 3)"), and for every one that is a number or an array of numbers its
+unit ("[N]", "[-]" for none), in the entry of that name or, where a docstring has no such sections, in its
 sentences. Every other public function of the package, compiled kernels among them, names a shape where it
 takes or returns an array; the share of them that name a unit may not fall. A reference to the name that says
 it ("as for `ContactProblem`") does, too.
