@@ -1,7 +1,7 @@
 """Questions to a stance: can it stand, how much friction does it need, where may its weight be."""
 
-from surefoot.equilibrium.limits import ForceLimits
 from surefoot.equilibrium.batch import Verdicts, can_stand_batch, com_region_batch
+from surefoot.equilibrium.limits import ForceLimits
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.equilibrium.statics import can_stand, friction_needed

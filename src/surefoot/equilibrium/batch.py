@@ -26,7 +26,7 @@ from surefoot.stance import Stance, StanceBatch
 
 
 class Verdicts:
-    """The answers of `can_stand_batch`; `verdicts[k]` is the `Verdict` that `can_stand` gives, proof included.
+    """The answers of `can_stand_batch`; `verdicts[k]` is the `Verdict` of `can_stand`, proof included.
 
     Attributes
     ----------

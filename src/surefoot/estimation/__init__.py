@@ -19,7 +19,6 @@ from surefoot.estimation.tosses import Cube, Tosses, holds_tosses, read_tosses, 
 
 __all__ = [
     "ContactDetector",
-    "TouchSettings",
     "Cube",
     "DetectionSettings",
     "FilterNoise",
@@ -34,6 +33,7 @@ __all__ = [
     "TossErrors",
     "TossFit",
     "Tosses",
+    "TouchSettings",
     "WatchSettings",
     "audit_tosses",
     "detect_contacts",

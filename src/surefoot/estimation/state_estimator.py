@@ -19,8 +19,8 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.contact_odds import (
     ContactFusion,
-    TouchSettings,
     GroundBelief,
+    TouchSettings,
     force_noise,
     observer_gain,
     quiet_bandwidth,
