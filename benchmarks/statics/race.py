@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.problems.stances import StanceCase, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.cones.representation import halfspaces_from_rays
 from surefoot.equilibrium import can_stand, can_stand_batch, com_region, com_region_batch
 from surefoot.equilibrium.wrench_cone import wrench_cone
-from surefoot.problems.stances import StanceCase, random_case, random_cases
 from surefoot.stance import PatchContact, PointContact, Stance, StanceBatch
 
 CANDIDATES, TURNS = 1000, 5

@@ -8,6 +8,7 @@ from .audit import audit_log as audit_log
 from .audit import summarise_stand as summarise_stand
 from .audit import summarise_walk as summarise_walk
 from .audit.contact_times import contact_times as contact_times
+from .audit.log_faults import seeded_faults as seeded_faults
 from .audit.sensor_scale import sensor_scale as sensor_scale
 from .batch import BatchSolution as BatchSolution
 from .batch import DifferentiableSolver as DifferentiableSolver

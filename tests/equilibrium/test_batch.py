@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.stances import KINDS, random_case
 from surefoot.equilibrium.batch import stand_each
-from surefoot.problems.stances import KINDS, random_case
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
 
