@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.problems.contacts import capsules
 from surefoot.contact import ContactProblem
-from surefoot.problems.contacts import capsules
 from surefoot.solvers import admm, interior_point
 from surefoot.solvers.solver import SolverSettings
 

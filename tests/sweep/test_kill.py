@@ -17,6 +17,7 @@ from tests.sweep.killing import DROPS, run_and_kill
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
 pytest.importorskip("joblib", reason="loky comes with joblib")
 pytestmark = [
+    pytest.mark.long,
     pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="workers are found in /proc"),
     pytest.mark.xdist_group("sweep-kills"),
 ]

@@ -14,13 +14,13 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from benchmarks.problems.heaps import capsules, cups, masonry, rocks
+from benchmarks.problems.judge import judge
+from benchmarks.problems.rigid_bodies import Scene
+from benchmarks.problems.robot_scenes import robot_delassus as robot
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
 from surefoot.errors import ProblemError, unknown_name
-from surefoot.problems.heaps import capsules, cups, masonry, rocks
-from surefoot.problems.judge import judge
-from surefoot.problems.rigid_bodies import Scene
-from surefoot.problems.robot_scenes import robot_delassus as robot
 
 TRIVIAL = 1e-6
 """A drawn problem that no forces at all solve this well is drawn again: nothing touches."""

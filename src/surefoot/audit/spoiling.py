@@ -18,7 +18,7 @@ Numbers: TypeAlias = np.random.Generator
 
 
 @dataclass(frozen=True)
-class SpoiltLog:
+class FaultyLog:
     """A log with a fault in it.
 
     Attributes
@@ -29,12 +29,16 @@ class SpoiltLog:
         Name of the foot, "all" or "body".
     start, end
         Of the fault [s].
+    fault, symptom
+        Its kind, and what an audit should report of it first.
     """
 
     log: Log
     contact: str
     start: float
     end: float
+    fault: str = ""
+    symptom: str = ""
 
 
 class LogCopy:
@@ -64,44 +68,44 @@ class LogCopy:
         return foot, slice(start, start + need)
 
     def stance(self, share: float = 0.1, seconds: float = LENGTH) -> tuple[int, slice] | None:
-        """Return a foot and rows where it carries more than a share of m g."""
+        """Return a foot and rows where it bears more than a share of m g."""
         return self.span(self.normal > share * self.weight, seconds)
 
     def flight(self, seconds: float = 0.06) -> tuple[int, slice] | None:
         """Return a foot and rows where it is 5 mm off the ground at least."""
         return self.span((self.arrays["gaps"] > 5e-3) & (self.normal == 0.0), seconds)
 
-    def done(self, contact: str, part: slice) -> SpoiltLog:
+    def done(self, contact: str, part: slice) -> FaultyLog:
         """Return the spoilt log."""
         time = self.arrays["time"]
         log = Log(self.arrays, self.facts, channels=self.channels)
-        return SpoiltLog(log, contact, float(time[part.start]), float(time[part.stop - 1]) + self.dt)
+        return FaultyLog(log, contact, float(time[part.start]), float(time[part.stop - 1]) + self.dt)
 
-    def whole(self, contact: str = "all") -> SpoiltLog:
+    def whole(self, contact: str = "all") -> FaultyLog:
         """Return the spoilt log of a fault that lasts from end to end."""
         return self.done(contact, slice(0, self.rows))
 
 
 Change: TypeAlias = Callable[[LogCopy, int, slice, float], None]
 """Spoils some rows of one foot by an amplitude."""
-Spoil: TypeAlias = Callable[[LogCopy, float], SpoiltLog | None]
+Spoil: TypeAlias = Callable[[LogCopy, float], FaultyLog | None]
 """Spoils a copy of a log by an amplitude; None where the run does not suit it."""
 
 
 def on_stance(change: Change, share: float = 0.1) -> Spoil:
-    """Return a fault that changes what a standing foot says."""
+    """Return a fault that changes the readings of a stance foot."""
     return _on_rows(change, lambda copy: copy.stance(share))
 
 
 def on_flight(change: Change) -> Spoil:
-    """Return a fault that changes what a flying foot says."""
+    """Return a fault that changes the readings of a swing foot."""
     return _on_rows(change, LogCopy.flight)
 
 
 def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]) -> Spoil:
     """Return a fault that changes the rows that `find` finds; None where it finds none."""
 
-    def spoil(copy: LogCopy, amplitude: float) -> SpoiltLog | None:
+    def spoil(copy: LogCopy, amplitude: float) -> FaultyLog | None:
         at = find(copy)
         if at is None:
             return None
@@ -114,7 +118,7 @@ def _on_rows(change: Change, find: Callable[[LogCopy], tuple[int, slice] | None]
 def everywhere(change: Callable[[LogCopy, float], None], contact: str = "all") -> Spoil:
     """Return a fault that changes a log from end to end."""
 
-    def spoil(copy: LogCopy, amplitude: float) -> SpoiltLog:
+    def spoil(copy: LogCopy, amplitude: float) -> FaultyLog:
         change(copy, amplitude)
         return copy.whole(contact)
 

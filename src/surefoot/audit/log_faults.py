@@ -1,19 +1,21 @@
-"""Seeded faults: ways to spoil a clean log, each with the symptom that should be told, where and when.
+"""Seeded faults: ways to spoil a clean log, each with the symptom that an audit should report.
 
-A fault takes a log, a seeded generator and its amplitude; it returns what it made, or None where the run
-does not suit it (a foot that should fly never does). Amplitudes are those of the table and of docs/audit.md.
+For whoever tests a detector, ours included. A fault takes a log, a seeded generator and its amplitude; it
+returns what it made, or None where the run does not suit it (a foot that should fly never does). Amplitudes
+are those of the table and of docs/audit.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, IntArray
+from surefoot.audit.spoiling import FaultyLog, LogCopy, Spoil, everywhere, on_flight, on_stance
+from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Log
-from surefoot.problems.spoiling import LogCopy, Spoil, SpoiltLog, everywhere, on_flight, on_stance
 from surefoot.robot import load_robot
 from surefoot.spatial import GRAVITY, rotation_about
 from surefoot.terrain.frames import surface_frames
@@ -30,7 +32,7 @@ class LogFault:
     amplitude, unit
         How much.
     symptom
-        What an audit should tell first; empty for a fault of the log itself, which must not be lawful.
+        What an audit should report first; empty for a fault of the log itself, which must not be lawful.
     spoil
         From a copy of a log and the amplitude to the spoilt log, or None.
     """
@@ -42,21 +44,38 @@ class LogFault:
     symptom: str
     spoil: Spoil
 
-    def apply(self, log: Log, seed: int) -> SpoiltLog | None:
+    def apply(self, log: Log, seed: int) -> FaultyLog | None:
         """Return the spoilt log, or None where the run does not suit the fault."""
-        return self.spoil(LogCopy(log, np.random.default_rng([seed, len(self.name)])), self.amplitude)
+        spoilt = self.spoil(LogCopy(log, np.random.default_rng([seed, len(self.name)])), self.amplitude)
+        return spoilt and replace(spoilt, fault=self.name, symptom=self.symptom)
 
 
-def spoilt_logs(fault: LogFault, logs: Iterator[Log], count: int = 8) -> Iterator[SpoiltLog]:
-    """Yield `count` spoilt logs from the first runs that suit the fault."""
-    made = 0
-    for seed, log in enumerate(logs):
-        spoilt = fault.apply(log, seed)
+def seeded_faults(log: Log, *kinds: str, seed: int = 0) -> Iterator[FaultyLog]:
+    """Yield copies of a clean log with one fault in each, for testing what should find it.
+
+    Parameters
+    ----------
+    log
+        A lawful run, as `sf.run` returns it. It is not changed.
+    kinds
+        Names of docs/audit.md, such as "pull" or "delay"; all of them if none is given. One that does not
+        suit the run is left out: no foot of a robot that stands can push while it flies.
+    seed
+        Of the faults' feet, times and directions.
+
+    Raises
+    ------
+    ProblemError
+        For an unknown kind.
+    """
+    by_name = {fault.name: fault for fault in LOG_FAULTS}
+    for name in kinds:
+        if name not in by_name:
+            raise ProblemError(unknown_name("fault", name, by_name))
+    for name in kinds or by_name:
+        spoilt = by_name[name].apply(log, seed)
         if spoilt is not None:
             yield spoilt
-            made += 1
-        if made == count:
-            return
 
 
 def _pull(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
@@ -95,7 +114,7 @@ def _turn_all(c: LogCopy, amplitude: float) -> None:
     c.arrays["forces"] = c.arrays["forces"] @ _lean(c, amplitude).T
 
 
-def _mirror(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _mirror(c: LogCopy, amplitude: float) -> FaultyLog | None:
     side = np.abs(c.arrays["forces"][..., 1]).max(axis=0)
     if (side < 0.04 * c.weight).any():
         return None  # hardly any force across: its sign does not matter
@@ -149,7 +168,7 @@ def _silence(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] = 0.0
 
 
-def _silence_all(c: LogCopy, amplitude: float) -> SpoiltLog:
+def _silence_all(c: LogCopy, amplitude: float) -> FaultyLog:
     need = round(amplitude / c.dt)
     start = int(c.rng.integers(50, c.rows - need - 50))
     part = slice(start, start + need)
@@ -157,7 +176,7 @@ def _silence_all(c: LogCopy, amplitude: float) -> SpoiltLog:
     return c.done("body", part)
 
 
-def _levitate(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _levitate(c: LogCopy, amplitude: float) -> FaultyLog | None:
     spoilt = _silence_all(c, 0.2)
     rows = slice(round(spoilt.start / c.dt), round(spoilt.end / c.dt))
     gaps = spoilt.log.arrays["gaps"]
@@ -169,7 +188,7 @@ def _freeze(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["forces"][part, foot] = c.arrays["forces"][part.start, foot] * amplitude
 
 
-def _clip(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _clip(c: LogCopy, amplitude: float) -> FaultyLog | None:
     at = c.stance(amplitude + 0.08)
     if at is None:
         return None
@@ -187,7 +206,7 @@ def _scale_all(c: LogCopy, amplitude: float) -> None:
     c.arrays["forces"] *= amplitude
 
 
-def _offset(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _offset(c: LogCopy, amplitude: float) -> FaultyLog | None:
     if not ((c.normal == 0.0).mean(axis=0) > 0.2).all():
         return None  # in a stand an offset and a gain are one
     foot = int(c.rng.integers(len(c.feet)))
@@ -195,7 +214,7 @@ def _offset(c: LogCopy, amplitude: float) -> SpoiltLog | None:
     return c.whole(c.feet[foot])
 
 
-def _delay(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _delay(c: LogCopy, amplitude: float) -> FaultyLog | None:
     if not ((c.normal == 0.0).mean(axis=0) > 0.2).all():
         return None  # nothing changes in a stand
     rows = round(amplitude / c.dt)
@@ -203,7 +222,7 @@ def _delay(c: LogCopy, amplitude: float) -> SpoiltLog | None:
     return c.whole()
 
 
-def _swap(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _swap(c: LogCopy, amplitude: float) -> FaultyLog | None:
     order = np.arange(len(c.feet))
     a, b = c.rng.choice(len(order), 2, replace=False).tolist()
     if np.abs(c.normal[:, a] - c.normal[:, b]).mean() < 0.1 * c.weight:
@@ -213,7 +232,7 @@ def _swap(c: LogCopy, amplitude: float) -> SpoiltLog | None:
     return c.whole(c.feet[a])
 
 
-def _hide_push(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _hide_push(c: LogCopy, amplitude: float) -> FaultyLog | None:
     rows = np.flatnonzero(np.linalg.norm(c.arrays["push"], axis=1) > amplitude * c.weight)
     if not rows.size:
         return None
@@ -239,7 +258,7 @@ def _glide(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
     c.arrays["contact_velocities"][part, foot, :2] = amplitude * np.column_stack([-d[:, 1], d[:, 0]])
 
 
-def _diagonal(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _diagonal(c: LogCopy, amplitude: float) -> FaultyLog | None:
     if len(c.feet) != 4 or not (c.normal > 0.15 * c.weight).all():
         return None  # only while all four stand
     change = np.zeros(c.arrays["forces"].shape)
@@ -267,7 +286,7 @@ def _carry(c: LogCopy, change: FloatArray) -> None:
             c.arrays["torques"][k] -= torque[robot.base_dof :]
 
 
-def _permute_torques(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+def _permute_torques(c: LogCopy, amplitude: float) -> FaultyLog | None:
     joints: IntArray = np.arange(c.arrays["torques"].shape[1]).reshape(len(c.feet), -1)
     c.arrays["torques"] = c.arrays["torques"][:, np.roll(joints, 1, axis=1).ravel()]
     return c.whole()
@@ -278,7 +297,7 @@ def _not_finite(c: LogCopy, foot: int, part: slice, amplitude: float) -> None:
 
 
 def _clock(shift: Callable[[FloatArray, int], None]) -> Spoil:
-    def spoil(c: LogCopy, amplitude: float) -> SpoiltLog | None:
+    def spoil(c: LogCopy, amplitude: float) -> FaultyLog | None:
         row = int(c.rng.integers(100, c.rows - 100))
         shift(c.arrays["time"], row)
         return c.done("body", slice(row, row + 2))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from surefoot.problems.allocations import Instance, instances_of
+from benchmarks.problems.allocations import Instance, instances_of
 
 ROBOT, DURATION = "go2", 4.0
 

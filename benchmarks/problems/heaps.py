@@ -3,7 +3,7 @@
 Bodies are capsules or rocks (clumps of overlapping balls), dropped and pushed out of each other until they
 rest in a mound on open ground. Every free velocity is that of bodies (no gap terms) and no wall closes the
 scene, so there is a motion of the bodies that opens all contacts strictly within the dual cones: the problem
-has a solution, and it is not a borderline one (`tests/problems` checks that with a cone solver).
+has a solution, and it is not a borderline one (`tests/benchmarks/test_heaps.py` asks a cone solver).
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from benchmarks.problems.rigid_bodies import Scene
 from surefoot.arrays import FloatArray, IntArray
 from surefoot.contact import ContactProblem
-from surefoot.problems.rigid_bodies import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
 ROUNDS = 120

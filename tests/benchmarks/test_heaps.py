@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from benchmarks.problems.contacts import Maker
+from benchmarks.problems.heaps import capsules, cups, masonry, rocks
 from surefoot.contact import ContactProblem
-from surefoot.problems.contacts import Maker
-from surefoot.problems.heaps import capsules, cups, masonry, rocks
 from surefoot.solvers.backends import ConeProgram, solve_program
 
 SMALL: dict[str, tuple[Maker, int]] = {

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.arrays import FloatArray
 from surefoot.cones import FrictionPyramid
 from surefoot.cones.cone import Fit
 from surefoot.contact import ContactProblem
-from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.solvers.backends import ConeProgram
 
 

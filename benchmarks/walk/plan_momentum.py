@@ -3,7 +3,7 @@
 Two walks of a full rigid body, each with plans that leave angular momentum free, weigh it, bound it softly,
 and all but forbid it.
 
-Run: python examples/34_momentum_in_the_plan.py [FOLDER]
+Run: python -m benchmarks.walk.plan_momentum [FOLDER]
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.problems.walking import INERTIA, TICK, choose_scenes, record
 from surefoot.control.mpc import MpcMomentum, MpcWeights
 from surefoot.control.mpc_momentum import momentum_of
-from surefoot.problems.walking import INERTIA, TICK, choose_scenes, record
 from surefoot.viz.style import FOOT_COLOURS, new_figure, save
 
 TERMS = {
@@ -51,7 +51,7 @@ def main(folder: Path, ticks: int = 150) -> dict[str, float]:
             axis.plot(TICK * np.arange(ticks), tilt, color=colour, label=name)
         axis.set(xlabel="time [s]", ylabel="tilt [deg]", title=scene.title)
         axis.legend()
-    out = folder / "34_momentum_in_the_plan"
+    out = folder / "plan_momentum"
     out.mkdir(parents=True, exist_ok=True)
     if not (out / "tilt.png").exists():
         print("picture:", save(figure, out / "tilt.png"))
