@@ -139,7 +139,7 @@ from .solvers import Answer as Answer
 from .solvers import ContactForces as ContactForces
 from .solvers import ContactSolver as ContactSolver
 from .solvers import LcpSolution as LcpSolution
-from .solvers import Settings as Settings
+from .solvers import SolverSettings as SolverSettings
 from .solvers import lcp_solver_names as lcp_solver_names
 from .solvers import minimum_norm as minimum_norm
 from .solvers import register as register
