@@ -216,7 +216,7 @@ def readme(told: Any) -> Rows:
 
 
 def _momentum_in_plans(told: str) -> Rows:
-    """Return what examples/34_momentum_in_the_plan.py prints."""
+    """Return what benchmarks/walk/plan_momentum.py prints."""
     names = {
         "free": "momentum free", "weight 30": "weight 30", "bound 0.08": "bound 0.08",
         "weight 1e5": "weight 1e5: all but forbidden",
@@ -272,7 +272,7 @@ TABLES = {
         ("links", "Pinocchio", "composites (Python)", "link by link (Python)"), _momentum,
     ),
     "momentum_in_plans": Table(
-        "python examples/34_momentum_in_the_plan.py", "mpc.md",
+        "python -m benchmarks.walk.plan_momentum", "mpc.md",
         ("walk", "plans", "peak of \\|h\\|", "its mean", "largest tilt", "mean distance from the path"),
         _momentum_in_plans, reads=str,
     ),

@@ -20,14 +20,14 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.logged_runs import CleanRun
+from benchmarks.problems.tosses import random_tosses
 from benchmarks.softening import race
 from surefoot.cli.extras import missing
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
 from surefoot.estimation import write_tosses
 from surefoot.planning import planner
-from surefoot.problems.logged_runs import CleanRun
-from surefoot.problems.tosses import random_tosses
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS
 from surefoot.solvers import solver as solvers

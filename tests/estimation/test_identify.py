@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.tosses import POSITION_NOISE, ROTATION_NOISE, random_tosses
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
 from surefoot.estimation import Cube, Tosses, identify, read_tosses
@@ -18,7 +19,6 @@ from surefoot.estimation.identify import surroundings
 from surefoot.estimation.response import ResponseSurface
 from surefoot.estimation.toss_errors import paired_difference, resample, toss_errors
 from surefoot.estimation.toss_model import Parameter, Scene
-from surefoot.problems.tosses import POSITION_NOISE, ROTATION_NOISE, random_tosses
 
 RECORDED = Path(__file__).parents[3] / "shared" / "data" / "tosses" / "cube_tosses.npz"
 TRUTH, GROUND = (0.2, 0.2, 0.05), (0.003, 0.01, -0.005)
