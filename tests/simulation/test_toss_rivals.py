@@ -9,10 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from surefoot.errors import MissingExtra, ModelError, ProblemError
-from surefoot.estimation import Cube
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.estimation.tosses import Cube
 from surefoot.simulation import drake_python
 from surefoot.simulation.drake_python import VARIABLE
 from surefoot.simulation.tosses.drake_cube import DrakeCube
