@@ -162,13 +162,10 @@ def test_forms_name_every_terrain() -> None:
         ("surefoot.stance.heightfield", "HeightfieldTerrain"),
         ("surefoot.stance.stairs", "StairsTerrain"),
         ("surefoot.stance", "SlopeTerrain"),
-        ("surefoot.simulation.walk_terrain", "PitTerrain"),
-        ("surefoot.simulation.walk_terrain", "rough_ground"),
-        ("surefoot.simulation.rigid_flight", "fly"),
     ],
 )
 def test_old_places_still_work_and_say_so(module: str, name: str) -> None:
-    home = "surefoot.stepping.flight" if name == "fly" else "surefoot.terrain"
+    home = "surefoot.terrain"
     with pytest.warns(DeprecationWarning, match=f"is now {home}.{name}"):
         old = getattr(importlib.import_module(module), name)
     assert old is getattr(importlib.import_module(home), name)
