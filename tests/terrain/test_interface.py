@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-
 import numpy as np
 import pytest
 
@@ -154,6 +152,7 @@ def test_forms_name_every_terrain() -> None:
     assert [form.partition(":")[0] for form in terrain_forms().split(", ")] == list(TERRAINS)
 
 
+<<<<<<< HEAD
 @pytest.mark.parametrize(
     ("module", "name"),
     [
@@ -173,6 +172,8 @@ def test_old_places_still_work_and_say_so(module: str, name: str) -> None:
         importlib.import_module(module).nothing  # noqa: B018
 
 
+=======
+>>>>>>> main
 def test_flat_ground_is_flat() -> None:
     assert FlatTerrain().planar
     assert (FlatTerrain().normal(np.zeros((2, 2))) == [0.0, 0.0, 1.0]).all()
