@@ -152,28 +152,6 @@ def test_forms_name_every_terrain() -> None:
     assert [form.partition(":")[0] for form in terrain_forms().split(", ")] == list(TERRAINS)
 
 
-<<<<<<< HEAD
-@pytest.mark.parametrize(
-    ("module", "name"),
-    [
-        ("surefoot.stance.terrain", "Terrain"),
-        ("surefoot.stance.terrain", "FlatTerrain"),
-        ("surefoot.stance.heightfield", "HeightfieldTerrain"),
-        ("surefoot.stance.stairs", "StairsTerrain"),
-        ("surefoot.stance", "SlopeTerrain"),
-    ],
-)
-def test_old_places_still_work_and_say_so(module: str, name: str) -> None:
-    home = "surefoot.terrain"
-    with pytest.warns(DeprecationWarning, match=f"is now {home}.{name}"):
-        old = getattr(importlib.import_module(module), name)
-    assert old is getattr(importlib.import_module(home), name)
-    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        importlib.import_module(module).nothing  # noqa: B018
-
-
-=======
->>>>>>> main
 def test_flat_ground_is_flat() -> None:
     assert FlatTerrain().planar
     assert (FlatTerrain().normal(np.zeros((2, 2))) == [0.0, 0.0, 1.0]).all()

@@ -37,7 +37,7 @@ def identify(
     rivals: Annotated[
         str,
         typer.Option(
-            help="Simulators to be tuned by the same search: mujoco, or none; auto: with --test, if it is there."
+            help="Simulators to be tuned by the same search: mujoco, or none; auto: with --test, if there."
         ),
     ] = NAMED,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
