@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from surefoot.arrays import whole_number
+from surefoot.cli import options
 from surefoot.cli.console import say, show, table
 from surefoot.cli.extras import picture_folder
 from surefoot.cli.output import check_out
@@ -42,9 +43,9 @@ def identify(
     ] = NAMED,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
     seed: Annotated[int, typer.Option(help="Of the resampling and of the points tried.")] = 0,
-    out: Annotated[Path, typer.Option(help="Parent of the new folder for the picture.")] = Path("runs"),
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw errors and a toss.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    out: options.PictureOut = Path("runs"),
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
     from surefoot.estimation import read_tosses

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import options
 from surefoot.cli.console import plain_console, table
 from surefoot.cli.output import check_out, to_json
 from surefoot.errors import MissingExtra, ProblemError, unknown_name
@@ -27,7 +28,7 @@ def worlds(
     dt: Annotated[float, typer.Option(help="Step; it is doubled and halved for its error [s].")] = 1e-3,
     out: Annotated[Path, typer.Option(help="Parent of the new folder with a picture each.")] = Path("runs"),
     pictures: Annotated[bool, typer.Option("--pictures/--no-pictures", help="Draw them.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Run the same experiments in every world that is here and hold them against closed forms.
 
