@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.audit_output import new_audit_folder, tell
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import check_out
@@ -32,7 +32,7 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: shared.LogRobot = None,
+    robot: options.LogRobot = None,
     replay: Annotated[
         str | None,
         typer.Option(
@@ -54,7 +54,7 @@ def audit(
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
-    as_json: shared.AsJson = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Tell which law of contact a log broke, when, where, and what the likely cause is.
 

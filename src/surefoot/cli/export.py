@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from surefoot.cli import options
 from surefoot.cli.console import say, show
 from surefoot.cli.output import new_run_folder
 from surefoot.errors import ProblemError, unknown_name
@@ -29,7 +30,7 @@ def export(
         float, typer.Option(help="Phases of a log shorter than this join the one before [s].")
     ] = 0.02,
     out: Annotated[Path, typer.Option(help="Parent of the new folder.")] = Path("runs"),
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Write the contacts of a log, a plan or a sequence for other tools: data, and scripts that hold it.
 

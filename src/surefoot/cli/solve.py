@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from surefoot.arrays import real_number
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import show
 
 if TYPE_CHECKING:  # the other commands need no compiled code
@@ -35,7 +35,7 @@ def solve(
         ),
     ] = 1e-8,
     max_time: Annotated[float, typer.Option(min=0.0, help="Bound on each solve [s].")] = math.inf,
-    json: shared.AsJson = False,
+    json: options.AsJson = False,
 ) -> int:
     """Solve the problems in files, contacts or LCPs, and print a certificate for each.
 

@@ -8,10 +8,9 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
+from surefoot.cli import options
 from surefoot.cli.compiling import silent
 from surefoot.cli.console import say, show, table
 from surefoot.cli.progress import progress_bar
@@ -28,7 +27,7 @@ COM, MASS, MU = (0.0, 0.0, 0.3), 16.0, 0.6
 
 
 def warmup(
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Compile everything that the commands need, once per machine, and say where it is kept.
 
