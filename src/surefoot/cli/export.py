@@ -20,7 +20,7 @@ def export(
     source: Annotated[Path, typer.Argument(help="A contact sequence (.json), or a log or plan.")],
     to: Annotated[
         list[str] | None,
-        typer.Option(help="sequence, ocs2, crocoddyl, tsid, casadi, acados, drake, isaaclab; repeatable."),
+        typer.Option(help="sequence, ocs2, crocoddyl, tsid, casadi, drake, isaaclab; repeatable."),
     ] = None,
     facets: Annotated[
         int | None, typer.Option(help="Sides of the pyramids; None for the file's, or 8.")

@@ -39,8 +39,7 @@ def identify(
     rivals: Annotated[
         str,
         typer.Option(
-            help="Simulators to be tuned by the same search: mujoco, drake, comma-separated, or none; auto: "
-            "with --test, all that are there."
+            help="Simulators to be tuned by the same search: mujoco, or none; auto: with --test, if there."
         ),
     ] = NAMED,
     resamples: Annotated[int, typer.Option(help="Bootstrap samples behind the 95 % intervals.")] = 1000,
@@ -61,10 +60,10 @@ def identify(
         raise ProblemError(f"{test} holds tosses of another cube than {tosses}")
     models = [*_laws(law or ["rigid"]), *_rivals(rivals, test is not None)]
     fits: dict[str, TossFit] = {}
-    for model, most in models:
+    for model in models:
         with progress_bar(not as_json, f"{model.name}: simulating tosses", 1.0) as moved:
-            fits[model.name] = _fit(model, most, recorded, others, resamples, seed, moved)
-    names = [model.name for model, _ in models]
+            fits[model.name] = _fit(model, recorded, others, resamples, seed, moved)
+    names = [model.name for model in models]
     facts = _facts(fits, names[: len(law or ["rigid"])], recorded, others)
     folder, note = picture_folder(out, "identify") if picture else (None, "")
     if folder is not None:
@@ -78,31 +77,25 @@ def identify(
 
 
 def _laws(names: list[str]) -> list[Any]:
-    """Return (model, None) for each law, each once."""
+    """Return the model of each law, each once."""
     from surefoot.estimation.cube_model import CubeModel
 
-    return [(CubeModel(name), None) for name in dict.fromkeys(names)]
+    return [CubeModel(name) for name in dict.fromkeys(names)]
 
 
 def _rivals(names: str, testing: bool) -> list[Any]:
-    """Return (model, tosses it is tuned on) for each rival."""
-    from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
+    """Return the model of each rival."""
+    from surefoot.simulation.tosses.rivals import make_rival, present_rivals
 
     if names == NAMED:
         wanted = present_rivals() if testing else []
     else:
         wanted = [] if names == "none" else [name.strip() for name in names.split(",")]
-    return [(make_rival(name), RIVALS[name].most) for name in dict.fromkeys(wanted)]
+    return [make_rival(name) for name in dict.fromkeys(wanted)]
 
 
 def _fit(
-    model: Any,
-    most: int | None,
-    recorded: Tosses,
-    others: Tosses | None,
-    resamples: int,
-    seed: int,
-    moved: Any,
+    model: Any, recorded: Tosses, others: Tosses | None, resamples: int, seed: int, moved: Any
 ) -> TossFit:
     """Fit one model, moving the bar."""
     from surefoot.estimation.identify import identify as fit
@@ -113,7 +106,7 @@ def _fit(
         if moved is not None:
             moved(1.0 - math.exp(-2.0 * simulated / expected))
 
-    return fit(recorded, model, test=others, most=most, resamples=resamples, seed=seed, progress=progress)
+    return fit(recorded, model, test=others, resamples=resamples, seed=seed, progress=progress)
 
 
 def _facts(
