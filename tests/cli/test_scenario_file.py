@@ -15,7 +15,7 @@ from surefoot.cli.main import main
 from surefoot.cli.physics import contact_law
 from surefoot.cli.scenario_file import STAND_KEYS, WALK_KEYS, ScenarioFile, schema
 from surefoot.laws import Hertz, HuntCrossley, MujocoLaw, SpringDamper
-from surefoot.log import read_log
+from surefoot.log.formats import read_log
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENARIOS = sorted((ROOT / "examples" / "scenarios").glob("*.yaml"))

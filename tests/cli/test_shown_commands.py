@@ -26,7 +26,7 @@ from benchmarks.softening import race
 from surefoot.cli.extras import missing
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 from surefoot.planning import planner
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS

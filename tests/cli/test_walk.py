@@ -10,7 +10,7 @@ import pytest
 from surefoot.cli import parsing
 from surefoot.cli.main import main
 from surefoot.errors import ProblemError
-from surefoot.log import read_log
+from surefoot.log.formats import read_log
 from surefoot.terrain import FlatTerrain, HeightfieldTerrain, SlopeTerrain, StairsTerrain
 
 QUICK = ("--duration", "1.2", "--no-video")

@@ -11,8 +11,8 @@ import pytest
 import surefoot as sf
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
-from surefoot.estimation import Cube, Tosses, write_tosses
-from surefoot.log import read_log
+from surefoot.estimation.tosses import Cube, Tosses, write_tosses
+from surefoot.log.formats import read_log
 
 STANCE = Path(__file__).parents[2] / "examples" / "stances" / "slope.yaml"
 LINK = "<link name='b'><inertial><mass value='{}'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/>"

@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from surefoot.errors import ProblemError
-from surefoot.estimation import Cube
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.ground_plane import Plane
 from surefoot.estimation.toss_model import Scene, TossModel
+from surefoot.estimation.tosses import Cube
 from surefoot.simulation.tosses.rivals import RIVALS, make_rival, present_rivals
 
 STIFF = {"mujoco": [0.2, 0.004, 1.0, 0.95, 0.99]}

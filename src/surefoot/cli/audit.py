@@ -55,7 +55,7 @@ def audit(
 
     Exit code 0 if it is lawful and survives its replay, 1 if not or if one cannot tell, 2 for wrong input.
     """
-    from surefoot.estimation import holds_tosses
+    from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
         from surefoot.cli.toss_audit import audit_toss_file
@@ -63,7 +63,7 @@ def audit(
         given = {"--robot": robot, "--replay": replay, "--terrain": terrain}
         return audit_toss_file(log, mu, given, out, as_json)
     from surefoot.audit import audit_log
-    from surefoot.log import read_log
+    from surefoot.log.formats import read_log
     from surefoot.robot import load_robot
 
     check_out(out)

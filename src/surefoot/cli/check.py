@@ -56,7 +56,9 @@ def check(
 
 def _facts(case: Any, facets: int | None, fit: Any, motors: bool) -> tuple[dict[str, Any], Any, Any]:
     """Return everything the command says, the ground's verdict and, for a robot, the motors'."""
-    from surefoot.equilibrium import actuation, can_stand, com_region, friction_needed
+    from surefoot.equilibrium import actuation
+    from surefoot.equilibrium.regions import com_region
+    from surefoot.equilibrium.statics import can_stand, friction_needed
 
     question = case.question
     ground = can_stand(question.stance, question.com, question.mass, question.external_wrench, facets, fit)

@@ -69,7 +69,7 @@ def _read(source: Path, facets: int | None, fit: str | None, shortest: float) ->
     from dataclasses import replace
 
     from surefoot.interop import read_sequence, sequence_from_log
-    from surefoot.log import read_log
+    from surefoot.log.formats import read_log
 
     if source.suffix == ".json":
         sequence = read_sequence(source)

@@ -19,7 +19,8 @@ from surefoot.errors import ProblemError
 if TYPE_CHECKING:  # the other commands need no compiled code
     from rich.console import Console
 
-    from surefoot.estimation import Tosses, TossFit
+    from surefoot.estimation.identify import TossFit
+    from surefoot.estimation.tosses import Tosses
 
 EXPECTED = 45.0
 """Simulations of all tosses that a fit takes, give or take: for the progress bar."""
@@ -48,7 +49,7 @@ def identify(
     as_json: options.AsJson = False,
 ) -> int:
     """Fit a contact law and the ground to recorded tosses of a cube, with 95 % bootstrap intervals."""
-    from surefoot.estimation import read_tosses
+    from surefoot.estimation.tosses import read_tosses
 
     whole_number("--seed", seed)
     whole_number("--resamples", resamples, low=20)
@@ -97,7 +98,7 @@ def _fit(
     model: Any, recorded: Tosses, others: Tosses | None, resamples: int, seed: int, moved: Any
 ) -> TossFit:
     """Fit one model, moving the bar."""
-    from surefoot.estimation import identify as fit
+    from surefoot.estimation.identify import identify as fit
 
     expected = EXPECTED * len(recorded)
 

@@ -126,7 +126,7 @@ def _audit(end: ExitStack, subject: str, robot: str | None) -> Callable[[], Page
     """Scrub a log, and jump to the violations of the laws of contact."""
     from surefoot.audit import audit_log
     from surefoot.lab.recording import Recording, audit_page
-    from surefoot.log import read_log
+    from surefoot.log.formats import read_log
 
     log, whose = read_log(subject), None if robot is None else load(robot)
     recording = Recording(log, whose)

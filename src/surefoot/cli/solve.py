@@ -41,8 +41,7 @@ def solve(
 
     Exit code 1 if one of them is not solved.
     """
-    from surefoot.contact import read_problem
-    from surefoot.contact.files import holds_lcp, read_lcp
+    from surefoot.contact.files import holds_lcp, read_lcp, read_problem
     from surefoot.contact.lcp import LCP
     from surefoot.errors import ProblemError, SolverNotFound, unknown_name
     from surefoot.solvers.lcp import lcp_solver_names
@@ -73,8 +72,9 @@ def solve(
 
 def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_time: float) -> dict[str, Any]:
     """Solve one contact problem; return its record."""
-    from surefoot.contact import redundancy, residuals
-    from surefoot.solvers import solve as solve_problem
+    from surefoot.contact import residuals
+    from surefoot.contact.diagnosis import redundancy
+    from surefoot.solvers.solver import solve as solve_problem
 
     found = solve_problem(problem, solver, tol, max_time=max_time)
     proof, rows = found.proof, redundancy(problem)

@@ -128,7 +128,7 @@ def _statics(setup: _Setup, mu: float, payload: float, place: Sequence[float]) -
     import numpy as np
 
     from surefoot.cli.stand_output import statics_line
-    from surefoot.equilibrium import can_stand, friction_needed
+    from surefoot.equilibrium.statics import can_stand, friction_needed
     from surefoot.spatial import rotation_from_quaternion
 
     robot, plan = setup.robot, setup.plan
