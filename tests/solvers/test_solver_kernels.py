@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.contact import blocks
 from surefoot.solvers import (
     admm,
@@ -83,7 +84,7 @@ def test_pyramid_projection_and_shift(facets: int, fit: str) -> None:
     rng = np.random.default_rng(facets)
     for _ in range(40):
         x, mu = rng.normal(size=3), rng.uniform(0.1, 1.2)
-        cone = sf.FrictionPyramid(mu, facets, fit)  # type: ignore[arg-type]
+        cone = FrictionPyramid(mu, facets, fit)  # type: ignore[arg-type]
         found = pyramid.project_any(*x, mu, 0.0, np.inf, facets, fit == "inner")
         assert np.allclose(found, cone.project(x), atol=1e-9)
         limit = max(-cone.rays[:, :2] @ x[:2])
@@ -247,7 +248,7 @@ def test_admm_of_few_contacts_is_that_of_many(law: str, facets: int | None) -> N
     p = problem(7, 5, law).replace(facets=facets)
     few = sf.solve(p, "admm", tol=1e-10)
     assert few.solved
-    many = admm.run_admm(admm.Cones(p, None), solver.Settings(1e-10))
+    many = admm.run_admm(admm.Cones(p, None), solver.SolverSettings(1e-10))
     assert np.allclose(few.forces, many.forces, atol=1e-7)
     again = sf.solve(p, "admm", tol=1e-10, warm_start=few.forces)
     assert again.solved
