@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.gait import SAME_TIME, ContactSchedule
+from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.control.leg_demand import Pace
 
 STANCE_STEP, AIR_STEP, OFFSET_STEP = 1.35, 1.15, 0.07

@@ -16,7 +16,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.control.adaptive_gait import AdaptiveGait, Stride
 from surefoot.control.command_limits import HURRIED_DUTY, Limits, hurried
-from surefoot.control.gait import ContactSchedule, Gait
+from surefoot.control.contact_schedule import ContactSchedule
+from surefoot.control.gait import Gait
 from surefoot.control.gait_library import PATTERNS, REFERENCE_LEG, GaitPattern, gait_names, named_gait
 from surefoot.control.leg_demand import Pace
 from surefoot.control.stair_gait import DUTY, OFFSETS, speed_in_step, stair_gait

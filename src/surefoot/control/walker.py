@@ -18,9 +18,9 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.control.behaviours.arbiter import Arbiter
 from surefoot.control.behaviours.behaviour import Request, View, Walk
 from surefoot.control.biped.settings import BipedSettings
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import Controller, RobotState
 from surefoot.control.damping import computable
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import ConvexMpc
 from surefoot.control.walking_body import BodyPlan, VelocityCommand

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from surefoot.control.actuators import Actuators
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import Controller
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot

@@ -13,11 +13,11 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, real_number
 from surefoot.control.behaviours.behaviour import Request
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
 from surefoot.control.foothold import step_place
 from surefoot.control.force_planner import ForcePlanner
 from surefoot.control.force_ramps import ForceRamps
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.gait_choice import Body, choose_gait
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.look_ahead import plane_ahead

@@ -10,8 +10,8 @@ import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.control.body_motion import BodyReference
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.foothold import fit_plane
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.walking_kernels import advance_body, body_rise, cruise, slope_frames
 from surefoot.errors import ProblemError
 from surefoot.spatial import GRAVITY

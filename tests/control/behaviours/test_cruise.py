@@ -11,8 +11,8 @@ from surefoot.arrays import FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING
 from surefoot.control.behaviours.cruise import FOLLOW, SLACK, Cruise
 from surefoot.control.command_limits import ground_left
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.gait_library import named_gait
 from surefoot.control.ground_belief import TouchedGround
 from surefoot.control.mapped_ground import MappedGround

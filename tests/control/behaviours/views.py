@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from surefoot.control.behaviours.behaviour import View, Walk
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.gait_library import named_gait
 from surefoot.control.whole_body_tasks import Kinematics
 from surefoot.terrain import FlatTerrain, Terrain

@@ -21,8 +21,8 @@ from surefoot.control.biped.posture import Posture, stretching
 from surefoot.control.biped.settings import BipedSettings
 from surefoot.control.biped.soles import Soles, sole_damping
 from surefoot.control.biped.step_planner import StepPlanner, foot_speeds
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.gait_library import named_gait
 from surefoot.control.load_adaptation import LoadAdaptation
 from surefoot.control.mpc import BodyReference, BodyState, MpcPlan
