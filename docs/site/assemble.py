@@ -17,7 +17,7 @@ from docs.site.recipe import recipes, run_recipe
 
 ROOT = Path(__file__).resolve().parents[2]
 LANDINGS = ("extend", "cookbook/README", "learn", "do", "understand", "look-up")
-"""Pages that lead to others: two on a shelf, and the four shelves. A page is below the first that links to it."""
+"""Pages that lead to others: two on a shelf, and four shelves. A page is below the first that links to it."""
 BESIDES = {
     "learn": ["/course/index"],
     "look-up": ["/api/index", "/docs/README", "/CHANGELOG", "/CONTRIBUTING", "/README"],
