@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import surefoot as sf
-from surefoot.control.gait_files import mode_name, read_gaits, write_gaits
+from surefoot.interop.gait_files import mode_name, read_gaits, write_gaits
 
 
 def main(folder: Path, duration: float = 4.0) -> dict[str, float]:

@@ -10,13 +10,13 @@ import pytest
 
 from surefoot.control.controller import HeightScan, RobotState
 from surefoot.control.gait_library import named_gait
-from surefoot.control.ground_belief import GroundBelief, TouchedGround
 from surefoot.control.look_ahead import plane_ahead
-from surefoot.control.mapped_ground import MappedGround
 from surefoot.control.stumble import sort_touches
 from surefoot.control.terrain_knowledge import believed_ground
 from surefoot.control.walking_feet import Feet
 from surefoot.errors import ProblemError
+from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
+from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.height_scan import ActiveRangeSensor, RangeSensor
 from surefoot.terrain import FlatTerrain, SlopeTerrain, StairsTerrain, Terrain

@@ -168,8 +168,8 @@ def _file_motors(robot: Any) -> Any:
 def _schedule(robot: Any, gait: str, said: ScenarioFile) -> Any:
     """Return a gait's name, or the schedule of a file."""
     from surefoot.control.gait import Gait
-    from surefoot.control.gait_files import read_gaits
     from surefoot.control.gait_library import named_gait
+    from surefoot.interop.gait_files import read_gaits
 
     if said.gait_file is None:
         return gait if said.period is None else named_gait(gait, len(robot.feet), period=said.period)

@@ -16,6 +16,7 @@ import math
 
 from surefoot.control.gait import Gait
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.estimation.ground_belief import LOW
 from surefoot.terrain import Terrain
 
 DUTY = 0.6
@@ -30,8 +31,6 @@ on steps of no height, and how it grows with their rise over the height of the c
 walks on steps of 8 to 15 cm)."""
 LONGEST_STRIDE = 1.2
 """Longest stride up or down steps, over the height of the centre of mass."""
-LOW = 0.22
-"""Steps lower than this share of the height of the centre of mass need nothing."""
 
 
 def stair_gait(

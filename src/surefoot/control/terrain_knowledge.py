@@ -9,9 +9,9 @@ blind     `TouchedSteps`: a plane through the last footholds (`TouchedGround`), 
 
 from __future__ import annotations
 
-from surefoot.control.mapped_ground import MappedGround
-from surefoot.control.touched_steps import TouchedSteps
 from surefoot.errors import ProblemError, unknown_name
+from surefoot.estimation.mapped_ground import MappedGround
+from surefoot.estimation.touched_steps import TouchedSteps
 from surefoot.terrain import Terrain
 
 KNOWLEDGE = ("exact", "map", "blind")

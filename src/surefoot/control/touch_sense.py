@@ -13,11 +13,11 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.behaviours.behaviour import Request, Search
 from surefoot.control.controller import RobotState
-from surefoot.control.ground_belief import GroundBelief
 from surefoot.control.landing import LandingWatch
 from surefoot.control.stumble import sort_touches
 from surefoot.control.walking_feet import SEARCH_SPEED, Feet
 from surefoot.control.whole_body_tasks import Kinematics
+from surefoot.estimation.ground_belief import GroundBelief
 from surefoot.spatial import GRAVITY, base_velocity, heading_of
 from surefoot.terrain import Terrain
 

@@ -8,11 +8,11 @@ import pytest
 from surefoot.control.behaviours.behaviour import NOTHING
 from surefoot.control.behaviours.steps_by_touch import StepsByTouch, Stop
 from surefoot.control.controller import RobotState
-from surefoot.control.ground_belief import TouchedGround
-from surefoot.control.ledge import DROP, REACH, Ledge
-from surefoot.control.touched_steps import TouchedSteps
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.estimation.ground_belief import TouchedGround
+from surefoot.estimation.ledge import DROP, REACH, Ledge
+from surefoot.estimation.touched_steps import TouchedSteps
 from surefoot.robot import load_robot
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.run import run

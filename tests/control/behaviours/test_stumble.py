@@ -10,10 +10,10 @@ from surefoot.control.behaviours.stumble import HIGHEST, LIFT, MEMORY, Stumble
 from surefoot.control.controller import RobotState
 from surefoot.control.gait import Gait
 from surefoot.control.gait_library import named_gait
-from surefoot.control.ground_belief import GroundBelief, TouchedGround
-from surefoot.control.mapped_ground import MappedGround
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.estimation.ground_belief import GroundBelief, TouchedGround
+from surefoot.estimation.mapped_ground import MappedGround
 from surefoot.robot import load_robot
 from surefoot.simulation.rigid import RigidWorld
 from surefoot.simulation.run import run

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from surefoot.control.gait import ModeSchedule
-from surefoot.control.gait_files import read_gaits
 from surefoot.errors import ProblemError
+from surefoot.interop.gait_files import read_gaits
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import SlopeTerrain
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View, Walk
-from surefoot.control.ground_belief import GroundBelief
+from surefoot.estimation.ground_belief import GroundBelief
 
 APPROACH = 0.1
 """Share of its speed with which a body comes near to steps, until its gait is in step with them."""

@@ -18,9 +18,9 @@ import numpy as np
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.control.behaviours.behaviour import NOTHING, Request, Search, View, Walk
 from surefoot.control.behaviours.seen_stairs import SEEN_SPEED
-from surefoot.control.ledge import DROP, Ledge
 from surefoot.control.swing import DOWN_LAST, LIFT_FIRST, minimum_jerk
-from surefoot.control.touched_steps import TouchedSteps
+from surefoot.estimation.ledge import DROP, Ledge
+from surefoot.estimation.touched_steps import TouchedSteps
 from surefoot.spatial import GRAVITY, base_velocity
 
 LEAST_TREAD = 0.6

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from surefoot.control.behaviours.behaviour import NOTHING, Request, View, Walk
-from surefoot.control.ground_belief import GroundBelief
+from surefoot.estimation.ground_belief import GroundBelief
 
 MEMORY = 4.0
 """How long a stumble is remembered [s]: for half of it feet are lifted as high as right after it."""

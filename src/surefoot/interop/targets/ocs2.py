@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 
-from surefoot.control.gait_files import QUADRUPED
 from surefoot.errors import ProblemError
+from surefoot.interop.gait_files import QUADRUPED
 from surefoot.interop.sequence import ContactSequence
 from surefoot.stance import Contact, PointContact
 

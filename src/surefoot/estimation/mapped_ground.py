@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.controller import RobotState
-from surefoot.control.ground_belief import GroundBelief
-from surefoot.control.step_detection import StepWatch
 from surefoot.estimation.elevation_kernels import flight_heights
 from surefoot.estimation.elevation_map import ElevationMap, MapSettings
+from surefoot.estimation.ground_belief import GroundBelief, Sensed
+from surefoot.estimation.step_detection import StepWatch
 from surefoot.spatial import rotation_from_quaternion
 
 REMEMBERED = 0.3
@@ -54,7 +53,7 @@ class MappedGround(GroundBelief):
     def __repr__(self) -> str:
         return f"MappedGround({self.map!r})"
 
-    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
+    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
         """See `GroundBelief.begin`."""
         self.map.begin(ground[:, :2].mean(axis=0), 0.0, np.zeros(2))
         self._poses.clear()
@@ -66,7 +65,7 @@ class MappedGround(GroundBelief):
         self.map.refresh()
 
     def observe(
-        self, state: RobotState, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `GroundBelief.observe`; a scan goes where the base was believed to be when it was taken."""
         self._poses.append((state.time, state.q[:7].copy()))

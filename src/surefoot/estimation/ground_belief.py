@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections import deque
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.controller import RobotState
 from surefoot.terrain import Terrain
 
 LANDINGS = 3
@@ -31,6 +31,48 @@ BIAS_GAIN, LARGEST_BIAS = 0.3, 0.3
 """Share of the error of an expected height by which the next are corrected, and the most, in body heights."""
 STRIKE_REACH = 0.25
 """A foot over known ground strikes what is so near before it, in heights of the centre of mass."""
+LOW = 0.22
+"""Steps lower than this share of the height of the centre of mass need nothing."""
+
+
+class Scan(Protocol):
+    """What a range sensor has seen, as `surefoot.control.controller.HeightScan` has it."""
+
+    @property
+    def time(self) -> float:
+        """When it looked [s]."""
+
+    @property
+    def points(self) -> FloatArray:
+        """(k, 3) in base axes at that time, from the base's origin [m]."""
+
+    @property
+    def variances(self) -> FloatArray:
+        """(k,) of their heights [m²]."""
+
+    @property
+    def origin(self) -> FloatArray | None:
+        """(3,) where its rays begin, likewise; None where that is not known [m]."""
+
+
+class Sensed(Protocol):
+    """What a belief learns from, as `surefoot.control.controller.RobotState` has it."""
+
+    @property
+    def q(self) -> FloatArray:
+        """(nq,) configuration [m, -, rad], Pinocchio's order."""
+
+    @property
+    def v(self) -> FloatArray:
+        """(nv,) velocity [m/s, rad/s]."""
+
+    @property
+    def time(self) -> float:
+        """Since the run began [s]."""
+
+    @property
+    def scan(self) -> Scan | None:
+        """What a range sensor has seen, at the steps at which it says so."""
 
 
 class GroundBelief(Terrain):
@@ -51,7 +93,7 @@ class GroundBelief(Terrain):
     radius: float = 0.0
     struck_at: float = -math.inf
 
-    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
+    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
         """Start from where the robot stands.
 
         Parameters
@@ -72,7 +114,7 @@ class GroundBelief(Terrain):
         self._fit()
 
     def observe(
-        self, state: RobotState, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """Learn from a step.
 
@@ -168,9 +210,10 @@ class TouchedGround(GroundBelief):
 
     Examples
     --------
+    >>> from types import SimpleNamespace
     >>> ground = TouchedGround()
     >>> feet = np.array([[0.2, 0.1, 0.02], [0.2, -0.1, 0.02], [-0.2, 0.1, -0.02], [-0.2, -0.1, -0.02]])
-    >>> ground.begin(RobotState(np.zeros(7), np.zeros(6)), feet, 0.3)
+    >>> ground.begin(SimpleNamespace(q=np.zeros(7), v=np.zeros(6), time=0.0, scan=None), feet, 0.3)
     >>> ground.height([0.4, 0.0]).round(3), ground.gradient([0.4, 0.0]).round(3) + 0.0
     (np.float64(0.04), array([0.1, 0. ]))
     """
@@ -182,7 +225,7 @@ class TouchedGround(GroundBelief):
     def __repr__(self) -> str:
         return "TouchedGround()"
 
-    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
+    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
         """See `GroundBelief.begin`."""
         self._bias = 0.0
         super().begin(state, ground, height)

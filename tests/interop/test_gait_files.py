@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from surefoot.control.gait import Gait, ModeSchedule
-from surefoot.control.gait_files import (
+from surefoot.control.gait_library import gait_names, named_gait
+from surefoot.errors import ProblemError
+from surefoot.interop.gait_files import (
     format_gaits,
     mode_from_name,
     mode_name,
@@ -13,8 +15,6 @@ from surefoot.control.gait_files import (
     read_gaits,
     write_gaits,
 )
-from surefoot.control.gait_library import gait_names, named_gait
-from surefoot.errors import ProblemError
 
 # LF, RF, LH, RH from the most significant bit: the numbering of OCS2's switched models
 NUMBERS = {

@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.estimation.felt_flight import ONWARD, FeltFlight
+from surefoot.estimation.touched_flight import ONWARD, TouchedFlight
 from surefoot.terrain import StairsTerrain
 
 ALONG = np.array([1.0, 0.0])
 
 
-def felt(rise: float = 0.12, tread: float = 0.3) -> FeltFlight:
+def felt(rise: float = 0.12, tread: float = 0.3) -> TouchedFlight:
     """Return a flight from x = 0 whose rise and tread have been felt."""
-    flight = FeltFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
+    flight = TouchedFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
     flight.stand(0.1, rise)
     assert flight.strike(tread)
     return flight
 
 
 def test_before_a_second_riser_is_felt_the_first_tread_has_no_end() -> None:
-    flight = FeltFlight(ALONG, 0.5, 0.2, 0.14, 0.27)
+    flight = TouchedFlight(ALONG, 0.5, 0.2, 0.14, 0.27)
     assert flight.height([0.49, 0.51, 5.0]) == pytest.approx([0.2, 0.34, 0.34])
     flight.stand(0.6, 0.29)
     assert (flight.rise_known, flight.tread_known) == (True, False)
@@ -37,7 +37,7 @@ def test_what_is_felt_is_the_terrain(rise: float, tread: float) -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_noisy_strikes_and_stands_are_averaged(seed: int) -> None:
     r, rise, tread = np.random.default_rng(seed), 0.11, 0.28
-    flight = FeltFlight(ALONG, float(r.normal(0.0, 0.005)), float(r.normal(0.0, 0.003)), 0.14, 0.3)
+    flight = TouchedFlight(ALONG, float(r.normal(0.0, 0.005)), float(r.normal(0.0, 0.003)), 0.14, 0.3)
     for number in range(8):
         flight.pass_time(0.4)
         assert flight.strike(number * tread + float(r.normal(0.0, 0.005)))
@@ -54,7 +54,7 @@ def test_a_strike_far_from_every_riser_is_none() -> None:
     before = flight.edge(2)
     assert not flight.strike(-0.1)
     assert flight.edge(2) == before
-    unknown = FeltFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
+    unknown = TouchedFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
     assert not unknown.strike(0.1)  # no tread is that short
     assert not unknown.tread_known
 
@@ -72,7 +72,7 @@ def test_a_foot_one_step_too_low_has_found_the_end() -> None:
 
 
 def test_a_foot_one_step_too_high_has_passed_a_riser() -> None:
-    flight = FeltFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
+    flight = TouchedFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
     flight.stand(0.1, 0.1)
     flight.stand(0.35, 0.2)
     assert flight.tread_known
@@ -89,7 +89,7 @@ def test_stands_that_fit_nothing_are_counted() -> None:
 
 
 def test_a_rise_that_was_told_by_a_false_landing_is_told_anew() -> None:
-    flight = FeltFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
+    flight = TouchedFlight(ALONG, 0.0, 0.0, 0.14, 0.27)
     flight.stand(0.1, 0.145)  # a leg that braked in the air
     flight.stand(0.12, 0.05)
     assert flight.rise == pytest.approx(0.05)

@@ -38,7 +38,7 @@ ONWARD = 4
 """So many edges are believed in beyond the last tread that a foot has stood on."""
 
 
-class FeltFlight(StepLine):
+class TouchedFlight(StepLine):
     """Steps up along a direction, from a riser that a foot has struck.
 
     Parameters
@@ -65,7 +65,7 @@ class FeltFlight(StepLine):
 
     Examples
     --------
-    >>> flight = FeltFlight(np.array([1.0, 0.0]), 0.5, 0.0, 0.15, 0.25)
+    >>> flight = TouchedFlight(np.array([1.0, 0.0]), 0.5, 0.0, 0.15, 0.25)
     >>> flight.stand(0.6, 0.1)
     >>> flight.strike(0.78)
     True

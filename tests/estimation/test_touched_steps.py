@@ -7,11 +7,11 @@ import pytest
 
 from surefoot.control.behaviours.steps_by_touch import soft_way
 from surefoot.control.controller import RobotState
-from surefoot.control.ground_belief import TouchedGround
 from surefoot.control.swing import swing_motion
-from surefoot.control.touched_steps import TouchedSteps
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
+from surefoot.estimation.ground_belief import TouchedGround
+from surefoot.estimation.touched_steps import TouchedSteps
 from surefoot.robot import load_robot
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import FloatArray
-from surefoot.control.stair_gait import LOW
+from surefoot.estimation.ground_belief import LOW
 
 DROP = 0.29
 """A drop of more than this share of the height of the centre of mass is not taken by touch alone; less is a

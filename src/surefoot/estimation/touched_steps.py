@@ -21,11 +21,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.controller import RobotState
-from surefoot.control.ground_belief import TouchedGround
-from surefoot.control.ledge import Ledge
-from surefoot.control.stair_gait import LOW
-from surefoot.estimation.felt_flight import FeltFlight
+from surefoot.estimation.ground_belief import LOW, Sensed, TouchedGround
+from surefoot.estimation.ledge import Ledge
+from surefoot.estimation.touched_flight import TouchedFlight
 from surefoot.spatial import base_velocity, heading_of
 
 GUESSED_RISE, GUESSED_TREAD = 0.45, 0.9
@@ -59,14 +57,14 @@ class TouchedSteps(TouchedGround):
 
     def __init__(self) -> None:
         super().__init__()
-        self.flight: FeltFlight | None = None
+        self.flight: TouchedFlight | None = None
         self.drop: Ledge | None = None
         self.reached = -math.inf
 
     def __repr__(self) -> str:
         return "TouchedSteps()"
 
-    def begin(self, state: RobotState, ground: FloatArray, height: float) -> None:
+    def begin(self, state: Sensed, ground: FloatArray, height: float) -> None:
         """See `GroundBelief.begin`."""
         self._forget()
         self._heading, self._time = np.array([1.0, 0.0]), state.time
@@ -117,12 +115,12 @@ class TouchedSteps(TouchedGround):
             along, level = math.copysign(1.0, way) * self._heading, float(self.height(sole[:2]))
             edge = float(sole[:2] @ along) + self.radius
             guesses = GUESSED_RISE * self._height, GUESSED_TREAD * self._height
-            self.flight, self.reached = FeltFlight(along, edge, level, *guesses), edge
+            self.flight, self.reached = TouchedFlight(along, edge, level, *guesses), edge
         else:
             self.flight.strike(float(sole[:2] @ self.flight.along) + self.radius)
 
     def observe(
-        self, state: RobotState, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
+        self, state: Sensed, ground: FloatArray, carrying: BoolArray, sought: BoolArray, soles: FloatArray
     ) -> None:
         """See `GroundBelief.observe`."""
         self._heading = heading_of(state.q[3:7])

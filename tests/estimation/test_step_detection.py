@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control.step_detection import (
+from surefoot.estimation.flight_fit import Steps
+from surefoot.estimation.step_detection import (
     FINE,
     LOOKS,
     PATIENCE,
@@ -13,7 +14,6 @@ from surefoot.control.step_detection import (
     find_edges,
     find_flight,
 )
-from surefoot.estimation.flight_fit import Steps
 from surefoot.terrain import FlatTerrain, StairsTerrain, Terrain, read_terrain
 
 WAYS = np.arange(-1.0, 1.1, FINE)
