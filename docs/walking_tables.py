@@ -154,14 +154,6 @@ def _bins(told: Any, parameter: str) -> Any:
     return told["parameters"][parameter]
 
 
-def _worlds(told: Any) -> Rows:
-    """Return share and error of the sweep over MuJoCo's time constant."""
-    return [
-        [row["bin"], str(row["samples"]), f"{row['value']:.2f}", f"{1e3 * row['medians']['off']:.1f}"]
-        for row in _bins(told, "time_constant")
-    ]
-
-
 def _timid(told: Any) -> Rows:
     """Return shares and median velocities of the narrow and the wide sweep over the commanded speed."""
     return [
@@ -331,10 +323,6 @@ TABLES = {
             "narrow: median velocity [m/s]", "wide",
         ),
         _timid, long=True,
-    ),
-    "off_worlds": Table(
-        f"{SWEEP}/worlds.yaml --over time_constant", "sweeps.md",
-        ("time constant [s]", "samples", "share that agrees", "off by [mm], median"), _worlds,
     ),
     "soft_ground": Table(
         f"{SWEEP}/soft.yaml --over time_constant", "sweeps.md",

@@ -1,4 +1,4 @@
-"""A ball or a box falls on a sample's ground, rigid or soft, and comes to rest or not."""
+"""A ball or a box falls on rigid or soft ground, and comes to rest or not."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.spatial import GRAVITY, quaternion_from_rotation, rotation_about
-from surefoot.sweep.bodies import BODY, GROUNDS, altered, ground, soft_law
-from surefoot.sweep.experiments.experiment import Experiment
-from surefoot.sweep.space import Sample
+from surefoot.sweep.experiment import number
+from surefoot.sweep.grounded import Grounded
 
 BODIES = ("ball", "box")
 REST_SPEED = 0.02
@@ -27,7 +26,7 @@ NO_TORQUES = np.zeros(0)
 
 
 @dataclass(frozen=True)
-class Drop(Experiment):
+class Drop(Grounded):
     """Drop a body in the rigid world; it survives if it comes to rest.
 
     Attributes
@@ -37,7 +36,7 @@ class Drop(Experiment):
     size
         Edge of the box, or the ball's diameter [m].
     body_mass
-        [kg]; the parameter `mass` scales it.
+        [kg]; the setting `mass` scales it.
     height
         Free fall before the first touch, at least [m].
     speed
@@ -48,7 +47,6 @@ class Drop(Experiment):
         Simulated time and step [s].
     """
 
-    parameters: ClassVar[tuple[str, ...]] = ("mu", "restitution", "stiffness", "damping", *BODY, *GROUNDS)
     columns: ClassVar[Mapping[str, str]] = {
         "rested": "bool",  # for 0.2 s, before the time was over
         "rest_time": "float",  # from when on [s]
@@ -58,54 +56,42 @@ class Drop(Experiment):
         "depth_max": "float",  # deepest overlap [m]
     }
     chunk: ClassVar[int] = 16
-    packages: ClassVar[tuple[str, ...]] = ("pin",)
-    limits: ClassVar[Mapping[str, tuple[float, float]]] = {
-        "size": (1e-3, 100.0), "body_mass": (1e-3, 1e6), "height": (0.0, 100.0), "speed": (-100.0, 100.0),
-        "duration": (1e-2, 600.0), "dt": (1e-5, 0.05),
-    }  # fmt: skip
 
     body: str = "box"
-    size: float = 0.1
-    body_mass: float = 1.0
-    height: float = 0.1
-    speed: float = 0.0
+    size: float = number(0.1, 1e-3, 100.0, "m")
+    body_mass: float = number(1.0, 1e-3, 1e6, "kg")
+    height: float = number(0.1, 0.0, 100.0, "m")
+    speed: float = number(0.0, -100.0, 100.0, "m/s")
     tumble: bool = True
-    duration: float = 1.0
-    dt: float = 0.002
+    duration: float = number(1.0, 1e-2, 600.0, "s")
+    dt: float = number(0.002, 1e-5, 0.05, "s")
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.body not in BODIES:
             raise ProblemError(unknown_name("body", self.body, BODIES))
         if not isinstance(self.tumble, bool):
             raise ProblemError(f"tumble must be true or false, got {self.tumble!r:.40}")
-        super().__post_init__()
 
-    def run(self, sample: Sample) -> dict[str, Any]:
+    def run(self, seed: int) -> dict[str, Any]:
         """Return how the body came to rest."""
         from surefoot.simulation.bodies import ball, box
         from surefoot.simulation.rigid import RigidWorld
 
-        nominal = (
-            ball(self.body_mass, 0.5 * self.size)
-            if self.body == "ball"
-            else box(self.body_mass, (self.size, self.size, self.size))
-        )
-        body, terrain = altered(nominal, sample), ground(sample)
-        world = RigidWorld(
-            body, terrain, sample.number("mu", 0.6), self.dt,
-            restitution=sample.number("restitution", 0.0), law=soft_law(sample),
-        )  # fmt: skip
-        q, v = self._start(sample, float(terrain.height([0.0, 0.0])), body.model.nv)
-        world.reset(q, v)
-        return self._track(world, body.mass * GRAVITY)
+        edges = (self.size, self.size, self.size)
+        nominal = ball(self.body_mass, 0.5 * self.size) if self.body == "ball" else box(self.body_mass, edges)
+        body, terrain = self.altered(nominal), self.ground(seed)
+        world = RigidWorld(body, terrain, self.mu, self.dt, **self.ground_options())
+        world.reset(*self._start(seed, float(terrain.height([0.0, 0.0])), body.model.nv))
+        return self._results(world, body.mass * GRAVITY)
 
-    def _start(self, sample: Sample, level: float, nv: int) -> tuple[FloatArray, FloatArray]:
+    def _start(self, seed: int, level: float, nv: int) -> tuple[FloatArray, FloatArray]:
         """Return where the body starts: clear of the ground however it is turned."""
         reach = 0.5 * self.size * (1.0 if self.body == "ball" else math.sqrt(3.0) if self.tumble else 1.0)
         q, v = np.array([0.0, 0.0, level + reach + self.height, 0.0, 0.0, 0.0, 1.0]), np.zeros(nv)
         heading = np.array([self.speed, 0.0, 0.0])
         if self.tumble:
-            random = np.random.default_rng(sample.seed)
+            random = np.random.default_rng(seed)
             axis = random.normal(size=3)
             turn = rotation_about(axis / np.linalg.norm(axis), random.uniform(0.0, math.pi))
             q[3:7] = quaternion_from_rotation(turn)
@@ -114,8 +100,8 @@ class Drop(Experiment):
         v[:3] = heading
         return q, v
 
-    def _track(self, world: Any, weight: float) -> dict[str, Any]:
-        """Return the results of a run."""
+    def _results(self, world: Any, weight: float) -> dict[str, Any]:
+        """Step the world until the body rests or the time is over, and return what happened."""
         start = world.state()[0][:3]
         force, depth, lowest, bounce, moving = 0.0, 0.0, math.inf, 0.0, 0.0
         rested = False
