@@ -1,9 +1,9 @@
 """What is lost without each stage of `auto`: `python -m benchmarks.contact.ablation [--quick] [FOLDER]`.
 
-Every problem of the package's own sets, of a folder of FCLIB and Siconos files, and of the adversary's families is
-solved by the whole plan first. Where the first call leaves it unsolved, it is solved again without each of the
-stages that were asked, one at a time: a stage earns its place by problems that are then no longer decided (SOLVED,
-or INFEASIBLE with its proof), or by the time that it saves.
+Every problem of the package's own sets, of a folder of FCLIB and Siconos files, and of the adversary's
+families is solved by the whole plan first. Where the first call leaves it unsolved, it is solved again
+without each of the stages that were asked, one at a time: a stage earns its place by problems that are then
+no longer decided (SOLVED, or INFEASIBLE with its proof), or by the time that it saves.
 """
 
 from __future__ import annotations
@@ -11,18 +11,25 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+import zlib
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
+
+import numpy as np
 
 from benchmarks.contact.comparison import problems_in
 from benchmarks.problems.contacts import NamedProblem, problem_set
 from surefoot.contact import ContactProblem, Status
 from surefoot.solvers import auto, plans, solve
+from surefoot.solvers.compiled import COMPILED_CONTACTS
 
+TRY = auto.try_stage
 ADVERSARY = Path(__file__).parents[2] / "tests" / "adversary"
 TOLERANCE = {"robot": 1e-9, "large": 1e-6, "files": 1e-8, "adversary": 1e-8}
 """Wanted velocity error by set."""
@@ -59,7 +66,7 @@ def sets(folder: Path | None, seeds: int, quick: bool) -> Iterator[tuple[str, Na
 
     for family, draw in FAMILIES.items():
         for seed in range(seeds):
-            case = draw(seed)
+            case = draw(np.random.default_rng([zlib.crc32(family.encode()), seed]))
             yield "adversary", NamedProblem(f"{family}-{seed}", family, ContactProblem(**case.arguments))
 
 
@@ -67,10 +74,10 @@ def table_of(problem: ContactProblem) -> tuple[dict[str, plans.Plan], str, str]:
     """Return the table that holds a problem's plan, its key there, and what to call it."""
     law = str(problem.law)
     if problem.general:
-        return plans.GENERAL, "any law", "any kind"
+        return plans.GENERAL, plans.ANY_LAW, "any kind"
     if problem.facets is not None:
         return plans.PYRAMIDS, law, "pyramids"
-    few = problem.contacts <= auto.COMPILED_CONTACTS
+    few = problem.contacts <= COMPILED_CONTACTS
     return (plans.CONES, law, "few") if few else (plans.CONES_LARGE, law, "many")
 
 
@@ -88,18 +95,19 @@ def decided(problem: ContactProblem, tol: float, most: float) -> tuple[bool, flo
     return found.status in DECIDED, time.perf_counter() - start
 
 
+def _watched(asked: list[plans.Stage], stage: plans.Stage, *given: Any) -> Any:
+    """Note a stage and try it."""
+    asked.append(stage)
+    return TRY(stage, *given)
+
+
 def ablate(folder: Path | None, seeds: int, most: float, quick: bool) -> dict[tuple[str, str], Loss]:
     """Return the loss of every stage, by plan and stage."""
     rows: dict[tuple[str, str], list[tuple[str, bool, bool, float, float]]] = defaultdict(list)
     for kind, named in sets(folder, seeds, quick):
-        problem, asked = named.problem, []
-        runner = auto.try_stage
-
-        def watched(stage: plans.Stage, *given: object, asked: list[plans.Stage] = asked) -> object:
-            asked.append(stage)
-            return runner(stage, *given)
-
-        with patch.object(auto, "try_stage", watched):
+        problem = named.problem
+        asked: list[plans.Stage] = []
+        with patch.object(auto, "try_stage", partial(_watched, asked)):
             first = decided(problem, TOLERANCE[kind], most)
         table, key, size = table_of(problem)
         for stage in dict.fromkeys(s for s in asked if s in table[key]):
@@ -128,9 +136,8 @@ def main() -> None:
     print("| plan | stage | reached by | lost without it | time with it [s] | without |")
     print("| --- | --- | --- | --- | --- | --- |")
     for (plan, stage), loss in found.items():
-        print(
-            f"| {plan} | {stage} | {loss.asked} | {len(loss.lost)} | {loss.seconds:.2f} | {loss.without:.2f} |"
-        )
+        counts = f"{loss.asked} | {len(loss.lost)}"
+        print(f"| {plan} | {stage} | {counts} | {loss.seconds:.2f} | {loss.without:.2f} |")
     for (plan, stage), loss in found.items():
         if loss.lost:
             print(f"{plan}, {stage}: {', '.join(loss.lost)}", file=sys.stderr)

@@ -27,8 +27,8 @@ ENDS = {
 FAR = 1e20
 """Its infinity."""
 DOUBT = 10.0
-"""Its tolerances of infeasibility over its tolerance. Left at their 1e-4 they strike before a tight tolerance is
-reached: 7 of 100 feasible whole-body programs were called infeasible. At 1 it proves nothing any more."""
+"""Its tolerances of infeasibility over its tolerance. Left at their 1e-4 they strike before a tight tolerance
+is reached: 7 of 100 feasible whole-body programs were called infeasible. At 1 it proves nothing any more."""
 
 
 class ProxQp(Backend):
