@@ -1,4 +1,4 @@
-"""The plans of `auto` name what exists; parts are solved apart, proofs come early, compiling costs no time."""
+"""The plans of `auto` name what exists; parts are solved apart, proofs come early, compiling is free."""
 
 from __future__ import annotations
 
