@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.errors import NoSolution, SolverNotFound
 
 ALL = ("lemke", "interior_point")
 
@@ -76,7 +77,7 @@ def test_infeasible_problems_are_proved_so() -> None:
     assert v is not None
     assert (lcp.M.T @ v <= 0.0).all()
     assert lcp.q @ v < 0
-    with pytest.raises(sf.NoSolution, match="along a ray"):
+    with pytest.raises(NoSolution, match="along a ray"):
         found.raise_if_failed()
     assert not sf.solve_lcp(lcp, "interior_point").solved
 
@@ -93,7 +94,7 @@ def test_a_ray_without_proof_is_not_called_infeasible() -> None:
 
 
 def test_unknown_names_and_empty_problems() -> None:
-    with pytest.raises(sf.SolverNotFound, match="valid names: interior_point, lemke"):
+    with pytest.raises(SolverNotFound, match="valid names: interior_point, lemke"):
         sf.solve_lcp(sf.LCP([[1.0]], [1.0]), "simplex")
     assert sf.solve_lcp(sf.LCP(np.zeros((0, 0)), [])).solved
     assert sf.solve_lcp(sf.LCP([[1.0]], [1.0])).z.tolist() == [0.0]

@@ -65,7 +65,9 @@ def test_another_sweep_is_refused_and_nothing_touched(
 ) -> None:
     run_sweep(deadly(6), tmp_path / "a", backend="serial")
     before = {p.name: p.read_bytes() for p in (tmp_path / "a").iterdir()}
-    with pytest.raises(ProblemError, match=r"holds another sweep \(first is .*\); name another folder"):
+    with pytest.raises(
+        ProblemError, match=r"holds another sweep \(seed is 0 there, 1 here\); name another folder"
+    ):
         run_sweep(deadly(6, seed=1), tmp_path / "a", backend="serial")
     with pytest.raises(ProblemError, match=r"\(settings is .*0.0.* there, .*0.001.* here\)"):
         run_sweep(deadly(6, seconds=0.001), tmp_path / "a", backend="serial")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from surefoot.cli import options
 from surefoot.cli.console import plain_console, say, show, table
 from surefoot.cli.progress import progress_bar
 from surefoot.cli.signals import INTERRUPTED, ends_softly
@@ -37,8 +38,8 @@ def sweep(
     over: Annotated[
         list[str] | None, typer.Option(help="Print results' medians over this parameter too; repeatable.")
     ] = None,
-    picture: Annotated[bool, typer.Option("--picture/--no-picture", help="Draw survival maps.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    picture: options.Picture = True,
+    as_json: options.AsJson = False,
 ) -> int:
     """Run an experiment over samples of ranges, write a Parquet table, and draw what survives.
 

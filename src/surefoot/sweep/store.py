@@ -63,10 +63,10 @@ class Store:
         except sqlite3.DatabaseError as error:
             self.close()
             if "locked" in str(error):
-                told = f"another sweep is writing to {self.folder}: wait for it or end it"
+                reason = f"another sweep is writing to {self.folder}: wait for it or end it"
             else:
-                told = f"{path} cannot be read ({error}); move it away to begin again"
-            raise ProblemError(told) from error
+                reason = f"{path} cannot be read ({error}); move it away to begin again"
+            raise ProblemError(reason) from error
         except BaseException:
             self.close()
             raise
@@ -83,7 +83,7 @@ class Store:
 
     def _claim(self) -> set[int]:
         """Lock the rows, refuse another sweep's, and return the samples that are there."""
-        own = json.dumps(self.config.identity(), sort_keys=True)
+        own = json.dumps(self.config.identity())
         self._rows.execute("PRAGMA locking_mode = EXCLUSIVE")  # until closed
         self._rows.execute("PRAGMA synchronous = EXTRA")  # after a power cut, too
         self._rows.execute("BEGIN EXCLUSIVE")
@@ -94,7 +94,7 @@ class Store:
             self._rows.execute("INSERT INTO sweep VALUES (?)", (own,))
         elif found != own:
             there, here = json.loads(found), json.loads(own)
-            key = next(key for key in sorted({*there, *here}) if there.get(key) != here.get(key))
+            key = next(key for key in {**here, **there} if there.get(key) != here.get(key))
             raise ProblemError(
                 f"{self.folder} holds another sweep ({key} is {json.dumps(there.get(key))} there, "
                 f"{json.dumps(here.get(key))} here); name another folder"
