@@ -26,8 +26,9 @@ import numpy as np
 from benchmarks.contact.comparison import problems_in
 from benchmarks.problems.contacts import NamedProblem, problem_set
 from surefoot.contact import ContactProblem, Status
-from surefoot.solvers import auto, plans, solve
+from surefoot.solvers import auto, plans
 from surefoot.solvers.compiled import COMPILED_CONTACTS
+from surefoot.solvers.solver import solve
 
 TRY = auto.try_stage
 ADVERSARY = Path(__file__).parents[2] / "tests" / "adversary"
