@@ -35,8 +35,9 @@ def plan(
     robot: Annotated[str | None, typer.Option(help="A known robot (default go2).")] = None,
     urdf: shared.Urdf = None,
     feet: shared.FootFrames = None,
-    method: Annotated[
-        str | None, typer.Option(help="The road; each task names its own, the recommended one is taken.")
+    road: Annotated[
+        str | None,
+        typer.Option(help="schedule (or direct, of jumps); each task has its own."),
     ] = None,
     mu: options.Friction = 0.6,
     dt: Annotated[float | None, typer.Option(help="Length of a knot [s].")] = None,
@@ -65,10 +66,10 @@ def plan(
     options.require(robot, urdf, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, urdf, feet, found)
     numbers = {
-        "mu": mu, "dt": dt, "knots": knots, "method": method, "seed": seed, "max_iterations": max_iterations,
+        "mu": mu, "dt": dt, "knots": knots, "road": road, "seed": seed, "max_iterations": max_iterations,
     }  # fmt: skip
     with ends_softly() as stop:
-        search = _Search(console, leaving.as_json)
+        search = _Progress(console, leaving.as_json)
         made = search.run(who, task, amount, numbers)
         folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
@@ -91,7 +92,7 @@ def _robot(name: str | None, urdf: Path | None, feet: str | None, task: Any) -> 
 
 
 @dataclass
-class _Search:
+class _Progress:
     """Runs the search, shows how it goes and keeps its iterations."""
 
     console: Any
@@ -147,7 +148,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     return {
         "task": made.task,
         "robot": made.facts["robot"],
-        "method": made.method,
+        "road": made.road,
         "status": made.status.value,
         "goal": made.facts["goal"],
         "cost": made.cost,
@@ -202,7 +203,7 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
         ["status", facts["status"]],
-        ["method", facts["method"]],
+        ["road", facts["road"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
         ["iterations", str(facts["iterations"])],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surefoot.errors import ModelError
-from surefoot.planning.direct.symbolic_body import SymbolicBody
+from surefoot.planning.transcription.symbolic_body import SymbolicBody
 from surefoot.problems.chains import chain
 from surefoot.robot import load_robot
 from surefoot.robot.contact_points import ContactPoints, contact_points
