@@ -41,8 +41,8 @@ POSITION, ORIENTATION, VELOCITY, MOMENTUM, FORCE, FOOTHOLD = 2.0, 10.0, 0.01, 1.
 """What a second costs: squared distances from the reference [1/m², 1], velocity [s²/m²], angular momentum
 over mass [s²/m⁴], forces as shares of m g, and distance of footholds from below the hips [1/m²]."""
 REACH, REACH_TURNING = np.array([0.45, 0.3, 0.36]), np.array([0.9, 0.3, 0.6])
-"""Half size of the box about its place below the hip in which a foot stands, over the base's height; of a body
-that is to turn: it pushes off and lands with its feet far from below the hips."""
+"""Half size of the box about its place below the hip in which a foot stands, over the base's height; and of a
+body that is to turn: it pushes off and lands with its feet far from below the hips."""
 ROUND = 1e-3
 """Rounds the cone's tip from inside, as a share of m g: sqrt(f_t² + ROUND²) <= mu f_n."""
 STATE = 13
