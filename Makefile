@@ -2,21 +2,33 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --disable-pip-version-check -c constraints.txt
+PYTEST := $(BIN)/python -m pytest -n 2 --dist loadgroup -q
 .DEFAULT_GOAL := help
-.PHONY: help setup stand test test-extras test-release lint bench docs clean
+.PHONY: help setup stand lint test test-all test-extras test-release bench docs clean
 
 help: ## list the targets
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-$(VENV)/.installed: pyproject.toml constraints.txt
-	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Surefoot needs Python 3.11 or newer, this is " + sys.version)'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[all,dev]'
-	touch $@
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "Surefoot needs Python 3.11 or newer, this is " + sys.version)'
+	@echo "setting up: a virtual environment in $(VENV)"
+	@$(PYTHON) -m venv $(VENV)
 
-setup: $(VENV)/.installed ## make the virtual environment
+# What standing needs; what tests, plans, files and frameworks need comes with $(VENV)/.installed, stamps of their own.
+$(VENV)/.stand: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "setting up: downloading and installing what standing needs (extras robot, sim, viz: about 1.1 GB on disk)"
+	@$(INSTALL) -e '.[robot,sim,viz]'
+	@touch $@
 
-stand: setup ## the main job: a simulated Go2 stands on its contact forces
+$(VENV)/.installed: pyproject.toml constraints.txt | $(BIN)/python
+	@echo "setting up: downloading and installing everything (extras all, dev: about 2 GB on disk)"
+	@$(INSTALL) -e '.[all,dev]'
+	@touch $@ $(VENV)/.stand
+
+setup: $(VENV)/.installed ## make the whole virtual environment: what `make test` needs
+
+stand: $(VENV)/.stand ## the main job: a simulated Go2 stands on its contact forces
 	$(BIN)/surefoot stand go2 --out runs
 
 lint: setup ## ruff, mypy strict, import-linter
@@ -25,11 +37,14 @@ lint: setup ## ruff, mypy strict, import-linter
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: lint ## lint, then every test
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -q
+test: lint ## lint, then every test that is not long: minutes
+	$(PYTEST) -m "not long"
 
-test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gigabytes) and run their tests
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[torch,warp,mjx,scale]'
+test-all: test ## what `make test` runs, then the long tests: hunts, long walks, whole pages
+	$(PYTEST) -m long
+
+test-extras: setup ## install the large extras (torch, mjx, ray, dask: gigabytes) and run their tests
+	$(INSTALL) --quiet -e '.[torch,mjx,scale]'
 	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py tests/benchmarks/test_batch_bench.py
 
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)
@@ -45,7 +60,7 @@ bench: setup ## every benchmark, one after the other; sets the docs' measured ta
 	$(BIN)/surefoot bench faults --out runs
 
 docs: setup ## the documentation site in docs/build/html: every page run, every link and shown command checked
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
+	$(INSTALL) --quiet -e '.[docs]'
 	$(BIN)/python docs/check.py
 	$(BIN)/python -m docs.site
 

@@ -11,13 +11,14 @@ import argparse
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+from benchmarks.problems.logged_runs import clean_runs
 from surefoot.audit import AuditReport, audit_log
+from surefoot.audit.log_faults import LOG_FAULTS, LogFault
+from surefoot.audit.spoiling import FaultyLog
 from surefoot.log import Log
-from surefoot.problems.log_faults import LOG_FAULTS, LogFault, spoilt_logs
-from surefoot.problems.logged_runs import clean_runs
-from surefoot.problems.spoiling import SpoiltLog
 
 NEAR = 0.05
 """A fault is found in time within this [s]."""
@@ -48,7 +49,7 @@ class FaultScore:
         return fault | {name: value for name, value in vars(self).items() if name != "fault"}
 
 
-def judge(fault: LogFault, spoilt: SpoiltLog, report: AuditReport) -> tuple[bool, bool, bool, bool]:
+def judge(fault: LogFault, spoilt: FaultyLog, report: AuditReport) -> tuple[bool, bool, bool, bool]:
     """Return whether an audit is not "lawful" (or tells a symptom), and has foot, time and cause right."""
     noticed = not report.lawful or bool(report.symptoms)
     if not fault.symptom:
@@ -76,10 +77,16 @@ def judge(fault: LogFault, spoilt: SpoiltLog, report: AuditReport) -> tuple[bool
     return noticed, foot, when, first.name == fault.symptom
 
 
+def faulty_logs(fault: LogFault, logs: Iterator[Log], count: int = 8) -> Iterator[FaultyLog]:
+    """Yield `count` faulty logs, of the first runs that suit the fault."""
+    suitable = (fault.apply(log, seed) for seed, log in enumerate(logs))
+    return islice((faulty for faulty in suitable if faulty is not None), count)
+
+
 def score(fault: LogFault, logs: Iterator[Log], runs: int = 8) -> FaultScore:
     """Spoil `runs` logs that suit and audit them."""
     rows, wrong = [], list[str]()
-    for spoilt in spoilt_logs(fault, logs, runs):
+    for spoilt in faulty_logs(fault, logs, runs):
         report = audit_log(spoilt.log)
         right = judge(fault, spoilt, report)
         rows.append((*right, all(right)))

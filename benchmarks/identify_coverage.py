@@ -19,9 +19,9 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.printing import show, table
-from surefoot.estimation import identify
+from benchmarks.problems.tosses import random_tosses
 from surefoot.estimation.cube_model import CubeModel
-from surefoot.problems.tosses import random_tosses
+from surefoot.estimation.identify import identify
 
 LAW = {"mu": 0.18, "restitution": 0.15, "rounding": 0.05}
 GROUND = (0.003, 0.01, -0.005)

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.problems.chains import chain
 from benchmarks.timing import one_core
-from surefoot.problems.chains import chain
 from surefoot.robot.ccrba import composite_momentum_matrix, summed_momentum_matrix
 
 LINKS = (10, 20, 50, 100, 200, 300, 500, 1000)

@@ -18,7 +18,7 @@ from surefoot.cli.output import check_out, new_run_folder, to_json
 
 if TYPE_CHECKING:
     from benchmarks.contact.comparison import Comparison, FamilyRow, Kind
-    from surefoot.problems.contacts import NamedProblem
+    from benchmarks.problems.contacts import NamedProblem
 
 QUICK_COPIES, QUICK_CONTACTS, QUICK_FAMILIES, QUICK_TIMED = 0.01, 60, 6, 0.01
 """Of --quick: share of each family's problems (at least one), contacts of the largest, number of families,
@@ -51,7 +51,7 @@ def contact(
     Exit code 1 if the default solver left a problem of its scale unsolved.
     """
     from benchmarks.contact.comparison import OURS, ROBOT_SCALE, TIMED, compare, problems_in
-    from surefoot.problems.contacts import problem_set
+    from benchmarks.problems.contacts import problem_set
 
     check_out(out)
     extras.require(["pin"] if rivals else [])

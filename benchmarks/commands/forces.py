@@ -42,7 +42,7 @@ def forces(
     from benchmarks.forces.race import run_all
     from benchmarks.forces.torques import time_torque_limits
     from benchmarks.forces.warm import measure_all
-    from surefoot.problems.allocations import busiest, random_instances, read_log
+    from benchmarks.problems.allocations import busiest, random_instances, read_log
 
     check_out(out)
     extras.require(["pin", "clarabel", "qpsolvers"], ["matplotlib"] if out is not None else [])
@@ -81,8 +81,8 @@ def _trajectories(
     steps: int, logged: list[Any] | None, stands: bool, quick: bool, progress: Console
 ) -> Iterator[tuple[str, list[Any]]]:
     """Yield the made trajectory, the log's and the busiest stretches of simulated stands."""
-    from surefoot.problems.allocations import busiest, pushed_stance
-    from surefoot.problems.trajectories import SCENES, simulate
+    from benchmarks.problems.allocations import busiest, pushed_stance
+    from benchmarks.problems.trajectories import SCENES, simulate
 
     yield "made", pushed_stance(steps, 1.0 / steps)
     if logged is not None:

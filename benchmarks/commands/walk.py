@@ -56,8 +56,8 @@ def walk(
 
 def _print(console: Console, bench: WalkBench) -> None:
     """Print one table per scene, and what its columns mean."""
+    from benchmarks.problems.walking import choose_scenes
     from benchmarks.walk.race import ACCURACY
-    from surefoot.problems.walking import choose_scenes
 
     names = (
         "method", "run as", "median [µs]", "p99", "worst", "ratio", "error [N]", "to exact [N]",

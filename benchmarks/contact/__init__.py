@@ -1,1 +1,1 @@
-"""The contact benchmark: our solvers, Pinocchio's and Siconos' on problems of `surefoot.problems`."""
+"""The contact benchmark: our solvers, Pinocchio's and Siconos' on problems of `benchmarks.problems`."""

@@ -18,13 +18,13 @@ import numpy as np
 from benchmarks.contact import rivals as contact_rivals
 from benchmarks.contact import siconos_rival
 from benchmarks.contact.ours import CONTACT_SOLVER, in_turn, our_calls
+from benchmarks.problems.contacts import NamedProblem
+from benchmarks.problems.judge import judge
 from benchmarks.timing import Timing, interleaved, one_core
 from surefoot.arrays import FloatArray
-from surefoot.contact import ContactProblem, read_problem
-from surefoot.contact.files import KINDS
+from surefoot.contact import ContactProblem
+from surefoot.contact.files import KINDS, read_problem
 from surefoot.errors import ProblemError
-from surefoot.problems.contacts import NamedProblem
-from surefoot.problems.judge import judge
 
 OURS = ("auto", "nsgs", "newton", "admm", "interior_point", "staggered")
 ROBOT_SCALE = 25
@@ -48,7 +48,7 @@ class Run:
     seconds
         Median wall time per call on one ready problem [s].
     residual
-        Of its forces, by `surefoot.problems.judge`; the worst over all matrices it was given.
+        Of its forces, by `benchmarks.problems.judge`; the worst over all matrices it was given.
     solved
         Whether that is below the wanted tolerance.
     p99
@@ -208,7 +208,7 @@ def compare(
     problems
         What to solve.
     tol
-        Residual that everybody has to reach, see `surefoot.problems.judge`.
+        Residual that everybody has to reach, see `benchmarks.problems.judge`.
     solvers
         Our solvers; with "auto" also the real-time path `ContactSolver`, where it takes the problem.
     rivals

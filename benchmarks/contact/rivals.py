@@ -14,9 +14,9 @@ from typing import Any, Literal
 import numpy as np
 import scipy.sparse as sp
 
+from benchmarks.problems.judge import coarsest, judge
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
-from surefoot.problems.judge import coarsest, judge
 from surefoot.robot.libraries import import_pinocchio
 
 BUDGET = 8.0

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.problems.judge import DECADES, finer, judge
 from surefoot.arrays import FloatArray
 from surefoot.contact import ContactProblem
-from surefoot.problems.judge import DECADES, finer, judge
 
 SYSTEM_PYTHON = "/usr/bin/python3"
 METHODS = ("nsgs", "newton", "admm")

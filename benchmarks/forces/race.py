@@ -12,13 +12,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, Kind, Rival, available
-from benchmarks.timing import Timing, one_core
-from surefoot.arrays import FloatArray
-from surefoot.cones import FrictionCone
-from surefoot.cones.cone import Fit
-from surefoot.contact import Status
-from surefoot.control.force_distribution import ForceDistributor
-from surefoot.problems.allocation_program import (
+from benchmarks.problems.allocation_program import (
     Program,
     cone_violation,
     facet_violation,
@@ -26,7 +20,7 @@ from surefoot.problems.allocation_program import (
     program,
     shortfall,
 )
-from surefoot.problems.allocations import (
+from benchmarks.problems.allocations import (
     CLASSES,
     FORCE_WEIGHT,
     WRENCH_WEIGHTS,
@@ -34,7 +28,13 @@ from surefoot.problems.allocations import (
     four_feet,
     pushed_stance,
 )
-from surefoot.problems.judge import coarsest
+from benchmarks.problems.judge import coarsest
+from benchmarks.timing import Timing, one_core
+from surefoot.arrays import FloatArray
+from surefoot.cones import FrictionCone
+from surefoot.cones.cone import Fit
+from surefoot.contact import Status
+from surefoot.control.force_distribution import ForceDistributor
 
 FITS: tuple[Fit, Fit] = ("inner", "outer")
 CONES: tuple[tuple[int | None, Fit], ...] = ((None, "inner"), *product((4, 8, 16), FITS))

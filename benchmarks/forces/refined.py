@@ -20,10 +20,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from benchmarks.problems.allocation_program import cone_rows, program
+from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.arrays import FloatArray
 from surefoot.numerics.projection import project_truncated
-from surefoot.problems.allocation_program import cone_rows, program
-from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, Instance
 from surefoot.solvers.backends import ConeProgram, Options, backend
 
 UNITS = (1.0, 0.1, 0.01, 1e-3, 0.1, 0.01, 1e-3)

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.problems.allocation_program import Program, cone_program
 from surefoot.arrays import FloatArray
-from surefoot.problems.allocation_program import Program, cone_program
 from surefoot.solvers.backends import BACKENDS, Backend, Options, backend, installed
 
 TOLERANCE = 1e-6

@@ -10,12 +10,12 @@ import numpy as np
 
 from benchmarks.forces.race import distributor_for, run_ours, run_rival
 from benchmarks.forces.rivals import DAQP, available
+from benchmarks.problems.allocation_program import program
+from benchmarks.problems.allocations import Instance
 from benchmarks.timing import Timing, one_core
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
 from surefoot.kernels import kernel
-from surefoot.problems.allocation_program import program
-from surefoot.problems.allocations import Instance
 from surefoot.solvers.dual_newton.work import WARM
 from surefoot.solvers.dual_newton.wrench import distribute_wrench
 

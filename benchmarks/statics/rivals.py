@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linprog
 
+from benchmarks.problems.stances import StanceCase
 from surefoot.arrays import FloatArray
 from surefoot.errors import MissingExtra
-from surefoot.problems.stances import StanceCase
 from surefoot.solvers.backends import ConeProgram, Options, backend
 from surefoot.spatial import GRAVITY, skew
 from surefoot.stance import Stance

@@ -16,6 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.problems.judge import STEPS_PER_DECADE, coarsest
+from benchmarks.problems.walking import TICK, MpcInput, MpcScene, choose_scenes, controller, record
 from benchmarks.timing import Timing, best_of, one_core
 from benchmarks.walk import rivals as mpc_rivals
 from benchmarks.walk.rivals import Rival, Variant
@@ -23,8 +25,6 @@ from benchmarks.walk.steps import StepRow, measure_steps
 from surefoot.arrays import FloatArray
 from surefoot.control import mpc_model
 from surefoot.control.mpc import ConvexMpc, HorizonProgram
-from surefoot.problems.judge import STEPS_PER_DECADE, coarsest
-from surefoot.problems.walking import TICK, MpcInput, MpcScene, choose_scenes, controller, record
 
 ACCURACY = 0.1
 """Distance of all forces of the horizon together to the method's own optimum [N], in 95 of 100 inputs."""

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
+from benchmarks.problems.logged_runs import CleanRun
 from surefoot.log import Log
-from surefoot.problems.logged_runs import CleanRun
 
 TROT = CleanRun(gait="trot", velocity=(0.4, 0.0, 0.0), duration=1.2)
 STAND = CleanRun(world="rigid", duration=0.6, seed=1)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit.auditor import NEEDED
 from surefoot.audit.intervals import MOST
 from surefoot.audit.rows import PIECE, Rows, sliding_mean, sliding_sum
@@ -17,7 +18,6 @@ from surefoot.audit.setting import setting_of
 from surefoot.cli.output import to_json
 from surefoot.errors import ProblemError
 from surefoot.log import Log
-from surefoot.problems.logged_runs import CleanRun
 from surefoot.spatial import GRAVITY
 from tests.audit.logs import PUSHED, RUNS, STAND, TROT, changed, log_of
 

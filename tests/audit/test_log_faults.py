@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.audit import judge
+from benchmarks.audit import faulty_logs, judge
+from benchmarks.problems.logged_runs import CleanRun, clean_runs
 from surefoot.audit import SYMPTOMS, audit_log
-from surefoot.problems.log_faults import LOG_FAULTS, LogFault, spoilt_logs
-from surefoot.problems.logged_runs import CleanRun, clean_runs
+from surefoot.audit.log_faults import LOG_FAULTS, LogFault
 from tests.audit.logs import PUSHED, RUNS, log_of
 
 
@@ -29,7 +29,7 @@ def test_clean_runs_are_many_and_different() -> None:
 
 @pytest.mark.parametrize("fault", [f for f in LOG_FAULTS if f.name != "mirror"], ids=lambda f: f.name)
 def test_a_seeded_fault_is_found_with_foot_time_and_cause(fault: LogFault) -> None:
-    spoilt = next(iter(spoilt_logs(fault, (log_of(run) for run in (*RUNS, PUSHED)), 1)))
+    spoilt = next(iter(faulty_logs(fault, (log_of(run) for run in (*RUNS, PUSHED)), 1)))
     report = audit_log(spoilt.log)
     assert judge(fault, spoilt, report) == (True, True, True, True), report.sentence
 

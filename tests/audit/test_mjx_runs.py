@@ -7,7 +7,7 @@ from importlib.util import find_spec
 import pytest
 
 import surefoot as sf
-from surefoot.problems.logged_runs import CleanRun
+from benchmarks.problems.logged_runs import CleanRun
 
 pytest.importorskip("jax")
 pytest.importorskip("mujoco")

@@ -18,12 +18,12 @@ from benchmarks.contact.comparison import (
 from benchmarks.contact.ours import CONTACT_SOLVER, our_calls
 from benchmarks.contact.rivals import DENSE, SPARSE, PinocchioCall, best_call, matrix, settings
 from benchmarks.contact.siconos_rival import siconos_best, siconos_installed
+from benchmarks.problems.contacts import NamedProblem, families, problem_set
+from benchmarks.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 from benchmarks.timing import interleaved
 from surefoot.cli.main import main
-from surefoot.contact import write_problem
+from surefoot.contact.files import write_problem
 from surefoot.errors import ProblemError
-from surefoot.problems.contacts import NamedProblem, families, problem_set
-from surefoot.problems.judge import DECADES, STEPS_PER_DECADE, coarsest, judge
 
 
 @cache

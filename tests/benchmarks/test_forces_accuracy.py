@@ -10,8 +10,8 @@ import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
 from benchmarks.forces.digits import DIGITS, exact_forces, exactly, project, solve_exactly
 from benchmarks.forces.refined import fixed_point_residual, refined_clarabel, turned_cones
-from surefoot.problems.allocation_program import cone_violation, contact_problem, objective, program
-from surefoot.problems.allocations import WRENCH_WEIGHTS, four_feet, random_instances
+from benchmarks.problems.allocation_program import cone_violation, contact_problem, objective, program
+from benchmarks.problems.allocations import WRENCH_WEIGHTS, four_feet, random_instances
 
 
 @pytest.mark.parametrize("force_weight", [1e-1, 1e-2, 1e-4])

@@ -11,10 +11,10 @@ from benchmarks.forces.pictures import plot_accuracy
 from benchmarks.forces.race import best_known, judge, run_all, run_ours
 from benchmarks.forces.rivals import EXACT_RIVALS, FACET_RIVALS, available
 from benchmarks.forces.torques import time_torque_limits
+from benchmarks.problems.allocation_program import objective, program
+from benchmarks.problems.allocations import CLASSES, four_feet, pushed_stance, read_log
+from benchmarks.problems.judge import judge as judge_problem
 from surefoot.cli.main import main
-from surefoot.problems.allocation_program import objective, program
-from surefoot.problems.allocations import CLASSES, four_feet, pushed_stance, read_log
-from surefoot.problems.judge import judge as judge_problem
 
 ALL = available(EXACT_RIVALS) + available(FACET_RIVALS)
 

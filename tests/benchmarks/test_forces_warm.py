@@ -8,9 +8,9 @@ import pytest
 from benchmarks.forces.pictures import plot_warm_starts
 from benchmarks.forces.race import distributor_for
 from benchmarks.forces.warm import loop_times, measure, measure_all, on_the_edge, same_feet
+from benchmarks.problems.allocations import four_feet, pushed_stance
+from benchmarks.problems.trajectories import SCENES, simulate
 from surefoot.cli.parsing import push
-from surefoot.problems.allocations import four_feet, pushed_stance
-from surefoot.problems.trajectories import SCENES, simulate
 
 
 def test_a_simulated_stand_on_a_slope_has_active_cones():

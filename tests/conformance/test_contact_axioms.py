@@ -10,7 +10,7 @@ from scipy.optimize import nnls
 from scipy.spatial.transform import Rotation
 
 import surefoot as sf
-from surefoot.problems.rigid_bodies import Scene
+from benchmarks.problems.rigid_bodies import Scene
 from surefoot.spatial import GRAVITY, skew
 
 SOLVERS = ("auto", "nsgs", "admm", "interior_point")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.problems.contacts import problem_set
+from benchmarks.problems.contacts import problem_set
 
 TOL = 1e-8
 QP = ("daqp", "highs", "osqp", "piqp", "proxqp", "quadprog")

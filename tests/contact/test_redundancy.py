@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.problems.contacts import problem_set
-from surefoot.problems.rigid_bodies import Scene
+from benchmarks.problems.contacts import problem_set
+from benchmarks.problems.rigid_bodies import Scene
 
 
 def table(legs: int) -> tuple[sf.ContactProblem, np.ndarray]:

@@ -3,8 +3,8 @@
 import numpy as np
 
 import surefoot as sf
-from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, random_rotation
-from surefoot.problems.allocations import grasp_map as grasp_map_of
+from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, random_rotation
+from benchmarks.problems.allocations import grasp_map as grasp_map_of
 
 SOLVED = sf.Status.SOLVED
 

@@ -9,15 +9,15 @@ from hypothesis import strategies as st
 
 import surefoot as sf
 from benchmarks.forces.accuracy import measure_accuracy
-from surefoot.problems.allocation_program import cone_violation, contact_problem
-from surefoot.problems.allocations import (
+from benchmarks.problems.allocation_program import cone_violation, contact_problem
+from benchmarks.problems.allocations import (
     FORCE_WEIGHT,
     WRENCH_WEIGHTS,
     four_feet,
     pushed_stance,
     random_instances,
 )
-from surefoot.problems.allocations import grasp_map as grasp_map_of
+from benchmarks.problems.allocations import grasp_map as grasp_map_of
 from surefoot.solvers.dual_newton import wrench as distribution_wrench
 from tests.control.distributors import SOLVED, distributor_of, some_map
 

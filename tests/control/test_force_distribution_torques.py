@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.problems.allocation_program import cone_rows, cone_violation, objective, program
-from surefoot.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, four_feet
+from benchmarks.problems.allocation_program import cone_rows, cone_violation, objective, program
+from benchmarks.problems.allocations import FORCE_WEIGHT, WRENCH_WEIGHTS, four_feet
 from surefoot.solvers.backends import ConeProgram, End, solve_program
 
 SEVERITY = {"loose": 24.0, "tight": 12.0, "hopeless": 1.0}

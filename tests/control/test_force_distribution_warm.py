@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.problems.allocations import (
+from benchmarks.problems.allocations import (
     FORCE_WEIGHT,
     WRENCH_WEIGHTS,
     four_feet,

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.problems.walking import TICK, choose_scenes, controller, record
 from surefoot.contact.solution import Status
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
 from surefoot.errors import ProblemError
-from surefoot.problems.walking import TICK, choose_scenes, controller, record
 from surefoot.spatial import rotation_about, rotation_from_normal
 
 FEET = np.array([[0.2, 0.14, 0.0], [0.2, -0.14, 0.0], [-0.2, 0.14, 0.0], [-0.2, -0.14, 0.0]])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.problems.walking import INERTIA, MASS, choose_scenes, controller, record
 from surefoot.control import mpc_model
 from surefoot.control.mpc import BodyReference, BodyState, ConvexMpc, MpcWeights
-from surefoot.problems.walking import INERTIA, MASS, choose_scenes, controller, record
 
 NAMES = ("trot", "walk", "slope", "rough")
 

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import surefoot as sf
+from benchmarks.problems.stances import KINDS, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.statics.race import agreement
 from surefoot.errors import ProblemError
-from surefoot.problems.stances import KINDS, random_case, random_cases
 from surefoot.spatial import GRAVITY
 
 FEET = [[0.2, 0.15], [0.2, -0.15], [-0.2, 0.15], [-0.2, -0.15]]

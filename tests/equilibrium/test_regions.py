@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.stances import random_case
 from benchmarks.statics.rivals import highs_region
 from surefoot.equilibrium.comparison import clip, compare_regions, overlap_loss
 from surefoot.equilibrium.limits import squeeze_limit
 from surefoot.equilibrium.polygons import without_flat_corners
 from surefoot.equilibrium.region import convex_hull, polygon_area
 from surefoot.errors import ProblemError
-from surefoot.problems.stances import random_case
 from surefoot.spatial import GRAVITY
 
 FEET = [[0.2, 0.15], [0.2, -0.15], [-0.2, 0.15], [-0.2, -0.15]]

@@ -19,6 +19,7 @@ pytest.importorskip("viser", reason="viser is not installed: pip install 'surefo
 import surefoot as sf
 from benchmarks.browser import Browser, Tab, find_chromium
 from benchmarks.lab import pixel, settled
+from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
 from surefoot.lab.cone import SCALE, ConePage
 from surefoot.lab.push import PushPage
@@ -26,7 +27,6 @@ from surefoot.lab.push_run import SharedRun, WalkRun
 from surefoot.lab.recording import Recording, audit_page
 from surefoot.lab.server import LabServer
 from surefoot.lab.stand import StandPage, start_state
-from surefoot.problems.logged_runs import CleanRun
 
 CHROMIUM = find_chromium()
 pytestmark = pytest.mark.skipif(

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.logged_runs import CleanRun
 from surefoot.audit import audit_log
 from surefoot.errors import ProblemError
 from surefoot.lab.drawing import BAD, Arrows, Mesh
 from surefoot.lab.recording import NOWHERE, Recording, RecordingPage, audit_page, plan_page
 from surefoot.planning import Plan, rollout
 from surefoot.planning.plan import Search, plan_from
-from surefoot.problems.logged_runs import CleanRun
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from surefoot.problems.chains import chain
+from benchmarks.problems.chains import chain
 from surefoot.robot import ccrba, centroidal
 
 

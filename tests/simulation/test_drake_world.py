@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.logged_runs import CleanRun
 from surefoot.cli.main import main
 from surefoot.contact.laws.soft import SpringDamper
 from surefoot.errors import ModelError, ProblemError
-from surefoot.problems.logged_runs import CleanRun
 from surefoot.simulation import drake_python
 from surefoot.simulation.bodies import ball
 from surefoot.simulation.drake.world import DrakeWorld

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from benchmarks.problems.logged_runs import CleanRun
 from surefoot.errors import ProblemError
 from surefoot.log import Log
-from surefoot.problems.logged_runs import CleanRun
 from surefoot.robot import load_robot
 from surefoot.simulation import drake_python
 from surefoot.simulation.replay import replay_log

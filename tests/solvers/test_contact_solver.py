@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.problems.contacts import problem_set
+from benchmarks.problems.contacts import problem_set
 
 
 def four_contacts() -> list[sf.ContactProblem]:

@@ -82,6 +82,9 @@ class Log:
     def __contains__(self, name: object) -> bool:
         return name in self.arrays
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.arrays)
+
     def __len__(self) -> int:
         return len(self.arrays["time"])
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.problems.chains import chain
 from surefoot.errors import ModelError
 from surefoot.planning.transcription.symbolic_body import SymbolicBody
-from surefoot.problems.chains import chain
 from surefoot.robot import load_robot
 from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.foot import shaped_foot
