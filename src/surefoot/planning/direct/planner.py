@@ -13,7 +13,7 @@ solution is a motion of the exact step. The road:
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -176,8 +176,9 @@ def plan_direct(
         found.append(motion)
         if not stages.interrupted and stages.left(most):
             modes = read_modes(motion.impulses, *nlp.contact_speeds(motion), problem.frictions)
-            found = [*_with_modes(problem, motion, modes, stages.left(most), stages, **NEAR), motion]
-    return _made_exact(problem, found, (task, "direct"), stages, began, within)
+            held = DirectNlp(problem, GivenModes())
+            found = [*_with_modes(held, motion, modes, stages.left(most), stages, **NEAR), motion]
+    return _made_exact(problem, nlp.contact_speeds, found, (task, "direct"), stages, began, within)
 
 
 def plan_with_modes(
@@ -213,8 +214,9 @@ def plan_with_modes(
         )
         raise ProblemError(f"modes must have shape {wanted}, of 0 (open), 1 (sticks), 2 (slides), {said}")
     stages = _Stages(tell)
-    found = _with_modes(problem, _start(problem, guess), modes, max_iterations, stages)
-    return _made_exact(problem, found, (task, "given modes"), stages, began)
+    nlp = DirectNlp(problem, GivenModes())
+    found = _with_modes(nlp, _start(problem, guess), modes, max_iterations, stages)
+    return _made_exact(problem, nlp.contact_speeds, found, (task, "given modes"), stages, began)
 
 
 class _Stages(list[Stage]):
@@ -274,11 +276,10 @@ def _soften_less(
 
 
 def _with_modes(
-    problem: DirectProblem, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
+    nlp: DirectNlp, motion: Guess, modes: IntArray, most: int, stages: _Stages, **start: Any
 ) -> list[Guess]:
     """Return the motion that obeys the equations of modes (N, p), from one that need not; none if lost."""
-    law = GivenModes()
-    nlp, d = DirectNlp(problem, law), problem.tangents - 1
+    law, d = GivenModes(), nlp.problem.tangents - 1
     found = nlp.solve(
         nlp.pack(motion), 0.0, contact_bounds=law.bounds(modes, d), row_bounds=law.row_bounds(modes, d),
         max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
@@ -289,6 +290,7 @@ def _with_modes(
 
 def _made_exact(
     problem: DirectProblem,
+    contact_speeds: Callable[[Guess], tuple[FloatArray, FloatArray]],
     found: Sequence[Guess],
     names: tuple[str, str],
     stages: _Stages,
@@ -307,7 +309,7 @@ def _made_exact(
         trajectory = follow(problem, motion, feedback=False)
         best = window_miss(problem, trajectory), motion, trajectory
     miss, motion, trajectory = best
-    closing, _ = DirectNlp(problem, GivenModes()).contact_speeds(motion)
+    closing, _ = contact_speeds(motion)
     products = np.minimum(closing * problem.dt, motion.impulses[..., 2])
     alone, off = follow(problem, motion, feedback=False), departure(problem.robot, motion, trajectory)
     cost, reached = exact_cost(problem, trajectory), miss <= REACH and off <= within
