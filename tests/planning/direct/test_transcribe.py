@@ -75,7 +75,8 @@ def test_knots_obey_the_rows_of_every_law(case) -> None:
         if isinstance(law, GivenModes):
             modes = read_modes(guess.impulses, closing, sliding, 0.4)
             d = problem.tangents - 1
-            given = law.bounds(modes, d), law.row_bounds(modes, d)
+            mu = problem.frictions
+            given = law.bounds(modes, d, mu), law.row_bounds(modes, d, mu)
         assert worst_row(nlp, guess, 1e-8, *given) < ACCURACY
         bent = replace(guess, torques=guess.torques + 0.1 * (problem.torque_limits > 0.0))
         assert worst_row(nlp, bent, 1e-8, *given) > 1e-4

@@ -63,8 +63,11 @@ class SmallProblem:
         return Guess(q, v, torques, impulses)
 
 
-def falling_ball(height: float = 1.0, mu: float = 0.6, knots: int = 50, dt: float = 0.02) -> SmallProblem:
-    """Return a ball of 1 kg that falls and stays where it lands: no input, the laws alone decide."""
+def falling_ball(height: float = 1.0, mu: float = 0.0, knots: int = 50, dt: float = 0.02) -> SmallProblem:
+    """Return a ball of 1 kg that falls and stays where it lands: no input, the laws alone decide.
+
+    Nothing moves it sideways: without friction there is nothing to choose, the problem is square.
+    """
     robot = planar.point("ball", 0.1)
     start, end = robot.nominal + np.array([0.0, height]), robot.nominal
     problem = DirectProblem(robot, start, np.zeros(2), knots, dt, end, weights=FREE, mu=mu)

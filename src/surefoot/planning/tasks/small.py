@@ -61,7 +61,8 @@ class SmallTask:
 
 
 BALL = SmallTask(
-    "ball", "a ball falls, lands and rests", "height of the fall [m]", 1.0, 0.0, 3.0, falling_ball,
+    "ball", "a ball falls, lands and rests", "height of the fall [m]", 1.0, 0.0, 3.0,
+    lambda height, mu, knots, dt: falling_ball(height, knots=knots, dt=dt),
     lambda height, dt: max(10, round((np.sqrt(2.0 * height / 9.81) + 0.5) / dt)), 0.02, SAME,
 )  # fmt: skip
 HOPPER = SmallTask(

@@ -103,10 +103,14 @@ class Facets:
         Directions of friction: 2 in the plane, 4 or more in space.
     form
         Name of the softened form, see `surefoot.planning.transcription.forms.FORMS`.
+    time
+        What φ is multiplied by before it is paired [s]: with a knot's length gaps stand against impulses,
+        and eps is no energy but a length times an impulse.
     """
 
     count: int = 2
     form: str = "relaxed"
+    time: float = 1.0
 
     def __post_init__(self) -> None:
         form_named(self.form)
@@ -122,15 +126,22 @@ class Facets:
         return np.array([np.cos(angles), np.sin(angles)])
 
     def write(self, closing: Expression, sliding: Expression, mu: FloatArray, eps: Expression) -> ContactRows:
-        """See `ContactLaw.write`; variables β, λ_n, φ, σ, γ, s of all contacts, one after the other."""
+        """See `ContactLaw.write`; variables β, λ_n, φ, σ, γ, s of all contacts, one after the other.
+
+        Without friction a contact has λ_n and φ only: the others are held at zero.
+        """
         ca, form, m = import_casadi(), form_named(self.form), self.count
         D = ca.DM(self.directions)
 
         def contact(out: ContactRows, k: int, parts: list[Expression]) -> Expression:
             beta, normal, phi, sigma, gamma, spare = parts
+            if mu[k] == 0.0:
+                out.rows.append((phi - self.time * closing[k], 0.0, 0.0))
+                out.pair(form, normal, phi, eps)
+                return _with_normal(ca, ca.SX(len(self.directions), 1), normal)
             u = sliding[:, k]
             equal = ca.vertcat(
-                phi - closing[k],
+                phi - self.time * closing[k],
                 sigma - (gamma + ca.mtimes(D.T, u)),
                 spare - (float(mu[k]) * normal - ca.sum1(beta)),
             )
@@ -141,7 +152,12 @@ class Facets:
             return _with_normal(ca, ca.mtimes(D, beta), normal)
 
         low = [0.0 if form.signs else -np.inf] * (2 * m + 4)
-        return _written(int(closing.shape[0]), (m, 1, 1, m, 1, 1), low, contact)
+        out = _written(int(closing.shape[0]), (m, 1, 1, m, 1, 1), low, contact)
+        held = np.ones(2 * m + 4, dtype=bool)
+        held[m : m + 2] = False
+        without = np.outer(mu == 0.0, held).ravel()
+        out.low[without] = out.high[without] = 0.0
+        return out
 
     def start(
         self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray
@@ -152,9 +168,10 @@ class Facets:
         # a tangential impulse as the two directions beside it, or in the plane the one along it
         along = np.maximum(impulses[..., :d] @ D, 0.0) * (2.0 * d / self.count if d > 1 else 1.0)
         speed = np.linalg.norm(sliding, axis=-1, keepdims=True)
-        normal, phi = impulses[..., 2:3], np.maximum(closing[..., None], 0.0)
+        least = 0.0 if form_named(self.form).signs else -np.inf
+        normal, phi = impulses[..., 2:3], np.maximum(self.time * closing[..., None], least)
         sigma = np.maximum(speed + sliding @ D, 0.0)
-        spare = np.maximum(mu[:, None] * normal - along.sum(axis=-1, keepdims=True), 0.0)
+        spare = np.maximum(mu[:, None] * normal - along.sum(axis=-1, keepdims=True), least)
         return _flat(along, normal, phi, sigma, speed, spare)
 
 
@@ -230,9 +247,9 @@ class GivenModes:
         """See `ContactLaw.start`."""
         return _flat(*_seen(impulses, closing, sliding))
 
-    def bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
-        """Return the bounds (N, m) of the variables for modes (N, p)."""
-        inf = np.inf
+    def bounds(self, modes: IntArray, d: int, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds (N, m) of the variables for modes (N, p) and friction (p,)."""
+        inf, slick = np.inf, mu == 0.0
         low = {
             OPEN: [0.0] * (d + 2) + [-inf] * d,
             STICK: [-inf] * d + [0.0] * (d + 2),
@@ -243,21 +260,26 @@ class GivenModes:
             STICK: [inf] * (d + 1) + [0.0] * (d + 1),
             SLIDE: [inf] * (d + 1) + [0.0] + [inf] * d,
         }
-        return _by_mode(low, modes), _by_mode(high, modes)
+        least, most = _by_mode(low, modes), _by_mode(high, modes)
+        least[:, slick, :d] = most[:, slick, :d] = 0.0  # nothing holds such a contact back
+        least[:, slick, d + 2 :], most[:, slick, d + 2 :] = -inf, inf
+        return least.reshape(len(modes), -1), most.reshape(len(modes), -1)
 
-    def row_bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
+    def row_bounds(self, modes: IntArray, d: int, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the bounds (N, rows of the laws) for modes (N, p), in the order of `write`."""
         inf, equal, cross = np.inf, [0.0] * (d + 1), d - 1
         free = [*equal, *[-inf] * cross, 0.0, -inf]
         low = {OPEN: free, STICK: free, SLIDE: [*equal, *[0.0] * cross, 0.0, -inf]}
         free = [*equal, *[inf] * cross, inf, inf]
         high = {OPEN: free, STICK: free, SLIDE: [*equal, *[0.0] * cross, 0.0, 0.0]}
-        return _by_mode(low, modes), _by_mode(high, modes)
+        least, most = _by_mode(low, modes), _by_mode(high, modes)
+        least[:, mu == 0.0, d + 1 :], most[:, mu == 0.0, d + 1 :] = -inf, inf
+        return least.reshape(len(modes), -1), most.reshape(len(modes), -1)
 
 
 def _by_mode(values: dict[int, list[float]], modes: IntArray) -> FloatArray:
-    """Return the m numbers of every contact's mode side by side, (N, p m) of modes (N, p)."""
-    return np.array([values[mode] for mode in modes.ravel().tolist()]).reshape(len(modes), -1)
+    """Return the m numbers of every contact's mode, (N, p, m) of modes (N, p)."""
+    return np.array([values[mode] for mode in modes.ravel().tolist()]).reshape(*modes.shape, -1)
 
 
 def read_modes(
