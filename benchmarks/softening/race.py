@@ -136,7 +136,8 @@ def _polished(nlp: DirectNlp, motion: Guess) -> tuple[Guess, Stage]:
     modes = read_modes(motion.impulses, *nlp.contact_speeds(motion), problem.frictions)
     held, d, mu = DirectNlp(problem, law), problem.tangents - 1, problem.frictions
     found = held.solve(
-        held.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu), row_bounds=law.row_bounds(modes, d, mu),
+        held.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu),
+        row_bounds=law.row_bounds(modes, d, mu),
         max_iter=EACH, **(IPOPT | {"mu_init": 1e-4, "bound_push": 1e-6, "bound_frac": 1e-6}),
     )  # fmt: skip
     better = held.unpack(found.variables)

@@ -26,7 +26,7 @@ class Format:
     suffixes
         How its files' names end, in lower case with their dot.
     read
-        From the path of an existing file or folder to its log. Whatever it raises is told as
+        From the path of an existing file or folder to its log. Whatever it raises is reported as
         "is not a log of this format"; an error of Surefoot's own goes on as it is. None where `source` is.
     write
         Writes a log to an empty file; None for a format that is only read.
@@ -99,7 +99,7 @@ def read_log(
         File or folder.
     mapping
         From fields to channels, or the YAML file that holds it; None for what the file brings itself or else
-        a guess, which is told in the fact ``mapping``.
+        a guess, which stands in the fact ``mapping``.
     columns
         Names of the columns of a CSV file whose first line does not name them.
 
@@ -155,8 +155,8 @@ def _told(path: Path, what: str, entry: Format) -> Iterator[None]:
     except SurefootError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:300] or type(error).__name__
-        raise ProblemError(f"{path} {what} ({entry.name}): {told}") from error
+        reason = " ".join(str(error).split())[:300] or type(error).__name__
+        raise ProblemError(f"{path} {what} ({entry.name}): {reason}") from error
 
 
 def write_log(log: Log, path: Path) -> Path:

@@ -60,13 +60,13 @@ def source(path: Path) -> Source:
                 unread.add(f"{channel.topic} is {channel.message_encoding}: not read")
                 continue
             try:
-                told = decode(message.data)
+                decoded = decode(message.data)
             except Exception as error:
                 raise ProblemError(
                     f"{path}: a message of {channel.topic} cannot be decoded: {error}"
                 ) from error
             kind = schema.name if schema is not None else ""
-            messages.add(channel.topic, kind, message.log_time, told)
+            messages.add(channel.topic, kind, message.log_time, decoded)
     if not decoders:
         raise ProblemError(f"{path} holds no messages")
     found = messages.source()

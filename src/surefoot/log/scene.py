@@ -36,9 +36,9 @@ def pose_of(log: Log) -> Any:
 
 def weight_of(log: Log) -> float:
     """Return m g [N]; the largest force where the log does not tell the mass."""
-    told = float(log.facts.get("mass", 0.0)) * GRAVITY
-    if told or "forces" not in log:
-        return told or 1.0
+    weight = float(log.facts.get("mass", 0.0)) * GRAVITY
+    if weight or "forces" not in log:
+        return weight or 1.0
     return max(float(np.nan_to_num(log["forces"]).max(initial=0.0)), 1.0)
 
 

@@ -281,7 +281,8 @@ def _with_modes(
     """Return the motion that obeys the equations of modes (N, p), from one that need not; none if lost."""
     law, d, mu = GivenModes(), nlp.problem.tangents - 1, nlp.problem.frictions
     found = nlp.solve(
-        nlp.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu), row_bounds=law.row_bounds(modes, d, mu),
+        nlp.pack(motion), 0.0, contact_bounds=law.bounds(modes, d, mu),
+        row_bounds=law.row_bounds(modes, d, mu),
         max_iter=most, tol=1e-9, bound_relax_factor=0.0, **start,
     )  # fmt: skip
     stages.note(0.0, found)
