@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surefoot.control.behaviours.steps_by_touch import soft_way
+from surefoot.control.behaviours.steps_by_touch import StepsByTouch, soft_way
 from surefoot.control.controller import RobotState
 from surefoot.control.swing import swing_motion
 from surefoot.control.walking import WalkingController
@@ -18,6 +18,7 @@ from surefoot.simulation.scenario import Scenario
 from surefoot.simulation.walk_terrain import CLEARANCE, start_pose
 from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import StairsTerrain
+from tests.control.behaviours.views import view_of, walk_of
 
 HEIGHT, RADIUS = 0.3, 0.022
 HIPS = np.array([[0.19, 0.14], [0.19, -0.14], [-0.19, 0.14], [-0.19, -0.14]])
@@ -144,17 +145,23 @@ def test_a_foot_that_feels_ahead_is_slow_where_nothing_is_known(duration: float,
     assert beyond > 0.95 * most  # and no slower than it needs to be
 
 
-def test_feet_feel_ahead_from_the_first_tread_on() -> None:
+def test_feet_go_ahead_from_the_first_tread_on() -> None:
     ground, stands = begun()
-    place = np.array([0.6, 0.14])
-    assert ground.feel_ahead(place, np.array([0.3, 0.14, 0.0]), 0.2) is place
+    one, place = StepsByTouch(walk_of(ground), ground), np.array([0.6, 0.14])
+    assert one.propose(view_of()).foot_goals is None
     strike(ground, 0.4 - RADIUS, 0.03, 0.1)
+    assert one.propose(view_of()).foot_goals is None  # until the rise is known, too
     land(ground, stands, 0, (0.48, 0.12), 0.2)
-    first = ground.feel_ahead(place, np.array([0.3, 0.14, 0.0]), 0.2)
+    goal = one.propose(view_of()).foot_goals
+    assert goal is not None
+    first = goal(place, np.array([0.3, 0.14, 0.0]), 0.2)
     assert 0.4 + 2.0 * RADIUS < first[0] < 0.4 + 0.2
-    ahead = ground.feel_ahead(place, np.array([0.48, 0.14, 0.12]), 0.2)
+    ahead = goal(place, np.array([0.48, 0.14, 0.12]), 0.2)
     assert 0.48 < ahead[0] <= 0.48 + soft_way(0.0, 0.42 * 0.2) + 1e-9
     assert ahead[1] == place[1]
+    strike(ground, 0.4 + 0.3 - RADIUS, 0.12 + 0.04, 0.6)
+    known = one.propose(view_of())
+    assert (known.pace, known.foot_goals) == (1.0, None)  # as on seen stairs
 
 
 def test_go2_feels_its_way_up_stairs() -> None:
