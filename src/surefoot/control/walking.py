@@ -2,7 +2,7 @@
 
 Each `plan_interval`, and whenever a foot lifts or lands, the MPC plans the forces of the next steps again.
 Every gain follows from the robot's mass, inertia, leg length and foot places; nothing is tuned per robot.
-The tick itself is `surefoot.control.walker.Walker.step`.
+The tick itself is `surefoot.control.tick.Tick.step`.
 """
 
 from __future__ import annotations

@@ -160,9 +160,6 @@ class BipedController(Walker):
         self._plan_made: MpcPlan | None = None
         self._last = None
 
-    def _adapt(self, state: RobotState) -> None:
-        """Learn nothing: what soles carry is not observed."""
-
     def _begin(self, now: Kinematics, state: RobotState) -> Feet:
         """Start from where the robot stands."""
         clearance = self.settings.clearance * self._height
@@ -178,16 +175,9 @@ class BipedController(Walker):
         self.body.fit_ground(self.soles.corners, math.inf)
         return self.feet
 
-    def _sort_touches(self, state: RobotState, now: Kinematics, sensed: BoolArray, clock: float) -> BoolArray:
-        """Return which feet stand: those that touch."""
-        return sensed
-
     def _move_feet(self, now: Kinematics, standing: BoolArray, clock: float) -> bool:
         """Bring the soles up to the clock; return whether one has lifted or landed."""
         return self.soles.update(clock, standing, now.centres, self.whole_body.foot_rotations)
-
-    def _learn(self, state: RobotState, now: Kinematics, clock: float) -> None:
-        """Learn nothing: soles walk on ground that is known."""
 
     def _move_body(self, request: Request, now: Kinematics) -> None:
         """Move the wanted body by one step, which rises before it walks."""
