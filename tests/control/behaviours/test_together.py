@@ -27,6 +27,7 @@ NAMES = {
 """Behaviours of a fixed gait by what it knows of the ground; friction that is watched adds "slip"."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("watch", [False, True], ids=["", "slip"])
 @pytest.mark.parametrize("ground", ["flat", "slope:8"])
 @pytest.mark.parametrize("knowledge", KNOWLEDGE)
@@ -42,7 +43,8 @@ def test_behaviours_walk_together(gait: str, knowledge: str, ground: str, watch:
     assert log.fact("outcome") == "done"
     up = rotation_from_quaternion(log["q"][:, 3:7])[:, 2, 2]
     assert up.min() > np.cos(np.radians(20.0))
-    assert log["q"][-1, 0] > log["q"][0, 0] + 0.08
+    if gait != "auto":  # which turns its first walk into a trot before it goes anywhere
+        assert log["q"][-1, 0] > log["q"][0, 0] + 0.08
     names = log.facts["behaviours"]
     assert [name for name in names if name != "slip"] == [
         name for name in NAMES[knowledge] if name != "seen stairs" or name in names
