@@ -17,6 +17,8 @@ NEAR = 0.05
 """What fails at one contact within this time is one episode [s]."""
 MOST_EPISODES = 200
 """Episodes that are looked at, of each contact the first."""
+WHOLE = ("no forces", "infeasible", "held rows", "teleport", "other velocities", "velocity jump")
+"""What is said of the body and explains what is amiss at the feet at that time."""
 ALL = 0.75
 """A finding at more than this share of the contacts is one of all."""
 
@@ -71,7 +73,7 @@ def _best(episode: Episode, rows: int) -> list[Finding]:
 
 def _not_shadowed(found: list[Finding], setting: Setting) -> list[Finding]:
     """Leave out what is said of the body while a foot's wrong force explains it, and the other way round."""
-    whole = [f for f in found if f.contact == BODY and f.name in ("no forces", "infeasible")]
+    whole = [f for f in found if f.contact == BODY and f.name in WHOLE]
     feet = [f for f in found if f.contact != BODY]
     out = []
     for one in found:

@@ -8,7 +8,9 @@ from surefoot.audit.symptoms.symptom import Evidence, Symptom
 __all__ = ["SYMPTOMS", "Evidence", "Symptom"]
 
 SYMPTOMS: tuple[Symptom, ...] = (
-    body.no_forces, body.infeasible, measured.wrong_frame, measured.mirrored, measured.reversed_force,
+    body.no_forces, body.infeasible, body.held_rows, body.teleport, body.other_velocities, body.velocity_jump,
+    contact.energy_gain, contact.deep_contact, contact.other_contact_velocity, contact.other_gap, measured.dead_torque,
+    measured.wrong_frame, measured.mirrored, measured.reversed_force,
     contact.pull, contact.coarse_facets, contact.too_much_friction, contact.friction_in_the_air,
     contact.invisible_geometry, measured.phantom_force, contact.sinking, contact.push_off_penetration,
     contact.chatter, contact.skating, contact.one_step_impulse, contact.solver_asymmetry, measured.joint_stop,
