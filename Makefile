@@ -43,8 +43,8 @@ test: lint ## lint, then every test that is not long: minutes
 test-all: test ## what `make test` runs, then the long tests: hunts, long walks, whole pages
 	$(PYTEST) -m long
 
-test-extras: setup ## install the large extras (torch, warp, mjx, ray, dask: gigabytes) and run their tests
-	$(INSTALL) --quiet -e '.[torch,warp,mjx,scale]'
+test-extras: setup ## install the large extras (torch, mjx, ray, dask: gigabytes) and run their tests
+	$(INSTALL) --quiet -e '.[torch,mjx,scale]'
 	$(BIN)/python -m pytest -q tests/batch tests/sweep tests/simulation/test_mjx_world.py tests/audit/test_mjx_runs.py tests/benchmarks/test_batch_bench.py
 
 test-release: setup ## build the wheel and install it with every extra in clean environments (gigabytes)

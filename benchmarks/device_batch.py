@@ -1,7 +1,7 @@
-"""Time the Warp kernel on a device: problems a second, with their accuracy.
+"""Time batches of contact problems in JAX or PyTorch on a device: problems a second, with their accuracy.
 
-    python -m benchmarks.device_batch --device cuda --problems 2000000
-    python -m benchmarks.device_batch --device cpu --problems 20000
+    python -m benchmarks.device_batch --framework jax --problems 20000
+    python -m benchmarks.device_batch --framework torch --device cuda --problems 2000000
 
 Four contacts on a body with four legs: sticking, sliding and open ones. The goal on an H200 is 20 million
 problems a second at a velocity error of 1e-6.
@@ -10,6 +10,8 @@ problems a second at a velocity error of 1e-6.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,7 @@ from surefoot.arrays import FloatArray
 REPEATS = 5
 DISTINCT = 4096
 """Problems made; a batch repeats them."""
+Calls = tuple[Callable[[], Any], Callable[[], Any]]
 
 
 def problems(count: int, seed: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -40,47 +43,65 @@ def problems(count: int, seed: int = 0) -> tuple[FloatArray, FloatArray, FloatAr
     return G, g, rng.uniform(0.1, 0.9, (count, 4))
 
 
+def in_jax(arrays: tuple[FloatArray, ...], device: str, dtype: str, tol: float) -> Calls:
+    """Return calls that solve, and that take the gradient of the forces' sum, on a device of JAX."""
+    import jax
+
+    from surefoot.batch import jax as sfj
+
+    jax.config.update("jax_enable_x64", dtype == "float64")
+    where = jax.devices(device)[0]
+    given = [jax.device_put(v.astype(dtype), where) for v in arrays]
+    solve = jax.jit(lambda *a: sfj.solve(*a, tol=tol))
+    slope = jax.jit(jax.grad(lambda *a: sfj.solve(*a, tol=tol).forces.sum(), argnums=(0, 1, 2)))
+    return lambda: jax.block_until_ready(solve(*given)), lambda: jax.block_until_ready(slope(*given))
+
+
+def in_torch(arrays: tuple[FloatArray, ...], device: str, dtype: str, tol: float) -> Calls:
+    """Return calls that solve, and that take the gradient of the forces' sum, on a device of PyTorch."""
+    import torch
+
+    from surefoot.batch import torch as sft
+
+    real = torch.float32 if dtype == "float32" else torch.float64
+    given = [torch.tensor(v, dtype=real, device=device, requires_grad=True) for v in arrays]
+
+    def done(found: Any) -> Any:
+        if device != "cpu":
+            torch.cuda.synchronize()
+        return found
+
+    def slope() -> Any:
+        return done(torch.autograd.grad(sft.solve(*given, tol=tol).forces.sum(), given))
+
+    return lambda: done(sft.solve(*given, tol=tol)), slope
+
+
 def main() -> None:
-    """Print one line for the solves and one for the gradients."""
+    """Print a line for the solves, one for solves with gradients, and how well they were solved."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
-    parser.add_argument("--device", default="cpu", help="cpu, cuda, cuda:1")
+    parser.add_argument("--framework", choices=("jax", "torch"), default="jax")
+    parser.add_argument("--device", default="cpu", help="cpu, gpu (JAX), cuda (PyTorch)")
     parser.add_argument("--problems", type=int, default=20_000)
     parser.add_argument("--tol", type=float, default=1e-6)
-    parser.add_argument(
-        "--single", action="store_true", help="float32 arrays (computed in double all the same)"
-    )
+    parser.add_argument("--single", action="store_true", help="float32 arrays")
     chosen = parser.parse_args()
-    import warp as wp
-
-    from surefoot.batch import warp as sfw
-
-    wp.config.quiet = True
-    real = wp.float32 if chosen.single else wp.float64
     repeats = -(-chosen.problems // DISTINCT)
-    arrays = [
-        wp.array(
-            np.tile(v, (repeats,) + (1,) * (v.ndim - 1))[: chosen.problems], dtype=real, device=chosen.device
-        )
+    arrays = tuple(
+        np.tile(v, (repeats,) + (1,) * (v.ndim - 1))[: chosen.problems]
         for v in problems(min(DISTINCT, chosen.problems))
-    ]
-    G, g, mu = arrays
-    found = sfw.solve(G, g, mu, tol=chosen.tol)  # compiles
-    weights = wp.full((chosen.problems, 4, 3), real(1.0), dtype=real, device=chosen.device)
-    sfw.vjp(G, g, mu, found, forces=weights)
-
-    def solves() -> None:
-        sfw.solve(G, g, mu, tol=chosen.tol, out=found)
-        wp.synchronize_device(chosen.device)
-
-    def gradients() -> None:
-        sfw.vjp(G, g, mu, found, forces=weights)
-        wp.synchronize_device(chosen.device)
-
-    wp.synchronize_device(chosen.device)
-    for call in (solves, gradients):
+    )
+    calls = {"jax": in_jax, "torch": in_torch}[chosen.framework](
+        arrays, chosen.device, "float32" if chosen.single else "float64", chosen.tol
+    )
+    found = calls[0]()  # compiles
+    for name, call in zip(("solves", "solves with gradients"), calls, strict=True):
+        call()
         rate = chosen.problems / least_time(call, REPEATS)
-        print(f"{call.__name__}: {rate:,.0f} a second on {chosen.device}")
-    status, residual = found.status.numpy(), found.residual.numpy()
+        print(f"{name}: {rate:,.0f} a second on {chosen.device}")
+    status, residual = (
+        np.asarray(v.detach().cpu() if hasattr(v, "detach") else v) for v in (found.status, found.residual)
+    )
     print(f"solved: {np.mean(status == 0):.4%}")
     print(f"velocity error: median {np.median(residual):.1e}, most {residual.max():.1e}")
 

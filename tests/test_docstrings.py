@@ -1,8 +1,8 @@
 """Docstrings name shapes and units: read from the source, so that no name is forgotten.
 
-What `import surefoot` shows (and `sf.laws`, `sf.contacts`) has to say for every parameter, field and result
-that is an array its shape ("(n, 3)"), and for every one that is a number or an array of numbers its unit
-("[N]", "[-]" for none), in the entry of that name or, where a docstring has no such sections, in its
+What `import surefoot` shows (and `sf.laws`, `sf.contact_sets`) has to say for every parameter, field and
+result that is an array its shape ("(n, 3)"), and for every one that is a number or an array of numbers its
+unit ("[N]", "[-]" for none), in the entry of that name or, where a docstring has no such sections, in its
 sentences. Every other public function of the package, compiled kernels among them, names a shape where it
 takes or returns an array; the share of them that name a unit may not fall. A reference to the name that says
 it ("as for `ContactProblem`") does, too.
@@ -41,7 +41,7 @@ REFERENCE = re.compile(r"\b([Aa]s (for|in|of|on)|[Ss]ee|[Ll]ike|that of|those of
 ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: ?:.*)?$")
 
 NAMESPACES = ("contact.sets", "contact.laws", "contact.laws.soft", "contact.laws.pressure")
-"""Rooms whose names are shown as `sf.contacts` and `sf.laws`."""
+"""Rooms whose names are shown as `sf.contact_sets` and `sf.laws`."""
 FLOORS = {False: 0.72, True: 0.455}
 """Share of the public functions with numbers that name a unit: plain ones, kernels. Only to be raised."""
 
@@ -279,5 +279,5 @@ def test_the_reader_finds_what_is_missing(source: str, faults: list[str]) -> Non
 def test_the_exported_names_are_found() -> None:
     found = set(_exported())
     assert {"FrictionCone", "solve_batch", "RigidWorld", "HuntCrossley", "SoftFinger", "Log"} <= found
-    values = {"laws", "contacts", "__version__"}
+    values = {"laws", "contact_sets", "__version__"}
     assert set(surefoot.__all__) - found - values <= {"Controller", "Terrain"} | found

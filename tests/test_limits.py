@@ -20,10 +20,6 @@ SOURCE = Path(surefoot.__file__).parent
 FILE_LINES, FUNCTION_LINES, PARAMETERS, KERNEL_PARAMETERS = 400, 60, 10, 14
 
 EXCEPTED = {
-    # a thread's registers cannot be handed about, so a Warp kernel is one function
-    ("lines", "surefoot/batch/warp.py", "_gradient"),
-    ("lines", "surefoot/batch/warp_path.py", "descend"),
-    ("lines", "surefoot/batch/warp_path.py", "linearise"),
     # a command's parameters are its options
     ("lines", "surefoot/cli/walk.py", "walk"),
     # the short form of a contact problem is a contract: every argument has its name there
@@ -85,7 +81,7 @@ def _parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
 def _allowed(file: str, function: ast.FunctionDef | ast.AsyncFunctionDef) -> float:
     """Return how many parameters a function may have: kernels have more, commands any number."""
     marks = [ast.unparse(mark) for mark in function.decorator_list]
-    if any("kernel" in mark or mark.startswith(("wp.", "warp.")) for mark in marks):
+    if any("kernel" in mark for mark in marks):
         return KERNEL_PARAMETERS
     command = file.startswith("surefoot/cli/") and function.name == Path(file).stem
     return float("inf") if command else PARAMETERS

@@ -73,6 +73,6 @@ def test_the_stub_is_the_one_list_of_names() -> None:
 def test_the_contract_is_importable() -> None:
     names = "FrictionCone Stance PointContact can_stand friction_needed com_region wrench_cone ContactProblem"
     names += " solve read_problem write_problem load_robot distribute ForceDistributor ContactSolver"
-    names += " register Answer Settings grasp_map StanceBatch can_stand_many com_region_many HalfSpaces laws"
-    names += " translate"
+    names += " register Answer SolverSettings grasp_map StanceBatch can_stand_batch com_region_batch"
+    names += " HalfSpaces laws translate"
     assert set(names.split()) <= set(sf.__all__)

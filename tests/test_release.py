@@ -31,7 +31,7 @@ print(sf.__file__)
 IMPORTED = {
     "robot": "pinocchio", "sim": "mujoco", "qp": "qpsolvers", "viz": "matplotlib", "files": "mcap",
     "sweep": "pyarrow", "scale": "ray", "rerun": "rerun", "jax": "jax", "mjx": "mujoco.mjx", "torch": "torch",
-    "warp": "warp", "plan": "casadi", "lab": "viser", "drake": "pydrake",
+    "plan": "casadi", "lab": "viser", "drake": "pydrake",
     "models": "robot_descriptions", "cdd": "cdd",
     "all": "pinocchio", "dev": "pytest", "docs": "sphinx",
 }  # fmt: skip

@@ -14,7 +14,7 @@ from benchmarks.problems.stances import StanceCase, random_case, random_cases
 from benchmarks.statics import rivals
 from benchmarks.timing import Timing, one_core, time_calls
 from surefoot.cones.representation import halfspaces_from_rays
-from surefoot.equilibrium import can_stand, can_stand_many, com_region, com_region_many
+from surefoot.equilibrium import can_stand, can_stand_batch, com_region, com_region_batch
 from surefoot.equilibrium.wrench_cone import wrench_cone
 from surefoot.stance import PatchContact, PointContact, Stance, StanceBatch
 
@@ -101,7 +101,7 @@ def races(count: int = 200, seed: int = 1) -> list[Race]:
         out += _race(f"can it stand, 4 points ({possible} of {count} can)", _stand_racers(feet))
         out += _race("can it stand, 4 points: what is new in each call", _novelty_racers(feet))
         out += _race("CoM region to 1 mm, 4 points", _region_racers(wide))
-        out += _many_races(wide)
+        out += _batch_races(wide)
         out += _race("CoM region to 1 mm, 2 patches", _region_racers(soles))
         out += _race("wrench cone, 4 points on rough ground, 8 facets", _cone_racers(wide))
         out += _race("wrench cone, 4 points on flat ground, 8 facets", _cone_racers(flat))
@@ -157,7 +157,7 @@ def _novelty_racers(cases: list[StanceCase]) -> _Racers:
     ]
 
 
-def _many_races(cases: list[StanceCase]) -> list[Race]:
+def _batch_races(cases: list[StanceCase]) -> list[Race]:
     """Return both questions to `CANDIDATES` stances at once: times of one of them."""
     chosen = [cases[k % len(cases)] for k in range(CANDIDATES)]
     places = np.array([c.stance.positions for c in chosen])
@@ -166,10 +166,10 @@ def _many_races(cases: list[StanceCase]) -> list[Race]:
     com, mass = np.array([c.com for c in chosen]), np.array([c.mass for c in chosen])
 
     def stand(_: int) -> Any:
-        return can_stand_many(StanceBatch(places, normals, mu), com, mass)
+        return can_stand_batch(StanceBatch(places, normals, mu), com, mass)
 
     def regions(_: int) -> Any:
-        return com_region_many(StanceBatch(places, normals, mu), mass, tol=1e-3)
+        return com_region_batch(StanceBatch(places, normals, mu), mass, tol=1e-3)
 
     out = []
     for question, call in (("can they stand", stand), ("CoM regions to 1 mm", regions)):

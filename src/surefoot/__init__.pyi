@@ -29,7 +29,7 @@ from .contact import Residuals as Residuals
 from .contact import Status as Status
 from .contact import carry_over as carry_over
 from .contact import check_proof as check_proof
-from .contact import contacts as contacts
+from .contact import contact_sets as contact_sets
 from .contact import persisting as persisting
 from .contact import read_lcp as read_lcp
 from .contact import read_problem as read_problem
@@ -50,11 +50,14 @@ from .control.gait import ModeSchedule as ModeSchedule
 from .control.gait_library import gait_names as gait_names
 from .control.gait_library import named_gait as named_gait
 from .control.mpc import ConvexMpc as ConvexMpc
+from .control.mpc import MpcWeights as MpcWeights
 from .control.stance_forces import distribute as distribute
 from .control.standing import StandingController as StandingController
 from .control.standing_plan import StandingPlan as StandingPlan
 from .control.walking import WalkingController as WalkingController
 from .control.walking_body import VelocityCommand as VelocityCommand
+from .control.walking_settings import WalkSettings as WalkSettings
+from .control.whole_body import Tasks as Tasks
 from .control.whole_body import WholeBodyController as WholeBodyController
 from .equilibrium import ComVolume as ComVolume
 from .equilibrium import ForceLimits as ForceLimits
@@ -62,9 +65,9 @@ from .equilibrium import Region as Region
 from .equilibrium import Verdict as Verdict
 from .equilibrium import Verdicts as Verdicts
 from .equilibrium import can_stand as can_stand
-from .equilibrium import can_stand_many as can_stand_many
+from .equilibrium import can_stand_batch as can_stand_batch
 from .equilibrium import com_region as com_region
-from .equilibrium import com_region_many as com_region_many
+from .equilibrium import com_region_batch as com_region_batch
 from .equilibrium import com_volume as com_volume
 from .equilibrium import friction_needed as friction_needed
 from .equilibrium import support_polygon as support_polygon
@@ -77,7 +80,6 @@ from .errors import ProblemError as ProblemError
 from .errors import SolverNotFound as SolverNotFound
 from .errors import SurefootError as SurefootError
 from .estimation import ContactDetector as ContactDetector
-from .estimation import ContactSettings as ContactSettings
 from .estimation import DetectionSettings as DetectionSettings
 from .estimation import FilterNoise as FilterNoise
 from .estimation import ForceEstimate as ForceEstimate
@@ -90,6 +92,7 @@ from .estimation import StateEstimator as StateEstimator
 from .estimation import TossErrors as TossErrors
 from .estimation import Tosses as Tosses
 from .estimation import TossFit as TossFit
+from .estimation import TouchSettings as TouchSettings
 from .estimation import WatchSettings as WatchSettings
 from .estimation import detect_contacts as detect_contacts
 from .estimation import detection_errors as detection_errors
@@ -136,7 +139,7 @@ from .solvers import Answer as Answer
 from .solvers import ContactForces as ContactForces
 from .solvers import ContactSolver as ContactSolver
 from .solvers import LcpSolution as LcpSolution
-from .solvers import Settings as Settings
+from .solvers import SolverSettings as SolverSettings
 from .solvers import lcp_solver_names as lcp_solver_names
 from .solvers import minimum_norm as minimum_norm
 from .solvers import register as register

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.audit.contact_times import debounced
 from surefoot.errors import ProblemError
 
 GO1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "go1_log" / "go1.csv"
@@ -117,14 +116,6 @@ def test_sensors_that_are_not_linear_are_told() -> None:
     found = sf.sensor_scale(sf.Log({"time": log["time"], "foot_sensors": raw}, log.facts), MASS)
     assert found.low <= SCALE <= found.high
     assert found.doubts[0].startswith("at rest the readings sum up to 0.5 of their mean over strides")
-
-
-def test_short_phases_are_none() -> None:
-    time = 0.01 * np.arange(12)
-    touch = np.array([0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1], dtype=bool)
-    np.testing.assert_array_equal(debounced(time, touch, 0.015), [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1])
-    np.testing.assert_array_equal(debounced(time, touch, 0.005), touch)
-    np.testing.assert_array_equal(debounced(time, ~touch, 0.015), [1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0])
 
 
 @pytest.mark.shared

@@ -120,7 +120,7 @@ control.whole_body_step kinematics            control/test_whole_body_step.py::t
 control.whole_body_step reduce                control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 control.whole_body_step torques_of            control/test_whole_body_step.py::test_accelerations_obey_their_constraints_and_torques_the_dynamics
 equilibrium.cone_program minimise             equilibrium/test_cone_program.py::test_value_equals_clarabels_and_the_gap_closes
-equilibrium.many         stand_each           equilibrium/test_many.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_many
+equilibrium.batch         stand_each           equilibrium/test_batch.py::test_one_stance_among_many_is_that_stance_bit_by_bit by can_stand_batch
 equilibrium.margin       axis_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance
 equilibrium.margin       depth                equilibrium/test_equilibrium_kernels.py::test_steps_end_at_the_boundary_and_depth_is_the_way_to_it
 equilibrium.margin       load_scale           equilibrium/test_equilibrium_kernels.py::test_scales_of_a_stance

@@ -11,7 +11,7 @@ from set_judge import check_laws
 import surefoot as sf
 from surefoot.contact.sets import Contact
 
-C = sf.contacts
+C = sf.contact_sets
 LAWS = (sf.laws.COULOMB, sf.laws.CONVEX, sf.laws.Law("half dilatant", shift=0.5))
 
 

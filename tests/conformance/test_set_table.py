@@ -18,7 +18,7 @@ from set_judge import check_laws
 import surefoot as sf
 from surefoot.contact.sets import Contact
 
-C = sf.contacts
+C = sf.contact_sets
 KINDS: dict[str, Contact] = {
     "frictionless": C.Frictionless(),
     "planar": C.Planar(0.5),

@@ -57,7 +57,6 @@ def test_velocity_error_is_its_definition(law: str, facets: int | None, fit: str
             gap = force[k] - nearest(force[k] - shifted / w, float(mu[k]), low[k], high[k], rows)
             errors.append(w * np.linalg.norm(gap) / speed)
         assert sf.residuals(problem, force).velocity_error == pytest.approx(max(errors), rel=1e-5, abs=1e-7)
-        assert sf.residuals(problem, force).natural_map == sf.residuals(problem, force).velocity_error
 
 
 def test_bilateral_contacts_want_no_velocity_and_take_any_force() -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import surefoot as sf
 from surefoot.contact.sets import Contact
 
-C = sf.contacts
+C = sf.contact_sets
 KINDS: dict[str, Contact] = {
     "frictionless": C.Frictionless(),
     "frictionless, bounded": C.Frictionless(normal_min=0.5, normal_max=2.0),

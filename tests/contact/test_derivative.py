@@ -229,7 +229,7 @@ def test_no_contacts() -> None:
     assert d.vjp(forces=np.zeros((0, 3))).G.shape == (0, 0)
 
 
-@pytest.mark.parametrize("other", [{"contacts": [sf.contacts.SoftFinger(0.5, radius=0.01)]}, {"law": "half"}])
+@pytest.mark.parametrize("other", [{"contacts": [sf.contact_sets.SoftFinger(0.5, 0.01)]}, {"law": "half"}])
 def test_what_has_no_derivative_is_refused(other: dict[str, Any]) -> None:
     law = sf.laws.Law("half", 0.5) if "law" in other else None
     problem = (

@@ -12,8 +12,8 @@ from surefoot.estimation.contact_odds import (
     BANDWIDTHS,
     QUIET,
     ContactFusion,
-    ContactSettings,
     GroundBelief,
+    TouchSettings,
     force_noise,
     observer_gain,
     quiet_bandwidth,
@@ -72,7 +72,7 @@ def test_noise_of_speeds_shows_in_forces_as_foretold(name: str) -> None:
 
 def test_each_says_its_part() -> None:
     robot = load_robot("go2")
-    fusion = ContactFusion(robot, ContactSettings(), np.full(4, 1.0), 0.05, mapped=True)
+    fusion = ContactFusion(robot, TouchSettings(), np.full(4, 1.0), 0.05, mapped=True)
     share, none = robot.mass * GRAVITY / 4, np.zeros(4, dtype=bool)
     forces, velocities = np.zeros((4, 3)), np.zeros((4, 3))
     forces[:, 2] = share * np.array([1.0, 1.0, 0.0, 1.0])
@@ -91,7 +91,7 @@ def test_each_says_its_part() -> None:
 
 def test_what_is_told_of_a_force_takes_the_place_of_what_is_felt() -> None:
     robot, random, n = load_robot("go2"), np.random.default_rng(4), 4
-    settings, share = ContactSettings(), robot.mass * GRAVITY / n
+    settings, share = TouchSettings(), robot.mass * GRAVITY / n
     for _ in range(20):
         fusion = ContactFusion(robot, settings, np.full(n, 3.0), 0.05, mapped=True)
         up = random.normal(size=(n, 3))
@@ -141,5 +141,5 @@ def test_ground_without_a_map_is_the_plane_under_the_feet() -> None:
 
 def test_wrong_settings() -> None:
     with pytest.raises(ProblemError, match="clearance must be"):
-        ContactSettings(clearance=-1.0)
-    assert ContactSettings(swing=-3.0).swing == -3.0
+        TouchSettings(clearance=-1.0)
+    assert TouchSettings(swing=-3.0).swing == -3.0

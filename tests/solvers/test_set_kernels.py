@@ -9,7 +9,7 @@ import surefoot as sf
 from surefoot.solvers import set_kernels
 from surefoot.solvers.set_admm import Sets
 
-C = sf.contacts
+C = sf.contact_sets
 CONTACTS = [
     C.Frictionless(normal_min=0.2, normal_max=2.0),
     C.Planar(0.6),
@@ -87,7 +87,7 @@ def test_newton_matrix_is_the_derivative_of_the_natural_map(law: sf.laws.Law) ->
 
 def test_a_disc_without_radius_holds_its_rows_wherever_the_point_is() -> None:
     """Frictionless: the tangential force is zero and stays so, also on the normal itself."""
-    contacts = sf.ContactSet([sf.contacts.Point(mu=0.0)])
+    contacts = sf.ContactSet([sf.contact_sets.Point(mu=0.0)])
     packed = set_kernels.pack(contacts, sf.laws.Law("coulomb", 1.0), np.ones(1))
     for tangent in (0.0, 0.3):
         J = np.empty((1, set_kernels.WIDEST, set_kernels.WIDEST))

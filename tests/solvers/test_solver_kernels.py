@@ -247,7 +247,7 @@ def test_admm_of_few_contacts_is_that_of_many(law: str, facets: int | None) -> N
     p = problem(7, 5, law).replace(facets=facets)
     few = sf.solve(p, "admm", tol=1e-10)
     assert few.solved
-    many = admm.run_admm(admm.Cones(p, None), solver.Settings(1e-10))
+    many = admm.run_admm(admm.Cones(p, None), solver.SolverSettings(1e-10))
     assert np.allclose(few.forces, many.forces, atol=1e-7)
     again = sf.solve(p, "admm", tol=1e-10, warm_start=few.forces)
     assert again.solved

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.problems.contacts import capsules
 from surefoot.contact import ContactProblem
 from surefoot.solvers import admm, interior_point
-from surefoot.solvers.solver import Settings
+from surefoot.solvers.solver import SolverSettings
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def test_interior_point_takes_the_same_step_sparse_and_dense(
     steps = []
     for below in (0.0, 1.0):
         monkeypatch.setattr(interior_point, "SPARSE_BELOW", below)
-        answer = interior_point.solve_interior_point(problem, Settings(1e-12, 3), None)
+        answer = interior_point.solve_interior_point(problem, SolverSettings(1e-12, 3), None)
         steps.append(answer.forces)
     assert np.abs(steps[0]).max() > 0.0
     np.testing.assert_allclose(steps[1], steps[0], atol=1e-8 * np.abs(steps[0]).max())

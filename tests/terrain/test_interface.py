@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-
 import numpy as np
 import pytest
 
@@ -152,28 +150,6 @@ def test_wrong_texts_are_named(text: str, message: str) -> None:
 
 def test_forms_name_every_terrain() -> None:
     assert [form.partition(":")[0] for form in terrain_forms().split(", ")] == list(TERRAINS)
-
-
-@pytest.mark.parametrize(
-    ("module", "name"),
-    [
-        ("surefoot.stance.terrain", "Terrain"),
-        ("surefoot.stance.terrain", "FlatTerrain"),
-        ("surefoot.stance.heightfield", "HeightfieldTerrain"),
-        ("surefoot.stance.stairs", "StairsTerrain"),
-        ("surefoot.stance", "SlopeTerrain"),
-        ("surefoot.simulation.walk_terrain", "PitTerrain"),
-        ("surefoot.simulation.walk_terrain", "rough_ground"),
-        ("surefoot.simulation.rigid_flight", "fly"),
-    ],
-)
-def test_old_places_still_work_and_say_so(module: str, name: str) -> None:
-    home = "surefoot.stepping.flight" if name == "fly" else "surefoot.terrain"
-    with pytest.warns(DeprecationWarning, match=f"is now {home}.{name}"):
-        old = getattr(importlib.import_module(module), name)
-    assert old is getattr(importlib.import_module(home), name)
-    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        importlib.import_module(module).nothing  # noqa: B018
 
 
 def test_flat_ground_is_flat() -> None:

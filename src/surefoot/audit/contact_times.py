@@ -7,7 +7,6 @@ debounce is none. A foot whose readings do not tell air from ground is refused, 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from surefoot.arrays import BoolArray, FloatArray, IntArray, real_number
 from surefoot.audit.motion import foot_forces
 from surefoot.errors import ProblemError, unknown_name
 from surefoot.log import Log
+from surefoot.numerics.phases import debounced
 
 DEBOUNCE = 0.03
 """A phase shorter than this is none [s]."""
@@ -177,24 +177,6 @@ def _hysteresis(reading: FloatArray, up: float, down: float) -> BoolArray:
     mark[0] = mark[0] if mark[0] >= 0 else 0
     known = np.maximum.accumulate(np.where(mark >= 0, np.arange(len(mark)), 0))
     return np.asarray(mark[known] == 1)
-
-
-def debounced(time: FloatArray, touch: BoolArray, shortest: float) -> BoolArray:
-    """Return (T,) contacts without phases shorter than `shortest` [s], the shortest taken first."""
-    edges = [0, *(np.flatnonzero(np.diff(touch.astype(np.int8))) + 1).tolist(), len(touch)]
-    state = bool(touch[0])
-    end = time[-1] + (time[-1] - time[-2])
-    stamps = np.append(time, end)
-    while len(edges) > 3:  # first and last phase may be cut and are kept
-        lengths = [stamps[edges[k + 1]] - stamps[edges[k]] for k in range(1, len(edges) - 2)]
-        k = int(np.argmin(lengths)) + 1
-        if lengths[k - 1] >= shortest:
-            break
-        del edges[k : k + 2]
-    out = np.empty(len(touch), dtype=bool)
-    for begin, finish in pairwise(edges):
-        out[begin:finish], state = state, not state
-    return out
 
 
 def _crossing(time: FloatArray, reading: FloatArray, before: IntArray, level: float) -> FloatArray:

@@ -89,7 +89,6 @@ def _contact(path: Path, problem: ContactProblem, solver: str, tol: float, max_t
         "status": found.status.value,
         "velocity_error": found.residuals.velocity_error,
         "rounding": found.residuals.rounding,
-        "natural_map": found.residuals.velocity_error,  # the old name, for one release
         "reference_velocity_error": given,
         "proof": None
         if proof is None

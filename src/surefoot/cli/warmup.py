@@ -112,7 +112,7 @@ def _problems() -> Iterator[ContactProblem]:
 
 
 def _solve() -> None:
-    from surefoot.contact import ContactProblem, contacts, redundancy
+    from surefoot.contact import ContactProblem, contact_sets, redundancy
     from surefoot.solvers import solve
 
     for problem in _problems():
@@ -122,7 +122,7 @@ def _solve() -> None:
             if problem.facets is None or solver == "admm":
                 solve(problem, solver, max_iterations=20)
         redundancy(problem)
-    kinds = contacts.SoftFinger(MU, 0.02), contacts.Pyramid(MU)
+    kinds = contact_sets.SoftFinger(MU, 0.02), contact_sets.Pyramid(MU)
     general = ContactProblem(
         [[1.0 + (i == j) for j in range(7)] for i in range(7)], [-1.0] * 7, contacts=kinds
     )

@@ -1,6 +1,6 @@
 """Contact problems, their solutions and the laws as numbers; free of any solver."""
 
-from surefoot.contact import sets as contacts
+from surefoot.contact import sets as contact_sets
 from surefoot.contact.diagnosis import Redundancy, redundancy
 from surefoot.contact.files import read_lcp, read_problem, write_problem
 from surefoot.contact.lcp import LCP, FrictionLCP, stewart_trinkle
@@ -23,7 +23,7 @@ __all__ = [
     "Status",
     "carry_over",
     "check_proof",
-    "contacts",
+    "contact_sets",
     "persisting",
     "read_lcp",
     "read_problem",

@@ -77,8 +77,8 @@ class ContactProblem:
         (n,) mask of contacts that hold in all three directions (u = 0, any force); their mu is not used,
         and their normal bounds must be the defaults (the attributes then say -inf and inf).
     contacts
-        In place of mu, the bounds, facets and bilateral: one value of `sf.contacts` for each contact, of any
-        kinds together; G and g then have their rows, one contact after the other.
+        In place of mu, the bounds, facets and bilateral: one value of `sf.contact_sets` for each contact, of
+        any kinds together; G and g then have their rows, one contact after the other.
 
     Attributes
     ----------
@@ -319,7 +319,7 @@ class ContactProblem:
 
     @property
     def contact_set(self) -> ContactSet:
-        """The contacts as values of `sf.contacts`; those of the short form are made anew when asked for."""
+        """The contacts as values of `sf.contact_sets`; those of the short form are made when asked for."""
         if self._own_g is not None and self._set is not None:
             return self._set
         return set_of(self.mu, self.normal_min, self.normal_max, self.facets, self.fit)

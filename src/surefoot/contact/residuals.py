@@ -77,11 +77,6 @@ class Residuals:
     dissipation: float
 
     @property
-    def natural_map(self) -> float:
-        """The old name of `velocity_error` [-], kept for one release."""
-        return self.velocity_error
-
-    @property
     def worst(self) -> float:
         """The largest of the first three numbers [-]: what `Status.SOLVED` compares with the tolerance."""
         return max(self.velocity_error, self.rounding, self.energy_gap)

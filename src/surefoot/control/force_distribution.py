@@ -379,8 +379,9 @@ class ForceDistributor:
     def force_error(self) -> float:
         """Upper bound on the distance from the last forces to the optimum, over all contacts [N].
 
-        With a Jacobian or rows that bind it is an estimate, infinite if the optimum was not reached. Infinite
-        also where the input was not finite, and before the first `solve`.
+        By the duality gap. Rows that bind are kept 1e-9 of their unit inside their limits, which the gap
+        counts: the bound is then about the root of that, far above the true error. Infinite if the optimum
+        was not reached, where the input was not finite, and before the first `solve`.
         """
         return float(self._results[layout.FORCE_ERROR])
 

@@ -1,7 +1,7 @@
 """Questions to a stance: can it stand, how much friction does it need, where may its weight be."""
 
+from surefoot.equilibrium.batch import Verdicts, can_stand_batch, com_region_batch
 from surefoot.equilibrium.limits import ForceLimits
-from surefoot.equilibrium.many import Verdicts, can_stand_many, com_region_many
 from surefoot.equilibrium.region import Region
 from surefoot.equilibrium.regions import com_region, support_polygon, zmp_region
 from surefoot.equilibrium.statics import can_stand, friction_needed
@@ -16,9 +16,9 @@ __all__ = [
     "Verdict",
     "Verdicts",
     "can_stand",
-    "can_stand_many",
+    "can_stand_batch",
     "com_region",
-    "com_region_many",
+    "com_region_batch",
     "com_volume",
     "friction_needed",
     "support_polygon",

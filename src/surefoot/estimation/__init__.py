@@ -6,7 +6,7 @@ from surefoot.estimation.contact_detection import (
     detect_contacts,
     detection_errors,
 )
-from surefoot.estimation.contact_odds import ContactSettings
+from surefoot.estimation.contact_odds import TouchSettings
 from surefoot.estimation.forces import ForceEstimate, estimate_forces
 from surefoot.estimation.friction import FrictionTracker
 from surefoot.estimation.identify import TossFit, identify
@@ -19,7 +19,6 @@ from surefoot.estimation.tosses import Cube, Tosses, holds_tosses, read_tosses, 
 
 __all__ = [
     "ContactDetector",
-    "ContactSettings",
     "Cube",
     "DetectionSettings",
     "FilterNoise",
@@ -34,6 +33,7 @@ __all__ = [
     "TossErrors",
     "TossFit",
     "Tosses",
+    "TouchSettings",
     "WatchSettings",
     "audit_tosses",
     "detect_contacts",

@@ -27,12 +27,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, IntArray, finite_array, real_number
-from surefoot.audit.contact_times import debounced
 from surefoot.errors import ProblemError
 from surefoot.estimation.detection_kernels import add_torques, feel_feet
 from surefoot.estimation.foot_kinematics import FootKinematics
 from surefoot.estimation.live_arrays import Bound
 from surefoot.log import Log
+from surefoot.numerics.phases import debounced
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY
 

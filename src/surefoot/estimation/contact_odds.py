@@ -43,7 +43,7 @@ QUIET = 0.08
 
 
 @dataclass(frozen=True)
-class ContactSettings:
+class TouchSettings:
     """What is believed of feet that touch and feet that do not.
 
     Attributes
@@ -186,7 +186,7 @@ class ContactFusion(Bound):
     robot
         With feet.
     settings
-        See `ContactSettings`.
+        See `TouchSettings`.
     noise
         (n,) standard deviations of the feet's forces by noise [N].
     speed
@@ -203,7 +203,7 @@ class ContactFusion(Bound):
     """
 
     def __init__(
-        self, robot: Robot, settings: ContactSettings, noise: FloatArray, speed: float, mapped: bool
+        self, robot: Robot, settings: TouchSettings, noise: FloatArray, speed: float, mapped: bool
     ) -> None:
         n, s = len(robot.feet), settings
         share = robot.mass * GRAVITY / n

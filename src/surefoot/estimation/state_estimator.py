@@ -19,8 +19,8 @@ from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.estimation.contact_detection import ContactDetector, DetectionSettings
 from surefoot.estimation.contact_odds import (
     ContactFusion,
-    ContactSettings,
     GroundBelief,
+    TouchSettings,
     force_noise,
     observer_gain,
     quiet_bandwidth,
@@ -119,7 +119,7 @@ class StateEstimator:
     def __init__(
         self,
         ekf: InvariantEkf,
-        contacts: ContactSettings | None = None,
+        contacts: TouchSettings | None = None,
         watch: WatchSettings | None = None,
         latency: tuple[float, float] = (0.0, 0.0),
     ) -> None:
@@ -129,7 +129,7 @@ class StateEstimator:
         bandwidth = quiet_bandwidth(ekf.robot, dt, noise.joint_speed)
         sensed = observer_gain(bandwidth, dt) * force_noise(ekf.robot, noise.joint_speed)
         self.fusion = ContactFusion(
-            ekf.robot, contacts or ContactSettings(), sensed, noise.joint_speed, ekf.ground is not None
+            ekf.robot, contacts or TouchSettings(), sensed, noise.joint_speed, ekf.ground is not None
         )
         detection, usual = (
             DetectionSettings(bandwidth=bandwidth),

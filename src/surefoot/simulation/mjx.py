@@ -37,7 +37,7 @@ def import_mjx() -> Any:
     try:
         import jax
 
-        with contextlib.redirect_stdout(io.StringIO()):  # it prints that Warp is not here
+        with contextlib.redirect_stdout(io.StringIO()):  # it prints which back ends are not here
             from mujoco import mjx
     except ImportError as error:
         raise MissingExtra("mujoco-mjx", "mjx") from error

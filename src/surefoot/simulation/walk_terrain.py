@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from surefoot.arrays import FloatArray
-from surefoot.deprecation import moved
 from surefoot.equilibrium import can_stand, friction_needed
 from surefoot.errors import ProblemError
 from surefoot.robot import Robot, place
@@ -15,8 +14,6 @@ HIGHEST_STEP = 0.5
 """Highest step that legs are asked to take, in heights of the base."""
 CLEARANCE = 3.0
 """A robot starts this far before a terrain's first step, in heights of its base."""
-
-__getattr__ = moved(__name__, dict.fromkeys(("PitTerrain", "rough_ground"), "surefoot.terrain"))
 
 
 def start_pose(robot: Robot, terrain: Terrain) -> FloatArray:

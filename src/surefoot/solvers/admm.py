@@ -34,7 +34,7 @@ from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.numerics.elimination import invert_shifted
 from surefoot.solvers.pyramid import project_any, shift_any
-from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
 from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS = 20_000
@@ -333,7 +333,7 @@ class Cones(Splitting):
 
 
 @register("admm", polyhedral=True, bilateral=True)
-def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_admm(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve either law, on cones or pyramids, from a (n, 3) warm start by ADMM."""
     s = Cones(problem, warm_start)
     if problem.contacts > LARGE:
@@ -357,7 +357,7 @@ def solve_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArr
     return Answer(best.reshape(-1, 3), done)
 
 
-def run_admm(s: Splitting, settings: Settings, finish: Finish | None = None) -> Answer:
+def run_admm(s: Splitting, settings: SolverSettings, finish: Finish | None = None) -> Answer:
     """Run ADMM; after `finish_from` iterations, then ever less often, `finish` may try from where it is."""
     end = time.perf_counter() + settings.max_time
     limit = MAX_ITERATIONS if settings.max_iterations is None else settings.max_iterations

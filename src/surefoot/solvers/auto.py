@@ -32,8 +32,8 @@ from surefoot.solvers.plans import EARLY_PROOF, ON_BLOCKS, PROOF, Plan, Stage
 from surefoot.solvers.set_newton import set_admm_and_newton
 from surefoot.solvers.solver import (
     Answer,
-    Settings,
     SolverFunction,
+    SolverSettings,
     mismatch,
     nearest_to_zero,
     register,
@@ -55,7 +55,7 @@ PARTS: dict[str, SolverFunction] = {
 
 
 @register("auto", laws=None, bilateral=True, polyhedral=True, general=True, attempt=attempt)
-def solve_auto(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_auto(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve either law from a (n, 3) warm start; an iteration is one of whatever method ran."""
     start = time.perf_counter()
     if problem.general:
@@ -84,7 +84,7 @@ def _small_plan(problem: ContactProblem, forces: FloatArray | None) -> Plan:
 
 def _run(
     problem: ContactProblem,
-    settings: Settings,
+    settings: SolverSettings,
     forces: FloatArray | None,
     done: int,
     plan: Plan,
@@ -108,7 +108,7 @@ def _run(
                 return Answer(best, done, Status.INFEASIBLE, proof=proof)
             continue
         bound = stage.most if most is None else min(stage.most or most, most - done)
-        answer = _ask(stage, problem, Settings(settings.tol, bound, left), best)
+        answer = _ask(stage, problem, SolverSettings(settings.tol, bound, left), best)
         if answer is None:
             continue
         done += answer.iterations
@@ -120,7 +120,7 @@ def _run(
     return Answer(best, done, Status.STALLED)
 
 
-def _ask(stage: Stage, problem: ContactProblem, settings: Settings, best: FloatArray) -> Answer | None:
+def _ask(stage: Stage, problem: ContactProblem, settings: SolverSettings, best: FloatArray) -> Answer | None:
     """Return what a stage answers; None where it does not take the problem or its package is missing."""
     function = PARTS.get(stage.name)
     if function is None:

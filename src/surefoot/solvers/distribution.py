@@ -21,7 +21,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.residuals import residuals
 from surefoot.contact.solution import Status
 from surefoot.solvers.dual_newton.dense import CENTRE, DUAL, VALUE, minimise
-from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.solver import Answer, SolverSettings, register
 
 WELL_CONDITIONED = 1e-7  # smallest over largest eigenvalue from which no proximal term is needed
 PROXIMAL, LEAST_PROXIMAL, SHRINK = 1e-5, 1e-13, 0.1  # proximal weight over the largest eigenvalue
@@ -29,7 +29,9 @@ ROUNDS, NEWTON_LIMIT = 100, 200.0
 
 
 @register("distribution", laws=("convex",))
-def solve_distribution(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_distribution(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Solve the convex law with exact cones, from a (n, 3) warm start.
 
     Meant for up to some tens of contacts: an iteration factorises a matrix of the rank of G.

@@ -17,7 +17,7 @@ from surefoot.cones import FrictionPyramid
 from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.solvers.backends import BACKENDS, ConeProgram, End, Options, backend
-from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.solver import Answer, SolverSettings, register
 
 QP_SOLVERS = ("daqp", "quadprog", "proxqp", "osqp", "piqp", "highs")
 STATUS_OF = dict.fromkeys(End, Status.STALLED) | {
@@ -52,7 +52,9 @@ def _scaled(problem: ContactProblem, G: FloatArray, g: FloatArray) -> tuple[Floa
 
 
 @register("clarabel", laws=("convex",))
-def solve_clarabel(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_clarabel(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Solve the convex law on exact cones by Clarabel's interior-point method; a (n, 3) start is unused."""
     on, G, g = _active(problem)
     n = on.size
@@ -89,7 +91,7 @@ def pyramid_rows(problem: ContactProblem, on: IntArray) -> tuple[Any, FloatArray
     return sp.block_diag(blocks, format="csc"), np.concatenate(limits)
 
 
-def _options(name: str, settings: Settings) -> Options:
+def _options(name: str, settings: SolverSettings) -> Options:
     """Return how a QP solver is run: to less than the tolerance, and what it needs besides."""
     kind = BACKENDS[name]
     tight = max(kind.sharpness * settings.tol, 1e-10 * kind.sharpness)
@@ -98,7 +100,7 @@ def _options(name: str, settings: Settings) -> Options:
 
 
 def _solve_qp(
-    name: str, problem: ContactProblem, settings: Settings, warm_start: FloatArray | None
+    name: str, problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer:
     """Solve the convex law on pyramids with one QP backend."""
     solver = backend(name, _options(name, settings))

@@ -31,7 +31,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.solvers.admm import scaling
 from surefoot.solvers.newton_sparse import BlockNewton
-from surefoot.solvers.solver import Answer, Search, Settings, register
+from surefoot.solvers.solver import Answer, Search, SolverSettings, register
 from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS, PATIENCE = 100, 15
@@ -183,7 +183,7 @@ def _longest(s: FloatArray, ds: FloatArray, m: int) -> float:
 
 @register("interior_point", bilateral=True)
 def solve_interior_point(
-    problem: ContactProblem, settings: Settings, warm_start: FloatArray | None
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
 ) -> Answer:
     """Solve either law on exact cones by a primal-dual interior-point method; a (n, 3) start is unused."""
     p = _program(problem)

@@ -16,7 +16,7 @@ from surefoot.contact.solution import Status
 from surefoot.errors import NoSolution, SolverNotFound, unknown_name
 from surefoot.solvers.backends import NO_PATH
 from surefoot.solvers.lcp_proof import farkas
-from surefoot.solvers.solver import ALMOST_FACTOR, Settings
+from surefoot.solvers.solver import ALMOST_FACTOR, SolverSettings
 
 _MODULES = ("lemke", "lcp_iterative", "lcp_interior_point", "lcp_newton", "lcp_quadratic")
 
@@ -86,7 +86,7 @@ class LcpSolution:
         return self
 
 
-LcpFunction = Callable[[LCP, Settings], LcpAnswer]
+LcpFunction = Callable[[LCP, SolverSettings], LcpAnswer]
 _REGISTRY: dict[str, LcpFunction] = {}
 
 
@@ -145,7 +145,7 @@ def solve_lcp(
         raise SolverNotFound(NO_PATH)
     if solver not in names:
         raise SolverNotFound(unknown_name("LCP solver", solver, names))
-    settings = Settings(
+    settings = SolverSettings(
         real_number("tol", tol, low=0.0), max_iterations, real_number("max_time", max_time, low=0.0)
     )
     start = time.perf_counter()
@@ -170,7 +170,7 @@ def solve_lcp(
     )
 
 
-def _by_parts(problem: LCP, method: LcpFunction, settings: Settings) -> LcpAnswer:
+def _by_parts(problem: LCP, method: LcpFunction, settings: SolverSettings) -> LcpAnswer:
     """Solve one uncoupled part after the other; stop at the first that the method leaves along a ray.
 
     A part with q >= 0 is solved by z = 0.
@@ -184,7 +184,7 @@ def _by_parts(problem: LCP, method: LcpFunction, settings: Settings) -> LcpAnswe
         part, unit = _of_unit_size(problem.part(index))
         left = None if settings.max_iterations is None else max(0, settings.max_iterations - iterations)
         with np.errstate(all="ignore"):  # what is lost shows in the residual
-            found = method(part, Settings(settings.tol, left, max(0.0, end - time.perf_counter())))
+            found = method(part, SolverSettings(settings.tol, left, max(0.0, end - time.perf_counter())))
             z[index], iterations = np.ldexp(found.z, unit), iterations + found.iterations
         if part.residual(found.z) <= settings.tol:
             continue

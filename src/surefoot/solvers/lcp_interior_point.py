@@ -14,11 +14,11 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Search, Settings
+from surefoot.solvers.solver import Search, SolverSettings
 
 
 @register_lcp("interior_point")
-def solve_interior_point(problem: LCP, settings: Settings) -> LcpAnswer:
+def solve_interior_point(problem: LCP, settings: SolverSettings) -> LcpAnswer:
     """Solve a monotone LCP by a primal-dual interior-point method."""
     scale = max(float(np.abs(problem.M).max()), 1e-300)
     M, q = problem.M / scale, problem.q / scale

@@ -16,7 +16,7 @@ from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.kernels import kernel
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Settings
+from surefoot.solvers.solver import SolverSettings
 
 
 @kernel
@@ -38,7 +38,7 @@ def _sweeps(M: FloatArray, q: FloatArray, z: FloatArray, count: int) -> float:
 
 
 @register_lcp("pgs")
-def solve_pgs(problem: LCP, settings: Settings) -> LcpAnswer:
+def solve_pgs(problem: LCP, settings: SolverSettings) -> LcpAnswer:
     """Solve an LCP by projected Gauss-Seidel; an iteration is a sweep."""
     if not (np.diagonal(problem.M) > 0.0).all():
         return LcpAnswer(

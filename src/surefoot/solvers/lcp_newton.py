@@ -18,7 +18,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Search, Settings
+from surefoot.solvers.solver import Search, SolverSettings
 
 
 def _equations(z: FloatArray, w: FloatArray) -> FloatArray:
@@ -26,7 +26,7 @@ def _equations(z: FloatArray, w: FloatArray) -> FloatArray:
 
 
 @register_lcp("newton")
-def solve_newton(problem: LCP, settings: Settings) -> LcpAnswer:
+def solve_newton(problem: LCP, settings: SolverSettings) -> LcpAnswer:
     """Solve an LCP by damped Newton steps on the Fischer-Burmeister equations."""
     scale = max(float(np.abs(problem.M).max()), 1e-300)
     M, q = problem.M / scale, problem.q / scale

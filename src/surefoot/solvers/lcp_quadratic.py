@@ -13,11 +13,11 @@ from surefoot.contact.lcp import LCP
 from surefoot.contact.solution import Status
 from surefoot.solvers.backends import ConeProgram, End, Options, backend
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Settings
+from surefoot.solvers.solver import SolverSettings
 
 
 @register_lcp("qp")
-def solve_quadratic(problem: LCP, settings: Settings) -> LcpAnswer:
+def solve_quadratic(problem: LCP, settings: SolverSettings) -> LcpAnswer:
     """Solve a PSD LCP as a QP, by Clarabel."""
     n = problem.size
     scale = max(float(np.abs(problem.M).max()), 1e-300)

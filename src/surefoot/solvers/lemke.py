@@ -26,7 +26,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import kernel
 from surefoot.solvers.lcp import LcpAnswer, register_lcp
-from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.solver import Answer, SolverSettings, register
 
 PIVOTS = (1e-8, 1e-12)
 """Entries below this, relative to the largest of the entering column, are no pivots; tried in turn."""
@@ -131,7 +131,7 @@ def _from_basis(problem: LCP, basis: IntArray, T: FloatArray) -> FloatArray:
 
 
 @register_lcp("lemke")
-def solve_lemke(problem: LCP, settings: Settings) -> LcpAnswer:
+def solve_lemke(problem: LCP, settings: SolverSettings) -> LcpAnswer:
     """Solve an LCP by Lemke's method; an iteration is a pivot."""
     if (problem.q >= 0.0).all():
         return LcpAnswer(np.zeros(problem.size), 0)
@@ -185,7 +185,9 @@ def _ray(problem: LCP, T: FloatArray, basis: IntArray, entering: int, pivots: in
 
 
 @register("lemke", laws=("coulomb",), exact=False, polyhedral=True, bounds=False)
-def solve_friction(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_friction(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Solve Coulomb's law on pyramids as Stewart and Trinkle's LCP by Lemke; a (n, 3) start is unused."""
     friction = stewart_trinkle(problem)
     if friction.lcp.size == 0:

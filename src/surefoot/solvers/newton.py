@@ -16,14 +16,14 @@ from surefoot.contact.solution import Status
 from surefoot.solvers.compiled import SOON, UNBOUNDED, attempt
 from surefoot.solvers.newton_sparse import BlockNewton
 from surefoot.solvers.newton_step import SHARES_MANY
-from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
 
 ROUNDS = 40
 """Attempts on many contacts, a sweep before each."""
 
 
 @register("newton", bilateral=True)
-def solve_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_newton(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve either law by semismooth Newton as far as it gets from a (n, 3) warm start.
 
     An iteration is a Newton step or a sweep.

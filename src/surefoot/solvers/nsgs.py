@@ -23,7 +23,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.contact.solution import Status
 from surefoot.kernels import inline_kernel, kernel
 from surefoot.solvers.one_contact import WIDTH, block_of, prepare, solve_one
-from surefoot.solvers.solver import Answer, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, SolverSettings, register, start_forces
 from surefoot.solvers.stopping import fill_measure, velocity_error
 
 MAX_SWEEPS = 100_000
@@ -197,7 +197,7 @@ def run_blocks(
 
 
 @register("nsgs", bilateral=True)
-def solve_nsgs(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_nsgs(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve either law by Gauss-Seidel with exact local solves from a (n, 3) start; iterations are sweeps."""
     forces = start_forces(problem, warm_start)
     limit = MAX_SWEEPS if settings.max_iterations is None else settings.max_iterations

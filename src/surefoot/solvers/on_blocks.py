@@ -15,7 +15,7 @@ from surefoot.contact.solution import Status
 from surefoot.solvers.admm import Cones, run_admm
 from surefoot.solvers.compiled import UNBOUNDED
 from surefoot.solvers.newton_sparse import NO_GUESS, BlockNewton
-from surefoot.solvers.solver import Answer, Settings, start_forces
+from surefoot.solvers.solver import Answer, SolverSettings, start_forces
 
 CHUNK, STEP_WORTH = 10, 50
 """Sweeps on blocks between two looks at the gap, and how many of them a Newton step is worth."""
@@ -30,7 +30,7 @@ FINISH = (0.1, 50, 5)
 """Newton from the forces of ADMM: share, sweeps, patience."""
 
 
-def on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def on_blocks(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Solve few contacts as many are solved, from a (n, 3) warm start."""
     forces = start_forces(problem, warm_start)
     done, error, far = alternate(problem, settings, forces)
@@ -39,14 +39,16 @@ def on_blocks(problem: ContactProblem, settings: Settings, warm_start: FloatArra
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
-def more_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def more_newton(problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None) -> Answer:
     """Take Newton steps from a (n, 3) warm start under other proximal terms than the first try's."""
     forces = start_forces(problem, warm_start)
     done, _ = run_tries(problem, settings, forces, 0, 0.0)
     return Answer(forces.reshape(-1, 3), done, Status.STALLED)
 
 
-def admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def admm_and_newton(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Run ADMM from a (n, 3) warm start, with Newton steps from where it is every now and then.
 
     It sorts out who slides long before it converges.
@@ -61,7 +63,9 @@ def admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: Flo
     return run_admm(s, settings, finish)
 
 
-def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -> tuple[int, float, float]:
+def alternate(
+    problem: ContactProblem, settings: SolverSettings, forces: FloatArray
+) -> tuple[int, float, float]:
     """Sweep on the blocks of G as long as that will do, then take Newton steps with sweeps between them.
 
     Flat (3n,) forces are updated in place; return sweeps and steps, the velocity error and the force error.
@@ -82,7 +86,7 @@ def alternate(problem: ContactProblem, settings: Settings, forces: FloatArray) -
 
 
 def run_tries(
-    problem: ContactProblem, settings: Settings, forces: FloatArray, done: int, far: float
+    problem: ContactProblem, settings: SolverSettings, forces: FloatArray, done: int, far: float
 ) -> tuple[int, float]:
     """Try Newton steps from flat (3n,) forces, in place, under one proximal term after the other.
 

@@ -20,7 +20,7 @@ from surefoot.contact.problem import ContactProblem
 from surefoot.kernels import kernel
 from surefoot.solvers.admm import RELAXATION, Iterations, Splitting, run_admm
 from surefoot.solvers.set_kernels import natural_sets, pack, project_sets, shift_sets
-from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.solver import Answer, SolverSettings, register
 
 
 @kernel
@@ -110,6 +110,8 @@ class Sets(Splitting):
 
 
 @register("set_admm", laws=None, polyhedral=True, bilateral=True, general=True)
-def solve_set_admm(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_set_admm(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Solve contacts of any kind, under any law, by ADMM from a warm start (n, d) or (m,)."""
     return run_admm(Sets(problem, warm_start), settings)

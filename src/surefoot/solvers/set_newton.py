@@ -23,7 +23,7 @@ from surefoot.contact.solution import Status
 from surefoot.solvers.admm import run_admm
 from surefoot.solvers.set_admm import Sets
 from surefoot.solvers.set_kernels import WIDEST, jacobian_sets, newton_matrix, project_sets
-from surefoot.solvers.solver import Answer, Settings, register
+from surefoot.solvers.solver import Answer, SolverSettings, register
 
 MAX_ITERATIONS, PATIENCE = 100, 12
 PROXIMAL, PROXIMAL_FAR, SHARE = 1e-11, 1e-2, 1e-2
@@ -61,7 +61,9 @@ def run_newton(
 
 
 @register("set_newton", laws=None, polyhedral=True, bilateral=True, general=True)
-def solve_set_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_set_newton(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Solve contacts of any kind, under any law, as far as Newton's method gets from (n, d), (m,) forces."""
     s = Sets(problem, warm_start)
     end = time.perf_counter() + settings.max_time
@@ -71,7 +73,9 @@ def solve_set_newton(problem: ContactProblem, settings: Settings, warm_start: Fl
     return Answer(forces * s.D, done, Status.MAX_TIME if time.perf_counter() > end else stop)
 
 
-def set_admm_and_newton(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def set_admm_and_newton(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Run ADMM from (n, d) or (m,) forces, with Newton steps from where it is every now and then."""
     end, s = time.perf_counter() + settings.max_time, Sets(problem, warm_start)
 

@@ -26,7 +26,7 @@ _clock, _INFINITY, _SOLVED = time.perf_counter, math.inf, Status.SOLVED
 
 
 @dataclass(frozen=True)
-class Settings:
+class SolverSettings:
     """What every solver is told.
 
     Attributes
@@ -58,7 +58,7 @@ class Search:
     """
 
     def __init__(
-        self, settings: Settings, most: int, start: FloatArray, error: float, patience: float
+        self, settings: SolverSettings, most: int, start: FloatArray, error: float, patience: float
     ) -> None:
         self.tol, self.patience = settings.tol, patience
         self.limit = most if settings.max_iterations is None else settings.max_iterations
@@ -95,7 +95,7 @@ class Answer(NamedTuple):
     proof: InfeasibilityProof | None = None
 
 
-SolverFunction = Callable[[ContactProblem, Settings, FloatArray | None], Answer]
+SolverFunction = Callable[[ContactProblem, SolverSettings, FloatArray | None], Answer]
 Attempt = Callable[
     [ContactProblem, float, int | None, float, FloatArray | None],
     tuple[FloatArray, int, bool, int] | None,
@@ -218,7 +218,7 @@ def solve(
         Wanted velocity error, rounding and energy gap, see `Residuals`: all are relative to the problem's
         own.
     max_iterations, max_time
-        Bounds, see `Settings`; up to 45 contacts on exact cones the time is kept by estimate.
+        Bounds, see `SolverSettings`; up to 45 contacts on exact cones the time is kept by estimate.
     warm_start
         (n, 3) forces to start from, or `problem.shape`; see `surefoot.contact.warm_start` for contacts that
         came and went.
@@ -265,7 +265,7 @@ def solve(
         remaining = None if max_iterations is None else max_iterations - before
         left = max(max_time - (_clock() - start), 0.0)
         with np.errstate(all="ignore"):  # the certificate says what became of it
-            answer = entry.function(problem, Settings(tol, remaining, left), warm_start)
+            answer = entry.function(problem, SolverSettings(tol, remaining, left), warm_start)
     answer = answer._replace(iterations=before + answer.iterations)
     found = certify(problem, answer, entry.name, tol, _clock() - start)
     left = max_time - (_clock() - start)

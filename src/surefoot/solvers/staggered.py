@@ -23,7 +23,7 @@ from surefoot.arrays import FloatArray
 from surefoot.contact.problem import ContactProblem
 from surefoot.solvers.compiled import attempt
 from surefoot.solvers.on_blocks import alternate
-from surefoot.solvers.solver import Answer, Search, Settings, register, start_forces
+from surefoot.solvers.solver import Answer, Search, SolverSettings, register, start_forces
 from surefoot.solvers.stopping import measure_of, velocity_error
 
 MAX_ITERATIONS, PATIENCE = 500, 60
@@ -32,7 +32,9 @@ INNER = 4000
 
 
 @register("staggered", bilateral=True)
-def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: FloatArray | None) -> Answer:
+def solve_staggered(
+    problem: ContactProblem, settings: SolverSettings, warm_start: FloatArray | None
+) -> Answer:
     """Solve either law by a sequence of convex problems from a (n, 3) start; iterations count them."""
     forces = start_forces(problem, warm_start)
     search = Search(settings, MAX_ITERATIONS, forces.copy(), math.inf, PATIENCE)
@@ -46,7 +48,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
         convex.g[:] = problem.g
         convex.g[2::3] += shift
         tol = 0.1 * max(settings.tol, min(1e-3, 0.1 * last)) if coulomb else settings.tol
-        _solve_convex(convex, Settings(tol, INNER, max(search.end - time.perf_counter(), 0.0)), forces)
+        _solve_convex(convex, SolverSettings(tol, INNER, max(search.end - time.perf_counter(), 0.0)), forces)
         velocities = problem.velocity(forces.reshape(-1, 3)).ravel()
         relative = float(velocity_error(forces, velocities, *laws))
         if search.over(forces, relative) or not coulomb:
@@ -58,7 +60,7 @@ def solve_staggered(problem: ContactProblem, settings: Settings, warm_start: Flo
     return Answer(search.best.reshape(-1, 3), search.done, search.stop)
 
 
-def _solve_convex(problem: ContactProblem, settings: Settings, forces: FloatArray) -> None:
+def _solve_convex(problem: ContactProblem, settings: SolverSettings, forces: FloatArray) -> None:
     """Solve one of the convex problems as well as sweeps and Newton steps can, from flat forces, in place."""
     found = attempt(problem, settings.tol, settings.max_iterations, settings.max_time, forces.reshape(-1, 3))
     if found is not None:

@@ -1,6 +1,5 @@
 """Who touches what, where, and with which friction."""
 
-from surefoot.deprecation import moved
 from surefoot.stance.batch import StanceBatch
 from surefoot.stance.contact import Contact, PatchContact, PointContact
 from surefoot.stance.files import StanceQuestion, read_stance, write_stance
@@ -20,6 +19,3 @@ __all__ = [
     "read_stance",
     "write_stance",
 ]
-
-_TERRAINS = ("FlatTerrain", "HeightfieldTerrain", "SlopeTerrain", "StairsTerrain", "Terrain")
-__getattr__ = moved(__name__, dict.fromkeys(_TERRAINS, "surefoot.terrain"))

@@ -1,4 +1,4 @@
-"""Kinds of contact, each with the forces that it can carry in one file: `sf.contacts`."""
+"""Kinds of contact, each with the forces that it can carry in one file: `sf.contact_sets`."""
 
 from surefoot.contact.sets.bilateral import Bilateral
 from surefoot.contact.sets.contact import Contact, Factor

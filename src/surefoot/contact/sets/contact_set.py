@@ -22,7 +22,7 @@ class ContactSet(Sequence[Contact]):
     Parameters
     ----------
     contacts
-        Values of `sf.contacts`, of any kinds together.
+        Values of `sf.contact_sets`, of any kinds together.
 
     Attributes
     ----------
@@ -41,7 +41,8 @@ class ContactSet(Sequence[Contact]):
     Examples
     --------
     >>> import surefoot as sf
-    >>> contacts = ContactSet([sf.contacts.Point(mu=0.5), sf.contacts.SoftFinger(mu=0.5, radius=0.02)])
+    >>> kinds = sf.contact_sets
+    >>> contacts = ContactSet([kinds.Point(mu=0.5), kinds.SoftFinger(mu=0.5, radius=0.02)])
     >>> contacts.rows, contacts.shape, contacts.offsets.tolist()
     (7, (7,), [0, 3, 7])
     """
@@ -50,7 +51,7 @@ class ContactSet(Sequence[Contact]):
         self._contacts = tuple(contacts)
         for k, contact in enumerate(self._contacts):
             if not isinstance(contact, Contact):
-                raise ProblemError(f"contacts[{k}] must be one of sf.contacts, got {contact!r:.80}")
+                raise ProblemError(f"contacts[{k}] must be one of sf.contact_sets, got {contact!r:.80}")
         counts = [contact.rows for contact in self._contacts]
         self.offsets: IntArray = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
         self.rows = int(self.offsets[-1])

@@ -33,7 +33,7 @@ class Options:
     sparse
         Of backends with two forms, the sparse one.
     own
-        Settings by the solver's own names, after all others.
+        SolverSettings by the solver's own names, after all others.
     """
 
     tol: float | None = None

@@ -19,8 +19,8 @@ def test_verdicts_and_regions_are_those_of_the_single_calls(family: str) -> None
     rng = np.random.default_rng(11)
     asked = [question(rng, family, 10.0 ** rng.choice([-3.0, 0.0, 3.0])) for _ in range(12)]
     stances, masses = [q.stance for q in asked], [q.mass for q in asked]
-    verdicts = sf.can_stand_many(stances, [q.com for q in asked], masses)
-    regions = sf.com_region_many(stances, masses, tol=1e-3)
+    verdicts = sf.can_stand_batch(stances, [q.com for q in asked], masses)
+    regions = sf.com_region_batch(stances, masses, tol=1e-3)
     for q, verdict, region in zip(asked, verdicts, regions, strict=True):
         alone = sf.can_stand(q.stance, q.com, q.mass)
         assert verdict.status == alone.status

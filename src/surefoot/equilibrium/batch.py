@@ -26,7 +26,7 @@ from surefoot.stance import Stance, StanceBatch
 
 
 class Verdicts:
-    """The answers of `can_stand_many`; `verdicts[k]` is the `Verdict` that `can_stand` gives, proof included.
+    """The answers of `can_stand_batch`; `verdicts[k]` is the `Verdict` of `can_stand`, proof included.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Verdicts:
         self.certificate[k] = np.nan if verdict.certificate is None else verdict.certificate
 
 
-def can_stand_many(
+def can_stand_batch(
     stances: Sequence[Stance] | StanceBatch,
     com: ArrayLike,
     mass: ArrayLike,
@@ -128,7 +128,7 @@ def can_stand_many(
     --------
     >>> feet = np.array([[0.2, 0.15, 0], [0.2, -0.15, 0], [-0.2, 0.15, 0], [-0.2, -0.15, 0]])
     >>> candidates = StanceBatch(np.array([feet, feet + [0.15, 0, 0], feet + [0.3, 0, 0]]), mu=0.6)
-    >>> verdicts = can_stand_many(candidates, com=[0.0, 0.0, 0.3], mass=15.0)
+    >>> verdicts = can_stand_batch(candidates, com=[0.0, 0.0, 0.3], mass=15.0)
     >>> verdicts.feasible
     array([ True,  True, False])
     >>> verdicts[2].verify()
@@ -188,7 +188,7 @@ def stand_each(
             proofs[k, i] = y[i]
 
 
-def com_region_many(
+def com_region_batch(
     stances: Sequence[Stance] | StanceBatch,
     mass: ArrayLike,
     tol: float = 1e-3,
@@ -220,7 +220,7 @@ def com_region_many(
     Examples
     --------
     >>> feet = np.array([[0.2, 0.1, 0], [0.2, -0.1, 0], [-0.2, 0.1, 0], [-0.2, -0.1, 0]])
-    >>> [round(r.area, 6) for r in com_region_many(StanceBatch([feet, 0.5 * feet]), mass=15.0)]
+    >>> [round(r.area, 6) for r in com_region_batch(StanceBatch([feet, 0.5 * feet]), mass=15.0)]
     [0.08, 0.02]
     """
     size = len(stances)

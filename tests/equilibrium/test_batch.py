@@ -7,7 +7,7 @@ import pytest
 
 import surefoot as sf
 from benchmarks.problems.stances import KINDS, random_case
-from surefoot.equilibrium.many import stand_each
+from surefoot.equilibrium.batch import stand_each
 
 FEET = np.array([[0.2, 0.15, 0.0], [0.2, -0.15, 0.0], [-0.2, 0.15, 0.0], [-0.2, -0.15, 0.0]])
 
@@ -39,7 +39,7 @@ def test_arrays_give_what_objects_give() -> None:
     com, mass = rng.normal(size=(300, 3)) * [0.1, 0.1, 0.05] + [0.0, 0.0, 0.3], rng.uniform(5.0, 50.0, 300)
     push = rng.normal(size=(300, 6)) * [20.0, 20.0, 20.0, 3.0, 3.0, 3.0]
     batch = sf.StanceBatch(positions, normals, mu, counts)
-    verdicts = sf.can_stand_many(batch, com, mass, push)
+    verdicts = sf.can_stand_batch(batch, com, mass, push)
     seen = set()
     for k in range(300):
         feet = zip(positions[k], normals[k], mu[k], strict=True)
@@ -55,7 +55,7 @@ def test_one_stance_among_many_is_that_stance_bit_by_bit() -> None:
     """The same compiled code, whatever lies beside it in the arrays."""
     rng = np.random.default_rng(1)
     stances = [random_case(rng, KINDS[k % len(KINDS)]).stance for k in range(60)]
-    verdicts = sf.can_stand_many(stances, [0.0, 0.0, 0.3], 20.0)
+    verdicts = sf.can_stand_batch(stances, [0.0, 0.0, 0.3], 20.0)
     for k in (0, 7, 31, 59):
         alone = sf.can_stand(stances[k], [0.0, 0.0, 0.3], 20.0)
         assert verdicts.status[k] == alone.status
@@ -68,15 +68,15 @@ def test_patches_bounds_and_no_contacts_at_all() -> None:
     bounded = sf.Stance([sf.PointContact(p, mu=0.6, normal_max=40.0) for p in FEET])
     stances = [sf.Stance([patch]), bounded, sf.Stance([]), sf.Stance([sf.PointContact(FEET[0], mu=1e6)])]
     for com in ([0.0, 0.0, 0.3], [0.09, 0.0, 0.3], [0.3, 0.0, 0.3]):
-        verdicts = sf.can_stand_many(stances, com, 15.0)
+        verdicts = sf.can_stand_batch(stances, com, 15.0)
         assert len(verdicts) == 4
         for verdict, stance in zip(verdicts, stances, strict=True):
             assert_same(verdict, sf.can_stand(stance, com, 15.0))
 
 
 def test_no_stances() -> None:
-    assert len(sf.can_stand_many([], [0.0, 0.0, 0.3], 15.0)) == 0
-    assert sf.com_region_many([], 15.0) == []
+    assert len(sf.can_stand_batch([], [0.0, 0.0, 0.3], 15.0)) == 0
+    assert sf.com_region_batch([], 15.0) == []
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_no_stances() -> None:
 def test_wrong_input_is_named(change: dict, message: str) -> None:
     given = {"com": [0.0, 0.0, 0.3], "mass": 15.0} | change
     with pytest.raises(sf.ProblemError, match=message):
-        sf.can_stand_many(sf.StanceBatch(np.array([FEET, FEET])), **given)
+        sf.can_stand_batch(sf.StanceBatch(np.array([FEET, FEET])), **given)
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_regions_are_those_of_the_single_calls() -> None:
     positions, normals, mu, counts = arrays(rng, 80)
     batch = sf.StanceBatch(positions, normals, mu, counts)
     masses = rng.uniform(5.0, 50.0, 80)
-    regions, areas = sf.com_region_many(batch, masses), []
+    regions, areas = sf.com_region_batch(batch, masses), []
     for k, region in enumerate(regions):
         single = sf.com_region(batch[k], float(masses[k]))
         assert region.empty == single.empty
@@ -141,7 +141,7 @@ def test_regions_of_objects_at_a_height_and_with_patches() -> None:
         sf.Stance([sf.PointContact(p, normal_max=60.0) for p in FEET]),
         sf.Stance([]),
     ]
-    for region, stance in zip(sf.com_region_many(stances, 15.0, height=0.5), stances, strict=True):
+    for region, stance in zip(sf.com_region_batch(stances, 15.0, height=0.5), stances, strict=True):
         single = sf.com_region(stance, 15.0, height=0.5)
         assert region.area == pytest.approx(single.area, abs=1e-6)
         assert region.height == single.height == 0.5
