@@ -15,6 +15,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
 from surefoot.audit.continuity import free_base
+from surefoot.audit.episode import LONGEST
 from surefoot.audit.intervals import Interval, Track
 from surefoot.audit.laws import CONE_LIMIT, PULL_LIMIT
 from surefoot.audit.report import Finding, Task
@@ -32,8 +33,8 @@ AT_ONCE = 0.025
 NEARLY_ALL = 0.9
 """A command that is impossible in this share of a window is impossible throughout it."""
 MISMATCH = 0.06
-"""Mean force beside the commanded one that a foot may get over a window, as a share of m g (clean
-walks: 0.015)."""
+"""Mean force beside the commanded one that a foot may get, or its torques balance, over a window, over
+m g (clean walks: 0.015 and 0.005)."""
 TORQUE_MISMATCH = 0.05
 """Mean difference of applied and commanded torques over a window, as a share of the largest commanded one."""
 EXPLAINED = 0.8
@@ -71,18 +72,19 @@ def judge_command(log: Log, setting: Setting) -> Iterator[Finding]:
             if bad.any():
                 bound = np.full(bad.shape, limit)
                 track.add(bad, value[rows.core], bound, rows.first + rows.core.start)
-    found = [(one.first, k, one) for k, track in enumerate(tracks) for one in track.kept]
-    for _, k, one in sorted(found, key=lambda f: f[:2]):
-        yield _finding(asked[k], one, log, setting)
+    pairs = zip(asked, tracks, strict=True)
+    found = [_finding(q, one, log, setting) for q, track in pairs for one in track.kept]
+    # what begins first comes first, of what begins together the named cause
+    yield from sorted(found, key=lambda f: (f.start // WINDOW, f.name == _UNNAMED, f.start))
 
 
 def _finding(q: _Question, one: Interval, log: Log, setting: Setting) -> Finding:
     """Return what an interval means, named by what explains its beginning."""
-    time, begins = log["time"], max(3, round(2.0 * WINDOW / setting.dt)) if setting.dt > 0.0 else 3
+    time = log["time"]
     start, end = float(time[one.first]), float(time[one.last]) + setting.dt
     where, text = setting.columns[one.column], q.text.format(value=one.value)
     found = Finding(q.name, where, start, end, text, q.cause, q.confirm, q.cure, 1.0)
-    shown = Rows(log, setting, one.first, min(one.last + 1, one.first + begins))
+    shown = Rows(log, setting, one.first, min(one.last + 1, one.first + LONGEST))
     return q.named(found, shown, one.column)
 
 
@@ -128,19 +130,28 @@ def _other_torques(rows: Rows) -> tuple[FloatArray, float]:
     return _on_body(rows, off / max(float(np.abs(asked).max(initial=0.0)), 1e-9)), TORQUE_MISMATCH
 
 
+def _answer(rows: Rows) -> FloatArray:
+    """Return what came of commanded forces, (T, p, 3): what the torques balance, else what was measured."""
+    return rows.forces if rows.balanced is None else np.where(
+        np.isfinite(rows.balanced), rows.balanced, rows.numbers("forces_commanded")
+    )  # fmt: skip
+
+
 def _other_forces(rows: Rows) -> tuple[FloatArray, float]:
-    f, w = rows.numbers("forces_commanded"), rows.window(WINDOW)
-    stance = (_active(rows) & rows.loaded)[..., None]
-    off = np.linalg.norm(sliding_mean(np.where(stance, rows.forces - f, 0.0), w), axis=-1)
-    return off / rows.setting.weight, MISMATCH
+    f, stance = rows.numbers("forces_commanded"), _active(rows)
+    if rows.balanced is None:
+        stance &= rows.loaded
+    off = sliding_mean(np.where(stance[..., None], _answer(rows) - f, 0.0), rows.window(WINDOW))
+    return np.linalg.norm(off, axis=-1) / rows.setting.weight, MISMATCH
 
 
 def _facets(found: Finding, rows: Rows, column: int) -> Finding:
     """Return the finding of commanded forces outside the cone, as a coarse pyramid's where they fill one."""
-    f = rows.numbers("forces_commanded")[rows.core, column]
-    mu = np.broadcast_to(rows.mu, rows.normal.shape)[rows.core, column]
-    use = f[:, :2] / np.maximum(mu * f[:, 2], 1e-12)[:, None]
-    over = (f[:, 2] > 0.005 * rows.setting.weight) & (np.hypot(use[:, 0], use[:, 1]) > 1.01)
+    f, mu = (
+        x[rows.core] for x in (rows.numbers("forces_commanded"), np.broadcast_to(rows.mu, rows.normal.shape))
+    )
+    use = f[..., :2] / np.maximum(mu * f[..., 2], 1e-12)[..., None]
+    over = (f[..., 2] > 0.005 * rows.setting.weight) & (np.hypot(use[..., 0], use[..., 1]) > 1.01)
     shape = pyramid_facets(use[over]) if over.sum() > 2 else None
     if shape is None:
         return found
@@ -150,7 +161,8 @@ def _facets(found: Finding, rows: Rows, column: int) -> Finding:
 
 def _named(found: Finding, rows: Rows, column: int) -> Finding:
     """Return the finding of forces that are not the commanded ones, under the name of what explains them."""
-    asked, given = rows.numbers("forces_commanded")[rows.core, column], rows.forces[rows.core, column]
+    first = slice(rows.core.start, min(rows.core.stop, rows.core.start + rows.window(AT_ONCE)))
+    asked, given = rows.numbers("forces_commanded")[first, column], _answer(rows)[first, column]
     amiss = float(((given - asked) ** 2).sum())
 
     def explained(model: FloatArray) -> float:
@@ -168,6 +180,7 @@ def _named(found: Finding, rows: Rows, column: int) -> Finding:
     return found
 
 
+_UNNAMED = "not as commanded"
 _QUESTIONS = (
     _Question(
         "no forces", ("forces_commanded",), _may_not_push, "no foot is asked to push though feet touch",
@@ -175,8 +188,8 @@ _QUESTIONS = (
         "check phases, body names and the contact detector",
     ),
     _Question(
-        "not as commanded", ("forces_commanded", "forces"), _other_forces,
-        "forces differ from the commanded ones by {value:.2f} m g",
+        _UNNAMED, ("forces_commanded", "forces"), _other_forces,
+        "torques or forces are beside the commanded forces by {value:.2f} m g",
         "torques that do not belong to the commanded forces: frame, sign, model or saturation",
         "compare -J^T f with the torques while it stands", "state the frame in the name; rotate once",
         _named,

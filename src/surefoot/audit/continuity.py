@@ -25,8 +25,8 @@ LEVER = 0.1
 """... of an angle on this lever [m/rad] ..."""
 DRIFT = 0.05
 """... or this share of the way gone."""
-GAP_LIMIT = 5e-3
-"""The same for gaps, whose contact point wanders over a round foot [m]."""
+GAP_TIME, GAP_LIMIT = 0.02, 5e-3
+"""The same for gaps, whose contact point wanders over a round foot [s], [m]."""
 VELOCITY_LIMIT, VELOCITY_SHARE = 0.05, 0.05
 """Speed [m/s], and share of it, by which a contact's velocity may differ from that of the robot's joints."""
 BASE = 7
@@ -54,7 +54,7 @@ def state(rows: Rows) -> Measured:
 
 def gap_rate(rows: Rows) -> Measured:
     """Return the way by which gaps are not those that their contacts' velocities lead to: (T, p) [m]."""
-    up, w = rows.velocities[..., 2], rows.window(TIME)
+    up, w = rows.velocities[..., 2], rows.window(GAP_TIME)
     value = np.abs(sliding_sum(gap_slips(rows.gaps, up, rows.dt, rows.setting.after), w))
     step = np.abs(up) * rows.dt[:, None]
     return over(value, GAP_LIMIT + _highest(step, w) + DRIFT * sliding_sum(step, w))
@@ -70,10 +70,13 @@ def contact_velocity(rows: Rows) -> Measured:
     rest, value, limit = rows.unexplained, np.zeros(rows.normal.shape), np.full(rows.normal.shape, np.inf)
     if rest is not None:
         own = np.einsum("tpji,tpj->tpi", rows.frames, rest.velocities)
-        if rows.setting.after:
-            own = np.concatenate([own[1:], np.full((1, *own.shape[1:]), np.nan)])
-        w = rows.window(SMOOTH)
-        value = np.nan_to_num(np.linalg.norm(sliding_mean(rows.velocities - own, w), axis=-1))
+        w, off = rows.window(SMOOTH), rows.velocities - own
+        # a row may have the velocity before its force, after it, or a mean of both
+        change = np.concatenate([np.diff(own, axis=0), np.full((1, *own.shape[1:]), np.nan)])
+        size = np.maximum((change**2).sum(axis=-1), 1e-24)
+        share = np.clip((off * change).sum(axis=-1) / size, 0.0, 1.0)
+        off = off - share[..., None] * change
+        value = np.nan_to_num(np.linalg.norm(sliding_mean(off, w), axis=-1))
         size = np.nan_to_num(np.linalg.norm(own, axis=-1))
         limit = VELOCITY_LIMIT + VELOCITY_SHARE * _highest(size, w)
     return over(value, limit)

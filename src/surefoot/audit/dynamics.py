@@ -104,6 +104,24 @@ def unexplained(
     return Unexplained(force_left, moment_left, feet, velocities)
 
 
+def balanced_forces(robot: Robot, log: Log) -> FloatArray:
+    """Return the forces on the feet that the joint torques of each row balance at rest: (T, n, 3) world [N].
+
+    What a controller that gives J^T f to stance legs asks of the ground; inertia of the legs is left out.
+
+    Parameters
+    ----------
+    robot
+        Whose log it is.
+    log
+        Rows with q, v, torques and contact_positions.
+    """
+    q, v = np.asarray(log["q"]), np.asarray(log["v"])
+    torque, jacobian = _newton_euler(robot.model, q, v, np.zeros(v.shape))
+    torque[:, robot.base_dof :] -= np.asarray(log["torques"])
+    return _at_feet(robot, torque, jacobian, np.asarray(log["contact_positions"]))
+
+
 def _lost(log: Log, speeds: FloatArray, acceleration: FloatArray, rest: FloatArray) -> FloatArray:
     """Return what rotors and friction take of the motors' torques (T, joints), where the log tells them.
 

@@ -76,7 +76,7 @@ class Finding:
     cause, confirm, cure
         What it likely is, the check that would confirm it, what usually helps.
     strength
-        From 0 to 1: how much of what was measured it explains.
+        From 0 to 1: what explains more of what was measured comes first. An order, and no probability.
     """
 
     name: str
@@ -201,6 +201,13 @@ class AuditReport:
     def passed(self) -> bool:
         """Whether it is lawful, and the task did not fail."""
         return self.lawful and self.task != "failed"
+
+    @property
+    def exit_code(self) -> int:
+        """0: lawful, and the task did not fail; 1: a law is broken or the task failed; 3: one cannot tell."""
+        if self.verdict == "broken" or self.task == "failed":
+            return 1
+        return 0 if self.lawful else 3
 
     @property
     def _physics(self) -> str:

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, unexplained
+from surefoot.audit.dynamics import MOTOR_FACTS, Unexplained, balanced_forces, unexplained
 from surefoot.audit.setting import PER_POINT, Setting
 from surefoot.log import Log
 from surefoot.spatial import GRAVITY
@@ -173,6 +173,22 @@ class Rows:
         return out
 
     @cached_property
+    def balanced(self) -> FloatArray | None:
+        """(T, p, 3) force that the joint torques balance at rest, contact frames [N], see `balanced_forces`.
+
+        Of feet with one contact point, NaN for others; None without a robot or its torques.
+        """
+        robot = self.setting.robot
+        if robot is None or "torques" not in self.log:
+            return None
+        feet = balanced_forces(robot, Log({name: self.numbers(name) for name in _BALANCE}, {}))
+        out = np.full(self.forces.shape, np.nan)
+        for k in range(self.points):
+            if self.setting.single(k):
+                out[:, k] = np.einsum("tji,tj->ti", self.frames[:, k], feet[:, self.setting.owner[k]])
+        return out
+
+    @cached_property
     def swinging(self) -> BoolArray:
         """(T, 1) whether soft contacts may still swing from a hard touchdown of one of them.
 
@@ -195,6 +211,7 @@ class Rows:
         return max(1, min(round(seconds / dt), self.count)) if dt > 0.0 else 1
 
 
+_BALANCE = ("time", "q", "v", "torques", "contact_positions")
 _MOTION = ("q", "v", "torques", "push", "other_forces", "contact_positions")
 
 

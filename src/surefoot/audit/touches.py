@@ -21,6 +21,8 @@ REBOUND = 5e-5
 """Energy that a touch may return beyond what it took is m g on this way [m] (clean walks: a seventh), ..."""
 REBOUND_SHARE = 0.03
 """... or this share of what it took: restitution of 1.015."""
+RETURN_TIME = 0.01
+"""A touch is at fault while it gives back over half of the limit within this time [s]."""
 LONGEST_ROW = 5e-3
 """Not judged where rows are further apart [s]: a touch of a foot is over between two."""
 
@@ -30,8 +32,9 @@ def rebound(rows: Rows) -> Measured:
     up = rows.velocities[..., 2]
     value, taken = returned_work(rows.normal, up, rows.dt, rows.loaded, rows.setting.after)
     limit = np.maximum(REBOUND * rows.setting.weight, REBOUND_SHARE * taken)
-    grows = value > np.concatenate([value[:1], value[:-1]])  # the rows that return it, not all of the touch
-    return value, limit, (value > limit) & grows
+    before = np.concatenate([value[:1].repeat(rows.window(RETURN_TIME), 0), value])[: len(value)]
+    returns = value - before > 0.5 * limit  # the rows that give it back, not the rest of the touch
+    return value, limit, (value > limit) & returns
 
 
 def sparse(log: Log, setting: Setting) -> str:

@@ -10,6 +10,9 @@ from surefoot.audit.episode import Episode
 from surefoot.audit.symptoms.symptom import Evidence, symptom
 from surefoot.spatial import GRAVITY
 
+HELD = 0.3
+"""A body is held up by an unexplained force from this share of m g on."""
+
 
 @symptom(
     "no forces",
@@ -38,6 +41,9 @@ def infeasible(e: Episode) -> Evidence | None:
     if not (e.has("idle") or e.has("motion")) or not e.rows.has("gaps"):
         return None
     if float(np.median(e.rows.gaps[e.rows.core].min(axis=1))) <= 1e-3:
+        return None
+    rest = e.rows.unexplained
+    if rest is not None and float(np.nanmean(rest.force[e.rows.core, 2])) < HELD * e.weight:
         return None
     return Evidence(0.99, "the body is held up while every foot is off the ground")
 
@@ -125,15 +131,14 @@ def teleport(e: Episode) -> Evidence | None:
 )
 def other_velocities(e: Episode) -> Evidence | None:
     """Tell whether positions and velocities are not those of one motion."""
-    return Evidence(
-        0.998, f"positions go {1e3 * e.failed['state'].value:.3g} mm beside their velocities in 50 ms"
-    )
+    way = 1e3 * e.failed["state"].value
+    return Evidence(0.998, f"positions go {way:.3g} mm beside their velocities in 50 ms")
 
 
 @symptom(
     "velocity jump",
     "motion",
-    cause="an impulse that no contact gave: a velocity written into the simulator, a reset, an estimator's jump",
+    cause="an impulse that no contact gave: a velocity written into the simulator, a reset, an estimator",
     confirm="compare m dv with the forces at that row",
     cure="mark resets; log pushes",
     body=True,

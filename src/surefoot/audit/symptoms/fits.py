@@ -6,6 +6,9 @@ import numpy as np
 
 from surefoot.arrays import FloatArray
 
+SPREAD = 0.02
+"""Scatter of directions (one less their mean resultant) from which points lie in more than one place."""
+
 
 def rotation_between(true: FloatArray, logged: FloatArray) -> FloatArray:
     """Return the rotation R that makes R true come closest to logged: (3, 3), of (m, 3) rows (Kabsch)."""
@@ -58,8 +61,9 @@ def pyramid_facets(use: FloatArray) -> tuple[int, float] | None:
         sector = 2.0 * np.pi / facets
         if np.percentile(reach, 90) > 1.01 / np.cos(0.5 * sector):
             continue
-        spread = np.ptp(reach) > 0.3 * (1.0 / np.cos(0.5 * sector) - 1.0)
-        free = np.arange(0.0, sector, np.radians(1.0)) if spread else np.array([0.0, 0.5 * sector])
+        turns = np.exp(1j * facets * direction)  # one place modulo the sector, or several
+        spread = 1.0 - abs(turns.mean()) > SPREAD
+        free = np.arange(0.0, sector, np.radians(0.25)) if spread else np.array([0.0, 0.5 * sector])
         for phase in free.tolist():
             off = (direction - phase + 0.5 * sector) % sector - 0.5 * sector
             on_edge = reach * np.cos(off)
