@@ -11,14 +11,14 @@ import surefoot as sf
 from benchmarks.problems.tosses import POSITION_NOISE, ROTATION_NOISE, random_tosses
 from surefoot.arrays import FloatArray
 from surefoot.errors import ProblemError
-from surefoot.estimation import Cube, Tosses, identify, read_tosses
 from surefoot.estimation.cube_model import CubeModel
 from surefoot.estimation.free_flight import fit_free_flight, flying_frames, gravity_of, gravity_terms
 from surefoot.estimation.ground_plane import GroundPoints, Plane, ground_points
-from surefoot.estimation.identify import surroundings
+from surefoot.estimation.identify import identify, surroundings
 from surefoot.estimation.response import ResponseSurface
 from surefoot.estimation.toss_errors import paired_difference, resample, toss_errors
 from surefoot.estimation.toss_model import Parameter, Scene
+from surefoot.estimation.tosses import Cube, Tosses, read_tosses
 
 RECORDED = Path(__file__).parents[3] / "shared" / "data" / "tosses" / "cube_tosses.npz"
 TRUTH, GROUND = (0.2, 0.2, 0.05), (0.003, 0.01, -0.005)

@@ -12,7 +12,9 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError
-from surefoot.log import LogMapping, Take, find_doubts, read_log, read_mapping
+from surefoot.log.doubts import find_doubts
+from surefoot.log.formats import read_log
+from surefoot.log.mapping import LogMapping, Take, read_mapping
 from surefoot.spatial import rotation_from_quaternion
 
 GO1 = Path(__file__).resolve().parents[3] / "shared" / "data" / "go1_log" / "go1.csv"

@@ -11,7 +11,8 @@ import pytest
 
 import surefoot as sf
 from surefoot.errors import ProblemError, SurefootError
-from surefoot.log import LogMapping, Take, read_log, read_source
+from surefoot.log.formats import read_log, read_source
+from surefoot.log.mapping import LogMapping, Take
 
 mcap_writer = pytest.importorskip("mcap.writer")
 pytest.importorskip("rosbags")

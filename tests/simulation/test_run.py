@@ -11,7 +11,8 @@ import pytest
 import surefoot as sf
 from surefoot.control.controller import Command, RobotState
 from surefoot.control.standing_plan import Lift
-from surefoot.log import Ending, read_log
+from surefoot.log import Ending
+from surefoot.log.formats import read_log
 from surefoot.simulation.faults import Faults
 from surefoot.simulation.observers import Moment, Observer, Progress
 from surefoot.simulation.run import run

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.solvers import lcp_solver_names
+from surefoot.solvers.lcp import lcp_solver_names
 
 ALL = ("lemke", "pgs", "interior_point", "newton", "qp")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.audit_output import new_audit_folder, tell
 from surefoot.cli.console import plain_console, say
 from surefoot.cli.output import check_out
@@ -32,7 +32,7 @@ def audit(
         Path,
         typer.Argument(help="A log: .npz or any other format that sf.read_log reads; or tosses of a cube."),
     ],
-    robot: shared.LogRobot = None,
+    robot: options.LogRobot = None,
     replay: Annotated[
         str | None,
         typer.Option(
@@ -54,14 +54,14 @@ def audit(
     out: Annotated[
         Path | None, typer.Option(help="Folder for report.html and audit.json; None for no files.")
     ] = None,
-    as_json: shared.AsJson = False,
+    as_json: options.AsJson = False,
 ) -> int:
     """Tell which law of contact a log broke, when, where, and what the likely cause is.
 
     Exit code 0 if it is lawful, its task did not fail and it survives its replay; 1 if not; 2 for wrong
     input; 3 if one cannot tell.
     """
-    from surefoot.estimation import holds_tosses
+    from surefoot.estimation.tosses import holds_tosses
 
     if holds_tosses(log):
         from surefoot.cli.toss_audit import audit_toss_file
@@ -69,7 +69,7 @@ def audit(
         given = {"--robot": robot, "--replay": replay, "--terrain": terrain, "--rerun": rerun}
         return audit_toss_file(log, mu, given, out, as_json)
     from surefoot.audit import audit_log
-    from surefoot.log import read_log
+    from surefoot.log.formats import read_log
     from surefoot.robot import load_robot
 
     check_out(out)
