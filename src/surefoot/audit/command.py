@@ -21,6 +21,7 @@ from surefoot.audit.laws import CONE_LIMIT, PULL_LIMIT
 from surefoot.audit.report import Finding, Task
 from surefoot.audit.rows import Rows, pieces, sliding_mean
 from surefoot.audit.setting import Setting
+from surefoot.audit.stand import displaced
 from surefoot.audit.symptoms.fits import pyramid_facets, rotation_between
 from surefoot.audit.walk import SETTLED, follows
 from surefoot.log import Ending, Log
@@ -231,6 +232,8 @@ def judge_task(log: Log) -> tuple[Task, str]:
         return "unknown", ""
     if "command" in log and "q" in log and float(log["time"][-1]) > SETTLED and not follows(log):
         return "failed", "the robot did not follow the commanded velocity"
+    if log.facts.get("kind") == "stand" and {"q", "contact_positions"} <= set(log.arrays) and displaced(log):
+        return "failed", "the base is not where it should stand"
     return "attained", ""
 
 
