@@ -17,6 +17,7 @@ from surefoot.simulation.faults import Faults
 from surefoot.simulation.observers import Moment, Observer, Progress
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Fall
+from surefoot.terrain.terrain import Terrain
 
 
 class Watcher(Observer):
@@ -48,7 +49,7 @@ class Told(sf.StandingController):
         return super().step(state)
 
 
-def standing(robot: sf.Robot, terrain: sf.Terrain | None = None, **more: Any) -> Told:
+def standing(robot: sf.Robot, terrain: Terrain | None = None, **more: Any) -> Told:
     ground = terrain or sf.FlatTerrain()
     q = sf.place(robot, ground)
     plan = sf.StandingPlan(robot, ground, q, more.pop("lifts", ()))

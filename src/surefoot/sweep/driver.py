@@ -124,7 +124,7 @@ class Crew:
     """Hands out samples to a pool until each has a row.
 
     When a worker dies, the samples of all chunks that went with it are suspects. Once nothing else is left
-    they are run one at a time, with nothing beside them, so that a sample which kills its worker is told
+    they are run one at a time, with nothing beside them, so that a sample which kills its worker is known
     from one that stood next to it; a worker killed from outside costs time, never a row.
 
     Attributes

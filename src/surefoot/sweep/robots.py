@@ -51,7 +51,7 @@ class RobotRun(Grounded):
     """
 
     columns: ClassVar[Mapping[str, str]] = {
-        "survived": "bool",  # stood, or walked as it was told
+        "survived": "bool",  # stood, or walked as it was commanded
         "outcome": "text",  # in a word
         "laws_broken": "float",  # how many
         "slip": "float",  # furthest that a loaded foot slid [m]

@@ -63,10 +63,10 @@ class Store:
         except sqlite3.DatabaseError as error:
             self.close()
             if "locked" in str(error):
-                told = f"another sweep is writing to {self.folder}: wait for it or end it"
+                reason = f"another sweep is writing to {self.folder}: wait for it or end it"
             else:
-                told = f"{path} cannot be read ({error}); move it away to begin again"
-            raise ProblemError(told) from error
+                reason = f"{path} cannot be read ({error}); move it away to begin again"
+            raise ProblemError(reason) from error
         except BaseException:
             self.close()
             raise
