@@ -19,6 +19,7 @@ def test_links_and_commands(page: Path) -> None:
     assert CHECK["wrong_commands"](page) == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["derivatives.md", "batches.md", "soft-contact.md"])
 def test_shown_python_runs(name: str) -> None:
     failed, tried = doctest.testfile(
