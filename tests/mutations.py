@@ -2,11 +2,11 @@
 
     python -m tests.mutations --seed 0 --count 100 [--room cones] [--tests "tests/cones tests/axioms"]
 
-A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn with
-the seed from the lines of code of a room (all rooms, by their lines, if none is named). It is made in a copy of
-the checkout, in a folder that is removed afterwards. A change is caught when the room's tests fail, or run for
-much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells how
-many of how many were caught; the exit code is 0 unless a room's tests fail without any change.
+A change is an operator (+ and -, * and /, < and <=, and, or, ...), a constant, or a dropped statement, drawn
+with the seed from the lines of code of a room (all rooms, by their lines, if none is named). It is made in a
+copy of the checkout that is removed afterwards. A change is caught when the room's tests fail, or run
+for much longer than without it; `--all` judges by the tests that are marked long as well. The last line tells
+how many of how many were caught; the exit code is 0 unless a room's tests fail without any change.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ PATIENCE, LEAST = 4.0, 60.0
 SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.MatMult: ast.Mult,
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
-    ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.And: ast.Or, ast.Or: ast.And,
-    ast.USub: ast.UAdd, ast.Not: ast.UAdd, ast.FloorDiv: ast.Div, ast.Pow: ast.Mult, ast.Mod: ast.FloorDiv,
+    ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In, ast.And: ast.Or,
+    ast.Or: ast.And, ast.USub: ast.UAdd, ast.FloorDiv: ast.Div, ast.Pow: ast.Mult, ast.Mod: ast.FloorDiv,
     ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd,
 }  # fmt: skip
 """Operator to what takes its place."""
@@ -94,10 +94,10 @@ def _changed(node: ast.AST) -> Iterator[str]:
         elif isinstance(value, int | float):
             yield repr(value + 1)
             yield repr(-value) if value else "2"
-    elif isinstance(node, ast.BinOp | ast.UnaryOp) and type(node.op) in SWAPS:
+    elif isinstance(node, ast.BinOp | ast.UnaryOp | ast.BoolOp) and type(node.op) in SWAPS:
         yield ast.unparse(_with(node, "op", SWAPS[type(node.op)]()))
-    elif isinstance(node, ast.BoolOp):
-        yield ast.unparse(_with(node, "op", SWAPS[type(node.op)]()))
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        yield ast.unparse(node.operand)
     elif isinstance(node, ast.Compare) and type(node.ops[0]) in SWAPS:
         yield ast.unparse(_with(node, "ops", [SWAPS[type(node.ops[0])](), *node.ops[1:]]))
     elif isinstance(node, ast.Assign | ast.AugAssign | ast.Raise) or (
@@ -107,7 +107,7 @@ def _changed(node: ast.AST) -> Iterator[str]:
 
 
 def _with(node: ast.AST, name: str, value: object) -> ast.AST:
-    """Return a copy of a node with another field, in brackets where it would else be read another way."""
+    """Return a copy of a node with another field."""
     fields = {field: getattr(node, field) for field in node._fields}
     return type(node)(**{**fields, name: value})
 
