@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from surefoot.control.actuators import Actuators
 from surefoot.control.mpc import MpcWeights
-from surefoot.control.whole_body import Weights
+from surefoot.control.whole_body import TaskWeights
 
 
 @dataclass(frozen=True)
@@ -83,5 +83,5 @@ class BipedSettings:
             force=1e-6,
         )
     )
-    whole_body: Weights = field(default_factory=Weights)
+    whole_body: TaskWeights = field(default_factory=TaskWeights)
     actuators: Actuators | None = None
