@@ -163,7 +163,7 @@ def steps_seen(lean: float, gap: float = DT, settings: LoadSettings | None = Non
         out.observe(RobotState(q, v, k * gap, on))
         out._whole_body.update(q, v)
         out._whole_body.solve(tasks)
-        out.acted(k * gap, v, np.zeros(12), on)
+        out.acted(k * gap, np.zeros(12), on)
     return bool(out.observer.state.any())
 
 

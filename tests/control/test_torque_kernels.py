@@ -59,8 +59,9 @@ def test_the_usable_range_is_within_motors_and_command() -> None:
     top = np.minimum(np.where(known > 0.0, along, effort), limits)
     bounded = np.isfinite(bottom) & np.isfinite(top)
     assert 0 < (~bounded).sum() < 3
-    np.testing.assert_allclose(middle[bounded], (0.5 * (top + bottom) - losses)[bounded])
-    np.testing.assert_allclose(half[bounded], np.maximum(0.5 * (top - bottom), least * limits)[bounded])
+    low, high = bottom[bounded], top[bounded]
+    np.testing.assert_allclose(middle[bounded], 0.5 * (high + low) - losses[bounded])
+    np.testing.assert_allclose(half[bounded], np.maximum(0.5 * (high - low), least * limits[bounded]))
     assert (half[bounded] < 0.3 * limits[bounded]).any()  # spins away: the motor can hardly brake
     assert (middle[~bounded] == 0.0).all()
     assert np.isinf(half[~bounded]).all()

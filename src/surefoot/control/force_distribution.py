@@ -149,7 +149,7 @@ class ForceDistributor:
     @property
     def _results(self) -> FloatArray:
         """The row of the work space with what the last call found, and what the next starts from."""
-        return self.work[self._forces_shape[0] + 1]
+        return np.asarray(self.work[self._forces_shape[0] + 1])
 
     def solve(
         self,

@@ -220,7 +220,7 @@ class WalkingController(Walker):
         if changed or due:
             self.planner.set_up(time, clock, feet, self.body, self.ramps, self._stance_time)
             self._aimless |= changed
-            if self.planner.plan is None:
+            if self.planner.forces is None:
                 self._plan_forces(now, time)
         elif self.planner.pending:
             self._plan_forces(now, time)
@@ -228,7 +228,7 @@ class WalkingController(Walker):
             self._aim(now, clock, time)
             self._untold = True
         body = self.whole_body.solve(self._tasks(now, clock, time))
-        self._load.acted(time, state.v, body.torques, feet.carrying)
+        self._load.acted(time, body.torques, feet.carrying)
         return self._commanded(body, feet, self._load.rows)
 
     def _begin(self, now: Kinematics, state: RobotState) -> None:
@@ -334,12 +334,12 @@ class WalkingController(Walker):
         """Return the whole-body tasks: the plan's motion now, feedback on it, and the feet in the air."""
         feet, planner = self.feet, self.planner
         assert feet is not None
-        assert planner.plan is not None
+        assert planner.forces is not None
         self._now[0], self._now[1], self._now[2] = now.com, now.com_velocity, now.angular_velocity
         com, turn = follow(
             planner.motion, planner.rotation, time - planner.made, self._now, now.rotation, *self._body_gain
         )
         wanted = feet.accelerations(clock, now.centres, now.twists, self._swing_gain)
         return Tasks(
-            feet.carrying, com, turn, wanted, self._still, planner.plan.first, feet.frames, self._level
+            feet.carrying, com, turn, wanted, self._still, planner.forces, feet.frames, self._level
         )  # fmt: skip

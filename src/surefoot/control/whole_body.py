@@ -61,7 +61,7 @@ from surefoot.robot import Robot
 from surefoot.robot.rotors import with_rotors
 
 PINNING_ROUNDS = 4
-"""How often torques may be pinned in a step [-]: legs in the air need one round, an arm on top a second."""
+"""How often torques may be pinned in a step [-]: a bound on the time."""
 PINNED_SLACK = 1e-6
 """Share of its limit by which a torque exceeds it before it is pinned [-]: rounding is less."""
 TORQUE_SLACK = 0.01
@@ -213,8 +213,8 @@ class WholeBodyController:
         inertias[1] = pinocchio.Inertia(mass, centre, turned)
         self._mass += load.mass
 
-    def instant(self, v: FloatArray) -> Instant:
-        """Return the model at the state of the last `solve`, whose velocity is (nv,) v [m/s, rad/s].
+    def instant(self) -> Instant:
+        """Return the model at the state of the last `solve`.
 
         Its arrays are this controller's: they hold until the next `update`.
         """
@@ -222,7 +222,7 @@ class WholeBodyController:
         pose = np.empty((3, 4))
         pose[:, :3], pose[:, 3] = views.rotation, views.place
         twists, touching = self._part(TWISTS, 6, -1), self._part(TOUCHING, n, 3)
-        return Instant(views.mass_matrix, views.bias, v, twists, touching, pose)
+        return Instant(views.mass_matrix, views.bias, self._v, twists, touching, pose)
 
     @property
     def foot_rotations(self) -> FloatArray:
