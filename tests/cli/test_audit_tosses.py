@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.cli.main import main
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.problems.tosses import random_tosses
 from surefoot.cli.main import main
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 
 TRUTH = [0.2, 0.1, 0.05]
 

@@ -26,9 +26,7 @@ from benchmarks.softening import race
 from surefoot.cli.extras import missing
 from surefoot.cli.main import main
 from surefoot.contact import ContactProblem
-from surefoot.control.gait_files import write_gaits
-from surefoot.control.gait_library import named_gait
-from surefoot.estimation import write_tosses
+from surefoot.estimation.tosses import write_tosses
 from surefoot.planning import planner
 from surefoot.robot.catalog import find, robots_folder
 from surefoot.simulation.worlds import WORLDS
@@ -58,9 +56,8 @@ def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
     if words[0] not in ("stand", "walk"):
         return words
     out = [*words, "--no-video", "--no-report"]
-    told = [words[k + 1].split(":")[0] for k, w in enumerate(words) if w in ("--push", "--ice")]
-    events = [float(time) for time in told if "," not in time]  # others are places
-    even = "--terrain" not in words and "--ice" not in words
+    events = [float(words[k + 1].split(":")[0]) for k, word in enumerate(words) if word == "--push"]
+    even = "--terrain" not in words and not any("/ice" in word for word in words)
     short = SHORT if even and max(events, default=0.0) < SHORT - 1.0 else SHORT_ON_TERRAIN
     if words[0] == "walk" and max(events, default=0.0) < short - 1.0:
         at = out.index("--duration") if "--duration" in out else len(out)
@@ -116,8 +113,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (place / "lcp.dat").write_text("2\n0\n2\n2\n2 2\n2 1\n1 2\n-5 -6\n")
     (place / "examples").symlink_to(ROOT / "examples")
     (place / "FILE").write_bytes((ROOT / "examples" / "stances" / "slope.yaml").read_bytes())
-    (place / "speeds.txt").write_text("0 0.3 0 0\n2 0.5 0 0.2\n")
-    write_gaits({"trot": named_gait("trot")}, place / "gait.info")
     text = (robots_folder() / find("a1").urdf).read_text()
     for foot, name in zip(find("a1").feet, "abcd", strict=True):
         text = text.replace(f'"{foot}"', f'"{name}"')

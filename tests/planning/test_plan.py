@@ -8,7 +8,7 @@ import pytest
 from surefoot import audit_log
 from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
-from surefoot.log import read_log
+from surefoot.log.formats import read_log
 from surefoot.planning import Plan, Search, plan_from, rollout
 from surefoot.planning import planner as planners
 from surefoot.planning.tasks import table

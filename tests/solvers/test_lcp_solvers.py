@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import surefoot as sf
-from surefoot.solvers import lcp_solver_names
+from surefoot.errors import NoSolution, SolverNotFound
+from surefoot.solvers.lcp import lcp_solver_names
 
 ALL = ("lemke", "pgs", "interior_point", "newton", "qp")
 
@@ -81,7 +82,7 @@ def test_infeasible_problems_are_proved_so() -> None:
     assert v is not None
     assert (lcp.M.T @ v <= 0.0).all()
     assert lcp.q @ v < 0
-    with pytest.raises(sf.NoSolution, match="along a ray"):
+    with pytest.raises(NoSolution, match="along a ray"):
         found.raise_if_failed()
     for name in ("newton", "interior_point", "pgs"):
         assert not sf.solve_lcp(lcp, name).solved
@@ -115,7 +116,7 @@ def test_what_is_no_lcp_for_a_method_is_said() -> None:
 
 
 def test_unknown_names_and_empty_problems() -> None:
-    with pytest.raises(sf.SolverNotFound, match="valid names: interior_point, lemke"):
+    with pytest.raises(SolverNotFound, match="valid names: interior_point, lemke"):
         sf.solve_lcp(sf.LCP([[1.0]], [1.0]), "simplex")
     assert sf.solve_lcp(sf.LCP(np.zeros((0, 0)), [])).solved
     assert sf.solve_lcp(sf.LCP([[1.0]], [1.0])).z.tolist() == [0.0]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import surefoot as sf
+from surefoot.cones.polyhedral import FrictionPyramid
 from surefoot.contact import blocks
 from surefoot.solvers import (
     admm,
@@ -83,7 +84,7 @@ def test_pyramid_projection_and_shift(facets: int, fit: str) -> None:
     rng = np.random.default_rng(facets)
     for _ in range(40):
         x, mu = rng.normal(size=3), rng.uniform(0.1, 1.2)
-        cone = sf.FrictionPyramid(mu, facets, fit)  # type: ignore[arg-type]
+        cone = FrictionPyramid(mu, facets, fit)  # type: ignore[arg-type]
         found = pyramid.project_any(*x, mu, 0.0, np.inf, facets, fit == "inner")
         assert np.allclose(found, cone.project(x), atol=1e-9)
         limit = max(-cone.rays[:, :2] @ x[:2])

@@ -11,8 +11,8 @@ import pytest
 from surefoot.errors import ProblemError
 from surefoot.sweep import run_sweep
 from surefoot.sweep.driver import Crew
-from surefoot.sweep.pools.pool import Chunk, Ended, Pool, open_pool
-from surefoot.sweep.worker import Task, run_chunk
+from surefoot.sweep.pools import Chunk, Pool
+from surefoot.sweep.worker import Row, Task, run_chunk
 from tests.sweep.deadly import deadly
 
 pytest.importorskip("pyarrow", reason="tables are written by pyarrow: pip install 'surefoot[sweep]'")
@@ -35,14 +35,14 @@ class Fragile(Pool):
         self.given.append(chunk)
         self._waiting.append(chunk)
 
-    def wait(self, seconds: float) -> list[Ended]:
+    def wait(self, seconds: float) -> list[tuple[Chunk, list[Row] | None]]:
         self._looks += 1
         chunk = self._waiting.popleft()
         if not self._killers.intersection(chunk) and self._looks not in self._mishaps:
-            return [Ended(chunk, run_chunk(self._task, chunk))]
+            return [(chunk, run_chunk(self._task, chunk))]
         lost = [chunk, *self._waiting]
         self._waiting.clear()
-        return [Ended(one, None) for one in lost]
+        return [(one, None) for one in lost]
 
     def close(self) -> None:
         return
@@ -125,4 +125,4 @@ def test_a_cluster_that_is_not_there_is_told(backend: str) -> None:
     )
     config = deadly()
     with pytest.raises(ProblemError, match=r"answers at 127.0.0.1:1"):
-        open_pool(backend, Task(config.experiment, config.space), None, "127.0.0.1:1")
+        Pool(backend, Task(config.experiment, config.space), None, "127.0.0.1:1")

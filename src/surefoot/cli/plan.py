@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from surefoot.cli import run_options as options
-from surefoot.cli import shared_options as shared
+from surefoot.cli import options
 from surefoot.cli.console import plain_console
 from surefoot.cli.output import new_run_folder, to_json
 from surefoot.cli.page import Table
@@ -32,9 +31,8 @@ def plan(
     amount: Annotated[
         float | None, typer.Argument(help="The task's number: a distance or height [m], a speed [m/s].")
     ] = None,
-    robot: Annotated[str | None, typer.Option(help="A known robot (default go2).")] = None,
-    urdf: shared.Urdf = None,
-    feet: shared.FootFrames = None,
+    robot: Annotated[str | None, typer.Option(help="A known robot (default go2), or a robot's file.")] = None,
+    feet: options.FootFrames = None,
     method: Annotated[
         str | None, typer.Option(help="The road; each task names its own, the recommended one is taken.")
     ] = None,
@@ -62,8 +60,8 @@ def plan(
     found = find_task(task)
     if execute is not None and execute not in EXECUTORS:
         raise ProblemError(unknown_name("world of --execute", execute, EXECUTORS))
-    options.require(robot, urdf, ("pin", *(["mujoco"] if execute else [])), leaving)
-    who = _robot(robot, urdf, feet, found)
+    options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
+    who = _robot(robot, feet, found)
     numbers = {
         "mu": mu, "dt": dt, "knots": knots, "method": method, "seed": seed, "max_iterations": max_iterations,
     }  # fmt: skip
@@ -78,16 +76,15 @@ def plan(
     return 0 if good else 1
 
 
-def _robot(name: str | None, urdf: Path | None, feet: str | None, task: Any) -> Any:
+def _robot(name: str | None, feet: str | None, task: Any) -> Any:
     """Return the robot that was asked for; None for the task's own."""
     from surefoot.cli.robots import load
 
-    if name is None and urdf is None:
-        return load(None, None, feet) if task.robots else None
     if not task.robots:
-        given = f"--robot {name}" if urdf is None else f"--urdf {urdf}"
-        raise ProblemError(f"the task {task.name} has a robot of its own: it takes no {given}")
-    return load(name, urdf, feet, feet_needed=True)
+        if name is not None:
+            raise ProblemError(f"the task {task.name} has a robot of its own: it takes no --robot {name}")
+        return None
+    return load(name, feet, feet_needed=True)
 
 
 @dataclass

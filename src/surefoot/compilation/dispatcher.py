@@ -71,7 +71,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         return super().compile(sig)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return what a kernel that calls this one is told of it."""
+        """Return what a kernel that calls this one is given of it."""
         return self._for_kernels().get_call_template(args, kws)
 
     def get_overload(self, sig: Any) -> Any:

@@ -125,7 +125,7 @@ class Recorder:
         """
         facts = {**self._facts, **facts}
         # a controller's lists may go on with its next run
-        facts = {name: list(told) if isinstance(told, list) else told for name, told in facts.items()}
+        facts = {name: list(value) if isinstance(value, list) else value for name, value in facts.items()}
         if self._parts is None:
             arrays = {n: a[: self.count].copy() for n, a in self.arrays.items()}
             return Log(arrays, facts, channels=self._channels)

@@ -12,7 +12,8 @@ import numpy as np
 from surefoot.arrays import FloatArray
 from surefoot.contact import Status
 from surefoot.errors import NoSolution, ProblemError
-from surefoot.log import Log, read_log
+from surefoot.log import Log
+from surefoot.log.formats import read_log
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
 from surefoot.robot import Robot
 from surefoot.spatial import GRAVITY

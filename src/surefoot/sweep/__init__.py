@@ -2,7 +2,7 @@
 
 from surefoot.sweep.config import SweepConfig, read_sweep, sweep_from_dict
 from surefoot.sweep.driver import SweepResult, run_sweep
-from surefoot.sweep.experiments import EXPERIMENTS, Experiment
+from surefoot.sweep.experiment import EXPERIMENTS, Experiment, number
 from surefoot.sweep.ranges import Choice, Interval
 from surefoot.sweep.space import Sample, Space
 
@@ -15,6 +15,7 @@ __all__ = [
     "Space",
     "SweepConfig",
     "SweepResult",
+    "number",
     "read_sweep",
     "run_sweep",
     "sweep_from_dict",

@@ -11,7 +11,7 @@ from surefoot.interop.targets.target import Target
 
 TARGETS: dict[str, str] = {
     name: f"surefoot.interop.targets.{name}:TARGET"
-    for name in ("ocs2", "crocoddyl", "tsid", "casadi", "acados", "drake", "isaaclab")
+    for name in ("ocs2", "crocoddyl", "tsid", "casadi", "drake", "isaaclab")
 }
 """Name to "module:object"."""
 

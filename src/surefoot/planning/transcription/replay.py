@@ -14,7 +14,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array
 from surefoot.contact import ContactProblem, Status
 from surefoot.contact.sets import Planar
 from surefoot.planning.transcription.problem import Motion, SmallProblem
-from surefoot.solvers import solve
+from surefoot.solvers.solver import solve
 from surefoot.stepping.arithmetic import with_missed
 
 REACH = 1e-3
