@@ -160,6 +160,7 @@ def test_code_that_was_compiled_beside_read_only_sources_is_used(two_files, tmp_
     assert Path(folder) != beside
 
 
+@pytest.mark.long
 def test_without_compilation_the_results_are_the_same() -> None:
     compiled, plain = (json.loads(run(SMALL, NUMBA_DISABLE_JIT=flag)) for flag in ("0", "1"))
     assert compiled["status"] == plain["status"] == "solved"

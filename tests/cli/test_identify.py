@@ -29,6 +29,7 @@ def run(folder: Path, capfd: pytest.CaptureFixture[str], *words: str) -> Any:
     return capfd.readouterr().out
 
 
+@pytest.mark.long
 def test_json_holds_the_fit_and_both_errors(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("mujoco")
     words = ("--test", str(folder / "test.npz"), "--rivals", "mujoco", "--no-picture", "--json")

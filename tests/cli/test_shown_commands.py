@@ -36,6 +36,13 @@ ROOT = Path(__file__).resolve().parents[2]
 CHECK = runpy.run_path(str(ROOT / "docs" / "check.py"), run_name="check")
 PAGES = [page for page in CHECK["PAGES"] if page.name not in ("CHANGELOG.md", "CONTRIBUTING.md")]
 SHORT, SHORT_ON_TERRAIN = 3.0, 5.0
+QUICK_PAGES = (
+    "README.md", "first-steps.md", "standing.md", "statics.md", "stance-files.md", "cones.md", "momentum.md",
+    "jacobians.md", "contact-files.md", "contact-sequences.md", "translate.md", "audit.md", "lab.md",
+)  # fmt: skip
+"""Pages whose commands take seconds: they run in `make test`, those of the others in `make test-all`."""
+LONG_COMMANDS = ("bench", "plan", "sweep", "warmup")
+"""What takes long on any page."""
 
 
 def as_run(words: tuple[str, ...]) -> tuple[str, ...]:
@@ -96,7 +103,13 @@ def all_shown() -> list[Any]:
         before = found.get((same_run(words), shown.code))
         if before is None or len(words) > len(before[0]):
             found[same_run(words), shown.code] = (words, shown)
-    return [pytest.param(words, s.code, id=f"{s.page}: {shlex.join(s.words)}") for words, s in found.values()]
+    return [
+        pytest.param(
+            words, s.code, id=f"{s.page}: {shlex.join(s.words)}",
+            marks=() if s.page in QUICK_PAGES and words[0] not in LONG_COMMANDS else pytest.mark.long,
+        )
+        for words, s in found.values()
+    ]  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -193,5 +206,5 @@ def test_shown_command_ends_as_the_page_says(
 
 def test_every_page_with_commands_is_run() -> None:
     pages = {str(p.id).split(":")[0] for p in all_shown()}
-    assert {"README.md", "standing.md", "walking.md", "statics.md", "cones.md", "contact-files.md"} <= pages
+    assert {"README.md", "standing.md", "walking.md", "statics.md", "cones.md", "files.md"} <= pages
     assert len(all_shown()) > 50

@@ -33,7 +33,7 @@ class StanceOptions:
     subject: Annotated[
         str,
         typer.Argument(
-            help="A stance file (YAML, see docs/stance-files.md), or ROBOT: a name, a .urdf or an .xml.",
+            help="A stance file (YAML, see docs/files.md), or ROBOT: a name, a .urdf or an .xml.",
             metavar="FILE|ROBOT",
         ),
     ]

@@ -81,6 +81,7 @@ def test_left_and_right_do_the_same(found) -> None:
     assert np.abs(motion.forces[:, 0, 2] - motion.forces[:, 1, 2]).max() < 0.02 * np.abs(motion.forces).max()
 
 
+@pytest.mark.long
 def test_exact_steps_lead_to_the_same_motion(go2) -> None:
     found = plan(go2, "jump", 0.2, dt=0.02)
     assert found.status is Status.SOLVED, found.facts["goal"]
@@ -102,6 +103,7 @@ def test_a_search_that_is_stopped_is_not_solved(go2) -> None:
     assert plan(go2, "jump", 0.2, dt=0.02, max_iterations=3).status is not Status.SOLVED
 
 
+@pytest.mark.long
 def test_what_motors_cannot_do_is_not_found(go2) -> None:
     problem = replace(jump(go2, 0.4, 0.0, 0.6, 0.02), torque_share=0.15)
     motion = optimise(problem, max_iterations=60)
@@ -170,6 +172,7 @@ def test_swing_heights_rise_and_fall(go2) -> None:
     assert flight.max() == pytest.approx(problem.clearance, rel=0.01)
 
 
+@pytest.mark.long
 def test_motors_soft_landings_and_reach_are_kept_to(go2) -> None:
     curve = motor_limits(go2, "curve")
     problem = replace(

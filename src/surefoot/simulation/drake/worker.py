@@ -133,10 +133,25 @@ class Scene:
         given = np.zeros(len(effort))
         given[self.velocities] = effort
         self.effort.FixValue(self.context, given)
+        self.advance()
+        return {**self.state(), "contacts": self.contacts()}
+
+    def advance(self) -> None:
+        """Go on by a step."""
         self.count += 1
         # half a step short of the next: k updates have then been made, whatever rounding does to times
         self.simulator.AdvanceTo((self.count - 0.5) * self.dt)
-        return {**self.state(), "contacts": self.contacts()}
+
+    def track(self, steps: int, above: float | None) -> dict[str, Any]:
+        """Take steps of a scene of one joint; the last is that in which it rises from above a place [m]."""
+        places, speeds = [], []
+        for _ in range(steps):
+            self.advance()
+            places.append(float(self.plant.GetPositions(self.context)[0]))
+            speeds.append(float(self.plant.GetVelocities(self.context)[0]))
+            if above is not None and places[-1] > above and speeds[-1] > 0.0:
+                break
+        return {"q": places, "v": speeds}
 
     def friction(self, mu: float) -> dict[str, Any]:
         """Change the friction [-] everywhere."""

@@ -34,13 +34,7 @@ def run(drop: Drop) -> tuple[FloatArray, FloatArray]:
     try:
         worker.ask(["scene", scene])
         worker.ask(["reset", [RADIUS + drop.gap], [drop.speed]])
-        gaps, speeds = [drop.gap], [drop.speed]
-        for _ in range(drop.steps):
-            now = worker.ask(["step", [0.0]])
-            gaps.append(now["q"][0] - RADIUS)
-            speeds.append(now["v"][0])
-            if drop.until == "apart" and gaps[-1] > 0.0 and speeds[-1] > 0.0:
-                break
+        answer = worker.ask(["track", drop.steps, RADIUS if drop.until == "apart" else None])
     finally:
         worker.close()
-    return np.array(gaps), np.array(speeds)
+    return np.array([drop.gap, *(np.array(answer["q"]) - RADIUS)]), np.array([drop.speed, *answer["v"]])
