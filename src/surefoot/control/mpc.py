@@ -18,7 +18,7 @@ from surefoot.arrays import BoolArray, FloatArray, finite_array, per_contact, re
 from surefoot.contact.solution import Status
 from surefoot.control import mpc_model
 from surefoot.control.body_motion import BodyReference, BodyState
-from surefoot.control.mpc_momentum import MpcMomentum, minimise_with_momentum
+from surefoot.control.mpc_momentum import PATIENCE, MpcMomentum, minimise_with_momentum
 from surefoot.control.mpc_plan import HorizonProgram, MpcPlan, MpcWeights
 from surefoot.errors import ProblemError
 from surefoot.solvers.dual_newton.horizon import newton
@@ -36,8 +36,6 @@ __all__ = [
 
 ALMOST_FACTOR = 1e3
 """Forces whose error bound is within this factor of the tolerance are ALMOST solved [-]: 10 N by default."""
-PATIENCE = 16
-"""Newton steps before the force weight is lowered in stages [-], see `solvers.dual_newton.horizon`."""
 
 
 @dataclass
@@ -247,9 +245,11 @@ class ConvexMpc:
         """Fill the forces of a program from guessed points; return Newton steps and error bound [N]."""
         term = self.weights.momentum
         if term is not None and not term.idle:
+            axes = program.heading.T @ given.ref_rotation[1:]
+            inertia = axes @ np.asarray(self.inertia) @ axes.transpose(0, 2, 1)
             return minimise_with_momentum(
-                term, np.asarray(self.inertia), program, self._inverse, self.dt, given.ref_rotation,
-                given.ref_motion[:, 2], self.tol, PATIENCE, self.max_iterations, point, force,
+                term, inertia, given.ref_motion[1:, 2] @ program.heading, program, self._inverse, self.dt,
+                self.tol, self.max_iterations, point, force,
             )  # fmt: skip
         return newton(
             self._inverse, program.P, program.q, program.step, program.M, program.bounds, program.centre,

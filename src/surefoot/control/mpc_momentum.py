@@ -42,6 +42,8 @@ from surefoot.solvers.dual_newton.horizon import newton
 if TYPE_CHECKING:
     from surefoot.control.mpc_plan import HorizonProgram
 
+PATIENCE = 16
+"""Newton steps before the force weight is lowered in stages [-], see `solvers.dual_newton.horizon`."""
 ROUNDS = 100
 """Most quadratics for one plan [-]: a bound on the time."""
 MEMORY = 8
@@ -130,49 +132,45 @@ def momentum_of(inertia: ArrayLike, rotation: ArrayLike, angular_velocity: Array
 
 
 def minimise_with_momentum(
-    term: MpcMomentum, inertia: FloatArray, program: HorizonProgram, inverse: FloatArray, dt: float,
-    rotation: FloatArray, rates: FloatArray, tol: float, patience: int, limit: int, point: FloatArray,
-    force: FloatArray,
+    term: MpcMomentum, inertia: FloatArray, rates: FloatArray, program: HorizonProgram, inverse: FloatArray,
+    dt: float, tol: float, limit: int, point: FloatArray, force: FloatArray,
 ) -> tuple[int, float]:  # fmt: skip
     """Fill the forces of a horizon whose cost has a term; return Newton steps and an error bound [N].
 
     Parameters
     ----------
-    term, inertia
-        See `MpcMomentum`; (3, 3) body axes [kg m²].
+    term
+        See `MpcMomentum`.
+    inertia, rates
+        (N, 3, 3) and (N, 3) of the reference after every step, heading's axes [kg m²], [rad/s].
     program, inverse
         Without the momentum term; (6, N, N) inverses of its P.
     dt
         Length of a step [s].
-    rotation, rates
-        (N + 1, 3, 3) and (N + 1, 3) of the reference: rotation_world_body, angular velocity [rad/s].
-    tol, patience, limit
-        Wanted error [N], Newton steps before the staged start, and in all.
+    tol, limit
+        Wanted error [N], and the most Newton steps.
     point, force
         (c, 3) guess of the points, filled with the answer's, and the forces; see
         `surefoot.solvers.dual_newton.horizon.newton` [N].
     """
-    axes = program.heading.T @ rotation[1:]
-    turned = axes @ inertia @ axes.transpose(0, 2, 1)
-    wanted = rates[1:] @ program.heading
-    N = len(wanted)
+    N = len(rates)
     sums = dt * np.tri(N)  # rates after every step of the accelerations in all steps
     free = predict(program.drift, np.zeros((N, 6)), dt)[1:, 1, 3:]
     error, total, here = math.inf, 0, np.zeros((N, 3))
     rounds: list[tuple[FloatArray, FloatArray]] = []
     for _ in range(ROUNDS):
-        slope, curve = _slope(term, turned, wanted + here), _curvature(term, turned, wanted + here)
+        slope, curve = _slope(term, inertia, rates + here), _curvature(term, inertia, rates + here)
         gradient = slope + curve * (free - here)
         count, inner = newton(
             *_with_curve(program, inverse, sums, curve, gradient), program.step, program.M, program.bounds,
-            program.centre, program.rho, INNER * tol, patience, limit - total, point, force,
+            program.centre, program.rho, INNER * tol, PATIENCE, limit - total, point, force,
         )  # fmt: skip
         total += count
         turning = np.zeros((N, 3))
         np.add.at(turning, program.step, np.einsum("cxa,cx->ca", program.M[:, :, 3:], force))
         there = free + sums @ turning
         # d, by which the slope of the quadratic differs from the true one: ||f - f*|| <= ½ sqrt(dᵀ P⁻¹ d / ρ)
-        missed = sums.T @ (_slope(term, turned, wanted + there) - slope - curve * (there - here))
+        missed = sums.T @ (_slope(term, inertia, rates + there) - slope - curve * (there - here))
         away = float(np.einsum("kj,jkm,mj->", missed, inverse[3:], missed))
         error = inner + 0.5 * math.sqrt(max(away, 0.0) / program.rho)
         if error <= tol or not math.isfinite(error) or total >= limit:
