@@ -182,7 +182,11 @@ def test_without_settings_nothing_is_observed() -> None:
     ):
         controller = WalkingController(robot, VelocityCommand.constant(0.0), settings=settings)
         rows = set(controller.step(state).rows())
-        assert rows == {channel.name for channel in controller.channels} == {"planned", "command"} | names
+        assert (
+            rows
+            == {channel.name for channel in controller.channels}
+            == {"planned", "command", "asked_by"} | names
+        )
 
 
 @pytest.mark.parametrize("name", ["load", "wrench", "most", "lean"])

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
-from surefoot.control.gait import ContactSchedule
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import Window
 from surefoot.spatial import GRAVITY

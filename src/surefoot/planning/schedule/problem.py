@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surefoot.arrays import BoolArray, FloatArray, finite_array, real_number, whole_number
-from surefoot.control.gait import ContactSchedule
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.motor_limits import MotorLimits
 from surefoot.errors import ProblemError
 from surefoot.planning.direct.problem import Window

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from surefoot.control.behaviours.steps_by_touch import soft_way
 from surefoot.control.controller import RobotState
-from surefoot.control.felt_ground import FeltGround, soft_way
+from surefoot.control.ground_belief import TouchedGround
 from surefoot.control.swing import swing_motion
-from surefoot.control.terrain_knowledge import SEEN_SPEED, TouchedGround
+from surefoot.control.touched_steps import TouchedSteps
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
-from surefoot.control.walking_feet import SEARCH_SPEED
 from surefoot.robot import load_robot
 from surefoot.simulation.run import run
 from surefoot.simulation.scenario import Scenario
@@ -32,21 +32,21 @@ def state(time: float = 0.0, x: float = 0.0) -> RobotState:
     return RobotState(q, np.zeros(18), time)
 
 
-def begun() -> tuple[FeltGround, np.ndarray]:
+def begun() -> tuple[TouchedSteps, np.ndarray]:
     """Return a belief that has begun on flat ground, and where the feet stand."""
-    ground, stands = FeltGround(), np.column_stack([HIPS, np.zeros(4)])
+    ground, stands = TouchedSteps(), np.column_stack([HIPS, np.zeros(4)])
     ground.radius = RADIUS
     ground.begin(state(), stands, HEIGHT)
     return ground, stands
 
 
-def strike(ground: FeltGround, x: float, z: float, time: float, velocity: np.ndarray = FORTH) -> None:
+def strike(ground: TouchedSteps, x: float, z: float, time: float, velocity: np.ndarray = FORTH) -> None:
     """Let a foot strike something with its centre at x."""
     assert ground.may_strike(np.array([x, 0.1, z]), velocity)
     ground.stumbled(time)
 
 
-def land(ground: FeltGround, stands: np.ndarray, foot: int, at: tuple[float, float], time: float) -> None:
+def land(ground: TouchedSteps, stands: np.ndarray, foot: int, at: tuple[float, float], time: float) -> None:
     """Let a foot leave the ground and stand at (x, z)."""
     up = ALL.copy()
     up[foot] = False
@@ -64,7 +64,7 @@ def test_without_a_strike_the_ground_is_the_plane_of_touch() -> None:
         land(felt, stands, step, at, 0.2 * step)
         touched.observe(state(0.2 * step + 0.1), stands, ALL, NONE, stands)
     assert felt.height(HIPS).tolist() == touched.height(HIPS).tolist()
-    assert (felt.unsure, felt.highest_step, felt.search_speed) == (False, 0.0, SEARCH_SPEED)
+    assert (felt.unsure, felt.highest_step) == (False, 0.0)
 
 
 @pytest.mark.parametrize(("rise", "tread"), [(0.08, 0.3), (0.12, 0.26), (0.14, 0.35)])
@@ -72,7 +72,6 @@ def test_two_risers_and_a_stand_tell_the_stairs(rise: float, tread: float) -> No
     ground, stands = begun()
     strike(ground, 0.4 - RADIUS, 0.03, 0.1)
     assert ground.unsure
-    assert ground.search_speed == SEEN_SPEED
     land(ground, stands, 0, (0.48, rise), 0.2)
     assert ground.highest_step == pytest.approx(rise)
     strike(ground, 0.4 + tread - RADIUS, rise + 0.04, 0.6)
@@ -166,7 +165,7 @@ def test_go2_feels_its_way_up_stairs() -> None:
     go2, stairs = load_robot("go2"), StairsTerrain(0.1, 0.28, 4)
     q = start_pose(go2, stairs)
     q[0] = stairs.approach(CLEARANCE * float(go2.nominal[2]))[0] + 0.3
-    ground = FeltGround()
+    ground = TouchedSteps()
     walker = WalkingController(go2, VelocityCommand.constant(0.4), "trot", ground)
     log = run(MujocoWorld(go2, stairs, 0.6), walker, Scenario(6.5, 0.6, start=q), [])
     assert log.fact("outcome") == "done"

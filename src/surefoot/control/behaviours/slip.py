@@ -1,9 +1,9 @@
-"""How slippery the ground is, as a walking robot finds out, and how fast it then dares to walk.
+"""Friction as stance feet find it: what to plan on where they slide, and how fast to walk there.
 
-Every foot that carries tells something: it has used some friction and stood, or it slides and shows all there
-is (`surefoot.estimation.FrictionTracker`). The controller plans on the least that any foot has shown lately;
-the speed it asks for and the rate at which that changes are what such friction gives. What a slide has shown
-is forgotten after a while, and the robot goes on as before.
+Every stance foot shows something: it has used some friction and stood, or it slides and shows all there
+is (`surefoot.estimation.FrictionTracker`). The least that any foot has shown lately is what is planned on;
+the speed that is asked for and the rate at which that changes are what such friction gives. What a slide has
+shown is forgotten after a while, and the robot goes on as before.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ import math
 import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray
-from surefoot.control.whole_body_tasks import Kinematics
+from surefoot.control.behaviours.behaviour import Request, View, Walk
 from surefoot.estimation.friction import FrictionTracker
 from surefoot.spatial import GRAVITY
 
 LOADED = 0.08
-"""Normal force from which a foot tells of friction, as a share of m g."""
+"""Normal force from which a foot shows friction, as a share of m g."""
 SLIDING = 0.07
 """Speed from which it slides, as a share of sqrt(g h): above what encoders' noise makes of a foot at rest."""
 FILTER = 0.004
@@ -39,19 +39,13 @@ FALLING, RISING = 0.002, 1.0
 """Time constants with which the believed friction falls and rises again [s]."""
 
 
-class Grip:
+class Slip:
     """Follows the friction under a robot's feet.
 
     Parameters
     ----------
-    radii
-        (n,) of the feet [m].
-    weight, height
-        m g [N], and of the centre of mass [m].
-    dt
-        Time between steps [s].
-    assumed
-        Friction [-] where nothing is known.
+    walk
+        What it is for.
 
     Attributes
     ----------
@@ -61,14 +55,21 @@ class Grip:
         (n,) which feet slide now.
     """
 
-    def __init__(self, radii: FloatArray, weight: float, height: float, dt: float, assumed: float) -> None:
-        self.assumed, self.dt, self._radii = assumed, dt, radii
-        self._froude = math.sqrt(GRAVITY * height)
-        n = len(radii)
+    name = "slip"
+
+    def __init__(self, walk: Walk) -> None:
+        self.assumed, self.dt, self._radii, self._share = walk.mu, walk.dt, walk.radii, walk.friction_share
+        self._froude = math.sqrt(GRAVITY * walk.height)
         self._tracker = FrictionTracker(
-            n, dt, least=LOADED * weight, memory=MEMORY, sliding_speed=SLIDING * self._froude
-        )
+            len(walk.radii), walk.dt, least=LOADED * walk.weight, memory=MEMORY,
+            sliding_speed=SLIDING * self._froude,
+        )  # fmt: skip
         self.reset()
+
+    @classmethod
+    def of(cls, walk: Walk) -> Slip | None:
+        """Return the behaviour where friction is watched."""
+        return cls(walk) if walk.watch_friction else None
 
     def reset(self) -> None:
         """Forget everything."""
@@ -78,30 +79,23 @@ class Grip:
         self._speeds = np.zeros((len(self._radii), 3))
         self._slid, self._quick, self._quick_age = np.zeros(len(self._radii)), math.inf, math.inf
 
-    def update(
-        self, forces: FloatArray | None, now: Kinematics, frames: FloatArray, carrying: BoolArray
-    ) -> float:
-        """Return the friction to plan with [-] after one more step.
+    def propose(self, view: View) -> Request:
+        """Ask for the friction that the feet have found, and for speeds that suit it."""
+        mu = self._follow(view)
+        cap = SPEED * mu * self._froude if mu < self.assumed else math.inf
+        return Request(speed_cap=cap, mu=self._share * mu, acceleration=ACCELERATION * mu * GRAVITY)
 
-        Parameters
-        ----------
-        forces
-            (n, 3) on the feet, world axes [N]; None where nothing tells them.
-        now
-            Where the feet are and how they move.
-        frames
-            (n, 3, 3) rotation_world_contact.
-        carrying
-            (n,) which feet carry; the others tell nothing.
-        """
+    def _follow(self, view: View) -> float:
+        """Return the friction to plan with [-] after one more step; feet in the air show nothing."""
+        forces, now, frames, carrying = view.state.forces, view.now, view.frames, view.carrying
         if forces is None:
             return self.mu
         normals = frames[:, :, 2]
         arms = -self._radii[:, None] * normals
         velocities = now.twists[:, :3] + np.cross(now.twists[:, 3:], arms)
         self._speeds += min(self.dt / FILTER, 1.0) * (velocities - self._speeds)
-        told = np.where(carrying[:, None], forces, 0.0)
-        local = np.einsum("nji,nj->ni", frames, told)
+        own = np.where(carrying[:, None], forces, 0.0)
+        local = np.einsum("nji,nj->ni", frames, own)
         slow = np.einsum("nji,nj->ni", frames, self._speeds)
         if not (np.isfinite(local).all() and np.isfinite(slow).all()):
             return self.mu
@@ -121,16 +115,3 @@ class Grip:
             self._quick, self._quick_age = max((1.0 - MARGIN) * float(use.min()), LEAST), 0.0
         self._quick_age += self.dt
         return self._quick if self._quick_age < HOLD else math.inf
-
-    def limit(self, command: FloatArray) -> FloatArray:
-        """Return a (3,) wanted velocity, slowed to what the friction gives [m/s, rad/s]."""
-        most = SPEED * self.mu * self._froude
-        speed = math.hypot(float(command[0]), float(command[1]))
-        if self.mu >= self.assumed or speed <= most:
-            return command
-        return np.asarray(command * (most / speed))
-
-    @property
-    def acceleration(self) -> float:
-        """Largest change of the wanted velocity [m/s²]."""
-        return ACCELERATION * self.mu * GRAVITY

@@ -8,18 +8,20 @@ import numpy as np
 import pytest
 
 from surefoot.arrays import FloatArray
-from surefoot.control.adaptive_gait import AdaptiveGait
-from surefoot.control.believed_limits import FOLLOW, SLACK, BelievedLimits
+from surefoot.control.behaviours.behaviour import NOTHING
+from surefoot.control.behaviours.cruise import FOLLOW, SLACK, Cruise
 from surefoot.control.command_limits import ground_left
+from surefoot.control.contact_schedule import ContactSchedule
 from surefoot.control.controller import RobotState
-from surefoot.control.gait import ContactSchedule
 from surefoot.control.gait_library import named_gait
+from surefoot.control.ground_belief import TouchedGround
+from surefoot.control.mapped_ground import MappedGround
 from surefoot.control.stair_gait import speed_in_step
-from surefoot.control.terrain_knowledge import MappedGround, TouchedGround
 from surefoot.control.walking import WalkingController
 from surefoot.control.walking_body import VelocityCommand
 from surefoot.robot import load_robot
 from surefoot.terrain import SlopeTerrain, StairsTerrain
+from tests.control.behaviours.views import view_of, walk_of
 
 MU, HEIGHT, RADIUS, DT = 0.54, 0.316, 0.25, 1e-3
 TROT = named_gait("trot", 4, HEIGHT)
@@ -37,48 +39,56 @@ def begun(belief: TouchedGround, slope: float = 0.0) -> TouchedGround:
     return belief
 
 
-def limits(belief: TouchedGround, schedule: ContactSchedule = TROT) -> BelievedLimits:
-    return BelievedLimits(belief, MU, HEIGHT, RADIUS, schedule, DT)
+def cruise(belief: TouchedGround, schedule: ContactSchedule = TROT) -> Cruise:
+    """Return the behaviour on a ground that is believed in."""
+    return Cruise(walk_of(belief, schedule)._replace(mu=MU, height=HEIGHT, friction_share=1.0))
+
+
+def cap(one: Cruise, command: FloatArray) -> float:
+    """Return the speed that it asks not to pass [m/s]."""
+    return one.propose(view_of(command)).speed_cap
 
 
 def adaptive() -> ContactSchedule:
     walker = WalkingController(load_robot("go2"), VelocityCommand.constant(0.4), terrain=MappedGround())
-    assert isinstance(walker.schedule, AdaptiveGait)
+    assert walker.schedule.adapts
     return walker.schedule
 
 
-@pytest.mark.parametrize("command", [[0.8, 0.3, 0.0], [-0.7, 0.0, 1.5], [0.2, 0.0, 0.0]])
-def test_a_slope_that_feet_have_found_slows_as_a_known_one_does(command: list[float]) -> None:
-    asked, one = np.array(command), limits(begun(TouchedGround(), math.tan(math.radians(20.0))))
-    assert one.limit(asked) == pytest.approx(asked)  # nothing has been learned yet
-    one.learn()  # it stands there
+def test_a_gait_that_is_not_fit_for_more_speed_keeps_what_it_has() -> None:
+    now, one = np.array([0.3, 0.0, 0.1]), Cruise(walk_of())
+    assert one.propose(view_of((0.5, 0.0, 0.0), velocity=now)) is NOTHING
+    unfit = one.propose(view_of((0.5, 0.0, 0.0), velocity=now, fits=False))
+    assert unfit.at_most is now
+
+
+def test_a_slope_that_feet_have_found_slows_as_a_known_one_does() -> None:
+    one = cruise(begun(TouchedGround(), math.tan(math.radians(20.0))))
     most = SLACK * ground_left(SlopeTerrain(20.0), MU, HEIGHT).fastest
-    size = math.hypot(*asked[:2]) + RADIUS * abs(asked[2])
-    assert one.limit(asked) == pytest.approx(
-        asked * min(1.0, most / size), rel=5e-3
+    assert cap(one, np.array([0.8, 0.3, 0.0])) == pytest.approx(
+        most, rel=5e-3
     )  # the plane is damped a little
-    assert bool(size > most) is (command[0] != 0.2)
-    one.reset()
-    assert one.limit(asked) == pytest.approx(asked)
+    assert cap(cruise(begun(TouchedGround())), np.array([0.8, 0.3, 0.0])) == math.inf
 
 
 def test_the_slope_is_followed_slowly() -> None:
-    one, ground = limits(begun(TouchedGround(), 0.1)), begun(TouchedGround(), 0.4)
-    one.learn()
-    before, one.belief = one._slope[0], ground
+    ground = begun(TouchedGround(), 0.1)
+    one, command = cruise(ground), np.array([0.8, 0.0, 0.0])
+    cap(one, command)
+    before = one._slope[0]
+    begun(ground, 0.4)
     for _ in range(round(FOLLOW / DT)):
-        one.learn()
+        cap(one, command)
     wanted = before + (1.0 - math.exp(-1.0)) * (0.4 - before)
     assert one._slope == pytest.approx([wanted, 0.0], rel=5e-3)
 
 
 @pytest.mark.parametrize("speed", [0.15, 0.3, 0.4, 0.41, -0.6, 0.9])
 def test_stairs_that_have_been_found_are_taken_as_known_ones_are(speed: float) -> None:
-    schedule, asked = adaptive(), np.array([speed, 0.0, 0.0])
-    left: FloatArray = limits(begun(Stairs()), schedule).limit(asked)
+    schedule, command = adaptive(), np.array([speed, 0.0, 0.0])
     stairs = StairsTerrain(0.12, 0.3)
     most = min(abs(speed), SLACK * ground_left(stairs, MU, HEIGHT).fastest)
     wanted = speed_in_step(stairs, most, HEIGHT, TROT.period)
-    assert left == pytest.approx([math.copysign(wanted, speed), 0.0, 0.0])
+    assert min(abs(speed), cap(cruise(begun(Stairs()), schedule), command)) == pytest.approx(wanted)
     # a gait with a timing of its own does not walk in step
-    assert abs(limits(begun(Stairs())).limit(asked)[0]) == pytest.approx(most)
+    assert min(abs(speed), cap(cruise(begun(Stairs())), command)) == pytest.approx(most)
