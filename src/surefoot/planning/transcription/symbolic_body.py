@@ -195,7 +195,7 @@ class SymbolicBody:
         arc, swing = _series(square, 2), _series(square, 3)  # (1 - cos t) / t², (t - sin t) / t³
         once = ca.cross(angular, linear)
         shift = linear + arc * once + swing * ca.cross(angular, once)
-        place = q[:3] + ca.mtimes(self._turn(q[3:]), shift)
+        place = q[:3] + ca.mtimes(turn_matrix(q[3:]), shift)
         half = 0.5 * angular
         sine, cosine = _series(0.25 * square, 1), _series(0.25 * square, 0)
         x, w = q[3:6], q[6]
@@ -206,21 +206,11 @@ class SymbolicBody:
         """Return an array as a sparse constant."""
         return self._ca.sparsify(self._ca.DM(np.where(np.abs(value) < TINY, 0.0, value)))
 
-    def _turn(self, quaternion: Expression) -> Expression:
-        """Return the rotation matrix of a unit quaternion (x, y, z, w)."""
-        x, y, z, w = (quaternion[k] for k in range(4))
-        rows = (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-        )
-        return self._ca.vertcat(*(self._ca.horzcat(*row) for row in rows))
-
     def _own_motion(self, joint: _Joint, q: Expression) -> tuple[Expression, Expression]:
         """Return rotation and translation of a joint by its entries of q."""
         ca = self._ca
         if joint.kind == FREE:
-            return self._turn(q[joint.q + 3 : joint.q + 7]), q[joint.q : joint.q + 3]
+            return turn_matrix(q[joint.q + 3 : joint.q + 7]), q[joint.q : joint.q + 3]
         if joint.kind in SLIDES:
             return ca.DM.eye(3), self._constant(joint.axes[:3, 0]) * q[joint.q]
         angle = q[joint.q]
@@ -342,6 +332,18 @@ def _read_joint(model: Any, data: Any, index: int) -> _Joint:
         np.array(body.lever),
         np.array(body.inertia),
     )
+
+
+def turn_matrix(quaternion: Expression) -> Expression:
+    """Return the rotation matrix of a unit quaternion (x, y, z, w) in symbols."""
+    ca = import_casadi()
+    x, y, z, w = (quaternion[k] for k in range(4))
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+    return ca.vertcat(*(ca.horzcat(*row) for row in rows))
 
 
 def _cross_matrix(axis: FloatArray) -> FloatArray:

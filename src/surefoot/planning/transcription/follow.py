@@ -7,20 +7,20 @@ are. The torques that were applied in the end are those of the plan: they need n
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import numpy as np
 
 from surefoot.arrays import FloatArray
 from surefoot.errors import NoSolution
 from surefoot.planning.trajectory import TOLERANCE, Trajectory, rollout
+from surefoot.planning.transcription.judge import Motion
+from surefoot.planning.transcription.touches import touching_rollout
 from surefoot.stepping import Knot, StepOptions, Stepper
 
 if TYPE_CHECKING:
-    from surefoot.planning.direct.guess import Guess
     from surefoot.planning.direct.problem import DirectProblem
     from surefoot.planning.schedule.problem import ScheduleProblem
-    from surefoot.planning.schedule.search import ScheduledMotion
 
 EFFORT = 1e-4
 """Weight of a torque's square against that of a distance [m, rad] and of a velocity [m/s, rad/s]."""
@@ -30,8 +30,6 @@ SMOOTHING = 1e-6
 
 Followed: TypeAlias = "DirectProblem | ScheduleProblem"
 """Who moves on what, from where, how long, and how large torques may be."""
-Motion: TypeAlias = "Guess | ScheduledMotion"
-"""An optimiser's states q (N + 1, nq) and v (N + 1, nv), and torques (N, joints) [N m]."""
 
 
 def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajectory:
@@ -44,13 +42,14 @@ def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajecto
     motion
         What to follow.
     feedback
-        Whether torques correct what goes off; else they are the motion's own.
+        Whether torques correct what goes off; else they are the motion's own, as always where the problem has
+        touches beside feet on the ground.
     """
     import pinocchio
 
     model, limits = problem.robot.model, problem.torque_limits
     assert limits is not None
-    K = gains(problem, motion) if feedback else None
+    K = gains(problem, motion) if feedback and not problem.touches else None
 
     def policy(k: int, q: FloatArray, v: FloatArray) -> FloatArray:
         torques = motion.torques[k]
@@ -59,6 +58,8 @@ def follow(problem: Followed, motion: Motion, feedback: bool = True) -> Trajecto
             torques = torques - K[k] @ off
         return np.asarray(np.clip(torques, -limits, limits))
 
+    if problem.touches:
+        return touching_rollout(cast("DirectProblem", problem), policy)
     return rollout(
         problem.robot, problem.q, problem.v, policy, dt=problem.dt, mu=problem.mu, terrain=problem.terrain,
         steps=problem.knots,

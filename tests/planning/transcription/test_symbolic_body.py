@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.problems.chains import chain
 from surefoot.errors import ModelError
-from surefoot.planning.direct.symbolic_body import SymbolicBody
+from surefoot.planning.transcription.symbolic_body import SymbolicBody
 from surefoot.robot import load_robot
 from surefoot.robot.contact_points import ContactPoints, contact_points
 from surefoot.robot.foot import shaped_foot

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from surefoot.planning.direct import DirectProblem, Facets, GivenModes, RoundCone, planar_hopper
-from surefoot.planning.direct.blocks import build_nlp
 from surefoot.planning.direct.transcribe import transcribe
+from surefoot.planning.transcription.nlp import build_nlp
 
 casadi = pytest.importorskip("casadi")
 LAWS = (Facets(2), RoundCone(), GivenModes(), Facets(2, "fischer-burmeister"))

@@ -35,7 +35,7 @@ ROUND = 1e-3
 
 
 @dataclass
-class Rows:
+class ContactRows:
     """Variables of a knot's contacts, what they must obey, and the impulses that they mean.
 
     Attributes
@@ -70,7 +70,7 @@ class Rows:
 class ContactLaw(Protocol):
     """A way to write the laws of p contacts."""
 
-    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+    def write(self, closing: Expression, sliding: Expression, mu: FloatArray, eps: Expression) -> ContactRows:
         """Return the rows of a knot.
 
         Parameters
@@ -80,13 +80,15 @@ class ContactLaw(Protocol):
         sliding
             (d, p) SX, u_t [m/s].
         mu
-            Friction of the ground.
+            (p,) friction.
         eps
             SX scalar, the softening [J].
         """
         ...
 
-    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+    def start(
+        self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray
+    ) -> FloatArray:
         """Return values (N, m) of the variables for (N, p, 3), (N, p) and (N, p, d) of N knots."""
         ...
 
@@ -101,10 +103,14 @@ class Facets:
         Directions of friction: 2 in the plane, 4 or more in space.
     form
         Name of the softened form, see `surefoot.planning.transcription.forms.FORMS`.
+    time
+        What φ is multiplied by before it is paired [s]: with a knot's length gaps stand against impulses,
+        and eps is no energy but a length times an impulse.
     """
 
     count: int = 2
     form: str = "relaxed"
+    time: float = 1.0
 
     def __post_init__(self) -> None:
         form_named(self.form)
@@ -119,16 +125,25 @@ class Facets:
         angles = 2.0 * np.pi * np.arange(self.count) / self.count
         return np.array([np.cos(angles), np.sin(angles)])
 
-    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
-        """See `ContactLaw.write`; variables β, λ_n, φ, σ, γ, s of all contacts, one after the other."""
+    def write(self, closing: Expression, sliding: Expression, mu: FloatArray, eps: Expression) -> ContactRows:
+        """See `ContactLaw.write`; variables β, λ_n, φ, σ, γ, s of all contacts, one after the other.
+
+        Without friction a contact has λ_n and φ only: the others are held at zero.
+        """
         ca, form, m = import_casadi(), form_named(self.form), self.count
         D = ca.DM(self.directions)
 
-        def contact(out: Rows, k: int, parts: list[Expression]) -> Expression:
+        def contact(out: ContactRows, k: int, parts: list[Expression]) -> Expression:
             beta, normal, phi, sigma, gamma, spare = parts
+            if mu[k] == 0.0:
+                out.rows.append((phi - self.time * closing[k], 0.0, 0.0))
+                out.pair(form, normal, phi, eps)
+                return _with_normal(ca, ca.SX(len(self.directions), 1), normal)
             u = sliding[:, k]
             equal = ca.vertcat(
-                phi - closing[k], sigma - (gamma + ca.mtimes(D.T, u)), spare - (mu * normal - ca.sum1(beta))
+                phi - self.time * closing[k],
+                sigma - (gamma + ca.mtimes(D.T, u)),
+                spare - (float(mu[k]) * normal - ca.sum1(beta)),
             )
             out.rows.append((equal, 0.0, 0.0))
             out.pair(form, normal, phi, eps)
@@ -137,18 +152,26 @@ class Facets:
             return _with_normal(ca, ca.mtimes(D, beta), normal)
 
         low = [0.0 if form.signs else -np.inf] * (2 * m + 4)
-        return _written(int(closing.shape[0]), (m, 1, 1, m, 1, 1), low, contact)
+        out = _written(int(closing.shape[0]), (m, 1, 1, m, 1, 1), low, contact)
+        held = np.ones(2 * m + 4, dtype=bool)
+        held[m : m + 2] = False
+        without = np.outer(mu == 0.0, held).ravel()
+        out.low[without] = out.high[without] = 0.0
+        return out
 
-    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+    def start(
+        self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray
+    ) -> FloatArray:
         """See `ContactLaw.start`."""
         D = self.directions
         d = len(D)
         # a tangential impulse as the two directions beside it, or in the plane the one along it
         along = np.maximum(impulses[..., :d] @ D, 0.0) * (2.0 * d / self.count if d > 1 else 1.0)
         speed = np.linalg.norm(sliding, axis=-1, keepdims=True)
-        normal, phi = impulses[..., 2:3], np.maximum(closing[..., None], 0.0)
+        least = 0.0 if form_named(self.form).signs else -np.inf
+        normal, phi = impulses[..., 2:3], np.maximum(self.time * closing[..., None], least)
         sigma = np.maximum(speed + sliding @ D, 0.0)
-        spare = np.maximum(mu * normal - along.sum(axis=-1, keepdims=True), 0.0)
+        spare = np.maximum(mu[:, None] * normal - along.sum(axis=-1, keepdims=True), least)
         return _flat(along, normal, phi, sigma, speed, spare)
 
 
@@ -167,24 +190,26 @@ class RoundCone:
     def __post_init__(self) -> None:
         form_named(self.form)
 
-    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+    def write(self, closing: Expression, sliding: Expression, mu: FloatArray, eps: Expression) -> ContactRows:
         """See `ContactLaw.write`; variables λ_t, λ_n, φ, u_t, γ of all contacts, one after the other."""
         ca, form = import_casadi(), form_named(self.form)
         d, p = (int(n) for n in sliding.shape)
         small = _rounding(ca, eps)
 
-        def contact(out: Rows, k: int, parts: list[Expression]) -> Expression:
+        def contact(out: ContactRows, k: int, parts: list[Expression]) -> Expression:
             friction, normal, phi, u, gamma = parts
             out.rows.append((ca.vertcat(phi - closing[k], u - sliding[:, k]), 0.0, 0.0))
             out.pair(form, normal, phi, eps)
-            out.rows.append((mu * normal - _length(ca, friction, small), 0.0, np.inf))
+            out.rows.append((float(mu[k]) * normal - _length(ca, friction, small), 0.0, np.inf))
             out.rows.append((gamma - _length(ca, u, small), 0.0, np.inf))
-            out.rows.append((mu * gamma * normal + ca.dot(friction, u) - eps, -np.inf, 0.0))
+            out.rows.append((float(mu[k]) * gamma * normal + ca.dot(friction, u) - eps, -np.inf, 0.0))
             return _with_normal(ca, friction, normal)
 
         return _written(p, (d, 1, 1, d, 1), [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d + [0.0], contact)
 
-    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+    def start(
+        self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray
+    ) -> FloatArray:
         """See `ContactLaw.start`."""
         return _flat(*_seen(impulses, closing, sliding), np.linalg.norm(sliding, axis=-1, keepdims=True))
 
@@ -198,29 +223,33 @@ class GivenModes:
     and against it, λ_t·u_t <= 0.
     """
 
-    def write(self, closing: Expression, sliding: Expression, mu: float, eps: Expression) -> Rows:
+    def write(self, closing: Expression, sliding: Expression, mu: FloatArray, eps: Expression) -> ContactRows:
         """See `ContactLaw.write`."""
         ca = import_casadi()
         d, p = (int(n) for n in sliding.shape)
 
-        def contact(out: Rows, k: int, parts: list[Expression]) -> Expression:
+        def contact(out: ContactRows, k: int, parts: list[Expression]) -> Expression:
             friction, normal, phi, u = parts
             out.rows.append((ca.vertcat(phi - closing[k], u - sliding[:, k]), 0.0, 0.0))
             if d == 2:
                 out.rows.append((friction[0] * u[1] - friction[1] * u[0], -np.inf, np.inf))
-            out.rows.append((mu * mu * normal * normal - ca.dot(friction, friction), 0.0, np.inf))
+            out.rows.append(
+                (float(mu[k] * mu[k]) * normal * normal - ca.dot(friction, friction), 0.0, np.inf)
+            )
             out.rows.append((ca.dot(friction, u), -np.inf, np.inf))
             return _with_normal(ca, friction, normal)
 
         return _written(p, (d, 1, 1, d), [-np.inf] * d + [0.0, 0.0] + [-np.inf] * d, contact)
 
-    def start(self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> FloatArray:
+    def start(
+        self, impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray
+    ) -> FloatArray:
         """See `ContactLaw.start`."""
         return _flat(*_seen(impulses, closing, sliding))
 
-    def bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
-        """Return the bounds (N, m) of the variables for modes (N, p)."""
-        inf = np.inf
+    def bounds(self, modes: IntArray, d: int, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the bounds (N, m) of the variables for modes (N, p) and friction (p,)."""
+        inf, slick = np.inf, mu == 0.0
         low = {
             OPEN: [0.0] * (d + 2) + [-inf] * d,
             STICK: [-inf] * d + [0.0] * (d + 2),
@@ -231,24 +260,31 @@ class GivenModes:
             STICK: [inf] * (d + 1) + [0.0] * (d + 1),
             SLIDE: [inf] * (d + 1) + [0.0] + [inf] * d,
         }
-        return _by_mode(low, modes), _by_mode(high, modes)
+        least, most = _by_mode(low, modes), _by_mode(high, modes)
+        least[:, slick, :d] = most[:, slick, :d] = 0.0  # nothing holds such a contact back
+        least[:, slick, d + 2 :], most[:, slick, d + 2 :] = -inf, inf
+        return least.reshape(len(modes), -1), most.reshape(len(modes), -1)
 
-    def row_bounds(self, modes: IntArray, d: int) -> tuple[FloatArray, FloatArray]:
+    def row_bounds(self, modes: IntArray, d: int, mu: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the bounds (N, rows of the laws) for modes (N, p), in the order of `write`."""
         inf, equal, cross = np.inf, [0.0] * (d + 1), d - 1
         free = [*equal, *[-inf] * cross, 0.0, -inf]
         low = {OPEN: free, STICK: free, SLIDE: [*equal, *[0.0] * cross, 0.0, -inf]}
         free = [*equal, *[inf] * cross, inf, inf]
         high = {OPEN: free, STICK: free, SLIDE: [*equal, *[0.0] * cross, 0.0, 0.0]}
-        return _by_mode(low, modes), _by_mode(high, modes)
+        least, most = _by_mode(low, modes), _by_mode(high, modes)
+        least[:, mu == 0.0, d + 1 :], most[:, mu == 0.0, d + 1 :] = -inf, inf
+        return least.reshape(len(modes), -1), most.reshape(len(modes), -1)
 
 
 def _by_mode(values: dict[int, list[float]], modes: IntArray) -> FloatArray:
-    """Return the m numbers of every contact's mode side by side, (N, p m) of modes (N, p)."""
-    return np.array([values[mode] for mode in modes.ravel().tolist()]).reshape(len(modes), -1)
+    """Return the m numbers of every contact's mode, (N, p, m) of modes (N, p)."""
+    return np.array([values[mode] for mode in modes.ravel().tolist()]).reshape(*modes.shape, -1)
 
 
-def read_modes(impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: float) -> IntArray:
+def read_modes(
+    impulses: FloatArray, closing: FloatArray, sliding: FloatArray, mu: FloatArray | float
+) -> IntArray:
     """Return the modes (N, p) that softened contacts are nearest to.
 
     Parameters
@@ -256,7 +292,7 @@ def read_modes(impulses: FloatArray, closing: FloatArray, sliding: FloatArray, m
     impulses, closing, sliding
         (N, p, 3) [N s], (N, p) and (N, p, d) [m/s].
     mu
-        Friction of the ground.
+        Friction, one for all or (p,).
     """
     friction = np.linalg.norm(impulses[..., :2], axis=-1)
     normal, speed = impulses[..., 2], np.linalg.norm(sliding, axis=-1)
@@ -269,8 +305,8 @@ def _written(
     p: int,
     sizes: tuple[int, ...],
     low: list[float],
-    contact: Callable[[Rows, int, list[Expression]], Expression],
-) -> Rows:
+    contact: Callable[[ContactRows, int, list[Expression]], Expression],
+) -> ContactRows:
     """Return the rows of p contacts, one after the other.
 
     Parameters
@@ -284,7 +320,7 @@ def _written(
     """
     ca, many = import_casadi(), sum(sizes)
     x = ca.SX.sym("contact", many * p)
-    out = Rows(x, np.tile(low, p), np.full(many * p, np.inf), None)
+    out = ContactRows(x, np.tile(low, p), np.full(many * p, np.inf), None)
     ends = np.cumsum([0, *sizes]).tolist()
     each = [ca.vertsplit(x[k * many : (k + 1) * many], ends) for k in range(p)]
     out.impulses = ca.horzcat(*(contact(out, k, parts) for k, parts in enumerate(each)))

@@ -1,20 +1,23 @@
-"""Where the search starts: a motion between two postures, a plan there is already, or noise about either."""
+"""Where a search starts: a motion between two postures, a plan there is already, or noise about either."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from surefoot.arrays import FloatArray, finite_array
 from surefoot.errors import ProblemError
-from surefoot.planning.direct.problem import DirectProblem
 from surefoot.planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from surefoot.planning.direct.problem import DirectProblem
 
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """A motion that need not be one: what an optimiser starts from.
+    """A motion that need not be one: what an optimiser starts from, and what it ends in.
 
     Attributes
     ----------
@@ -23,7 +26,7 @@ class Guess:
     torques
         (N, joints) [N m].
     impulses
-        (N, p, 3), contact axes [N s].
+        (N, p, 3), contact axes [N s]; those of touches beside feet on the ground come last.
     """
 
     q: FloatArray
@@ -48,9 +51,9 @@ class Guess:
         v = np.broadcast_to(way / (n * problem.dt), (n + 1, model.nv)).copy()
         v[0] = problem.v
         points = len(problem.robot.contact_points)
-        impulses = np.zeros((n, points, 3))
+        impulses = np.zeros((n, len(problem.frictions), 3))
         weight = problem.robot.mass * float(np.linalg.norm(model.gravity.linear))
-        impulses[:, :, 2] = weight * problem.dt / points
+        impulses[:, :points, 2] = weight * problem.dt / points
         return cls(states, v, np.zeros((n, problem.robot.joints)), impulses)
 
     @classmethod
@@ -112,7 +115,7 @@ class Guess:
             "q": (n + 1, model.nq),
             "v": (n + 1, model.nv),
             "torques": (n, problem.robot.joints),
-            "impulses": (n, len(problem.robot.contact_points), 3),
+            "impulses": (n, len(problem.frictions), 3),
         }
         for name, shape in wanted.items():
             if getattr(self, name).shape != shape:
