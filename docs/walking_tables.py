@@ -254,7 +254,7 @@ TABLES = {
         lambda told: _stacks(told, without=("-map", "-blind")), long=True,
     ),
     "blind_stairs": Table(
-        f"{EVERY_TASK} --task stairs-up-blind --task stairs-down-blind", "terrain-knowledge.md",
+        f"{EVERY_TASK} --task stairs-up-blind", "terrain-knowledge.md",
         STACK_COLUMNS, lambda told: _stacks(told, "stairs-"), long=True,
     ),
     "bipeds": Table(EVERY_TASK, "bipeds.md", STACK_COLUMNS, lambda told: _stacks(told, "g1-"), long=True),

@@ -33,8 +33,8 @@ def plan(
     ] = None,
     robot: Annotated[str | None, typer.Option(help="A known robot (default go2), or a robot's file.")] = None,
     feet: options.FootFrames = None,
-    method: Annotated[
-        str | None, typer.Option(help="The road; each task names its own, the recommended one is taken.")
+    road: Annotated[
+        str | None, typer.Option(help="schedule (or direct, of jumps); each task has its own.")
     ] = None,
     mu: options.Friction = 0.6,
     dt: Annotated[float | None, typer.Option(help="Length of a knot [s].")] = None,
@@ -63,10 +63,10 @@ def plan(
     options.require(robot, ("pin", *(["mujoco"] if execute else [])), leaving)
     who = _robot(robot, feet, found)
     numbers = {
-        "mu": mu, "dt": dt, "knots": knots, "method": method, "seed": seed, "max_iterations": max_iterations,
+        "mu": mu, "dt": dt, "knots": knots, "road": road, "seed": seed, "max_iterations": max_iterations,
     }  # fmt: skip
     with ends_softly() as stop:
-        search = _Search(console, leaving.as_json)
+        search = _Progress(console, leaving.as_json)
         made = search.run(who, task, amount, numbers)
         folder = new_run_folder(leaving.out, f"plan-{task}")
         executed = None if execute is None else _execute(made, execute, seed, folder)
@@ -88,7 +88,7 @@ def _robot(name: str | None, feet: str | None, task: Any) -> Any:
 
 
 @dataclass
-class _Search:
+class _Progress:
     """Runs the search, shows how it goes and keeps its iterations."""
 
     console: Any
@@ -144,7 +144,7 @@ def _facts(made: Plan, executed: Any) -> dict[str, Any]:
     return {
         "task": made.task,
         "robot": made.facts["robot"],
-        "method": made.method,
+        "road": made.road,
         "status": made.status.value,
         "goal": made.facts["goal"],
         "cost": made.cost,
@@ -199,7 +199,7 @@ def _tables(made: Plan, facts: dict[str, Any]) -> list[Table]:
     """Return the tables of a plan."""
     rows = [
         ["status", facts["status"]],
-        ["method", facts["method"]],
+        ["road", facts["road"]],
         ["cost", f"{facts['cost']:.5g}"],
         ["law residual", f"{facts['law_residual']:.2e}"],
         ["iterations", str(facts["iterations"])],

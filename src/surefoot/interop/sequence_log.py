@@ -6,7 +6,7 @@ import numpy as np
 
 from surefoot.arrays import BoolArray, FloatArray, real_number
 from surefoot.cones.cone import Fit
-from surefoot.control.gait import SAME_TIME, ContactSchedule
+from surefoot.control.contact_schedule import SAME_TIME, ContactSchedule
 from surefoot.errors import ProblemError
 from surefoot.interop.sequence import ContactSequence, SequencePhase
 from surefoot.log import Log

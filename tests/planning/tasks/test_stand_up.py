@@ -10,7 +10,7 @@ from surefoot.contact import Status
 from surefoot.planning import Plan
 from surefoot.planning.sampling.lying import upright
 from surefoot.planning.tasks.stand_up import STAND_UP, StandUp
-from surefoot.planning.tasks.task import Iteration, Request
+from surefoot.planning.tasks.task import Iteration, PlanRequest
 from surefoot.simulation.mujoco import MujocoWorld
 from surefoot.simulation.plan_execution import execute
 
@@ -25,7 +25,7 @@ def told() -> list[Iteration]:
 @pytest.fixture(scope="module")
 def plan(told: list[Iteration]) -> Plan:
     task = StandUp(model=MujocoWorld(ROBOT, dt=2e-3, collision="full"))
-    return task.plan(Request(ROBOT, 180.0, dt=2e-3), told.append)
+    return task.plan(PlanRequest(ROBOT, 180.0, dt=2e-3), told.append)
 
 
 @pytest.mark.long
@@ -65,4 +65,4 @@ def test_a_saved_plan_is_executed_the_same_way(plan: Plan, tmp_path: object) -> 
 
 def test_who_cannot() -> None:
     with pytest.raises(sf.ProblemError, match="four legs"):
-        STAND_UP.plan(Request(sf.load_robot("g1")), lambda iteration: None)
+        STAND_UP.plan(PlanRequest(sf.load_robot("g1")), lambda iteration: None)
