@@ -20,11 +20,11 @@ from surefoot.spatial import rotation_from_quaternion
 from surefoot.terrain import Terrain, read_terrain
 
 NAMES = {
-    "exact": ["stand still", "cruise"],
+    "exact": ["stand still", "seen stairs", "cruise"],
     "map": ["stand still", "seen stairs", "stumble", "cruise"],
     "blind": ["stand still", "steps by touch", "seen stairs", "stumble", "cruise"],
 }
-"""Behaviours of a fixed gait by what it knows of the ground; friction that is watched adds "slip"."""
+"""Behaviours by what is known of the ground; "seen stairs" if the gait adapts, "slip" if friction is watched."""
 
 
 @pytest.mark.long
