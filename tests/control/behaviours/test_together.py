@@ -24,7 +24,8 @@ NAMES = {
     "map": ["stand still", "seen stairs", "stumble", "cruise"],
     "blind": ["stand still", "steps by touch", "seen stairs", "stumble", "cruise"],
 }
-"""Behaviours by what is known of the ground; "seen stairs" if the gait adapts, "slip" if friction is watched."""
+"""Behaviours by what is known of the ground: "seen stairs" where a gait adapts, "slip" where friction is
+watched."""
 
 
 @pytest.mark.long
