@@ -25,7 +25,7 @@ class WalkSettings:
     Attributes
     ----------
     mu
-        Friction that the controller believes in.
+        Friction that the controller believes in [-].
     watch_friction
         Whether it believes in less where its feet slide, and slows; see `behaviours/slip.py`.
     friction_share
@@ -43,11 +43,12 @@ class WalkSettings:
     body_stiffness, swing_stiffness
         Natural frequencies of the feedback on the plan and of feet in the air, in units of sqrt(g / h).
     normal_min, normal_max
-        Bounds on a carrying foot's normal force, as shares of m g.
+        Bounds on a stance foot's normal force, as shares of m g [-].
     load
         What is made of an unknown payload and external wrench; None to observe none.
     ramp
-        Time over which the upper one grows after touchdown, and falls before lift-off [sqrt(h / g)].
+        Time over which the upper one grows after touchdown, and falls before lift-off, in units of
+        sqrt(h / g) [-].
     actuators
         The motors that it believes to command; None for ideal ones.
     behaviours

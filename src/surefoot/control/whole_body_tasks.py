@@ -71,13 +71,13 @@ class Tasks(NamedTuple):
     com_acceleration, turn_acceleration
         (3,) of the centre of mass [m/s²] and of the base's orientation [rad/s²].
     feet
-        (n, 6) wanted acceleration [linear; angular] of feet in the air.
+        (n, 6) wanted acceleration, linear and angular, of feet in the air [m/s², rad/s²].
     joints
         (joints,) wanted joint accelerations [rad/s²].
     forces
         (p, 3) wanted contact forces, contact frames [N].
     frames
-        (n, 3, 3) rotation_world_contact of every foot's ground.
+        (n, 3, 3) rotation_world_contact of every foot's ground [-].
     gaps
         (n,) distance of the feet in stance to the ground [m], for the Baumgarte term.
     """
