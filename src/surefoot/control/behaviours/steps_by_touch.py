@@ -244,6 +244,6 @@ class Stop:
         return np.zeros(2) if little else np.asarray(left)
 
     def goal(self, place: FloatArray, start: FloatArray, duration: float) -> FloatArray:
-        """Return where a foot may land (`FootGoals`): where feet have stood."""
+        """Return the (2,) place where a foot may land [m], see `FootGoals`: where feet have stood."""
         s, begun = float(place @ self.drop.along), float(start[:2] @ self.drop.along)
         return np.asarray(place + (self.drop.nearest(s, begun, self._stood) - s) * self.drop.along)
