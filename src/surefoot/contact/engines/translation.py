@@ -31,6 +31,10 @@ class Quantity(NamedTuple):
     translated: float
     agrees: bool
 
+    def proven(self, measured: float | None) -> bool:
+        """Return whether what an engine was seen to do is what was given, too; None where it was not run."""
+        return self.agrees and (measured is None or _compared(self.given, measured).agrees)
+
 
 @dataclass(frozen=True)
 class Translation:
@@ -115,7 +119,7 @@ def translate(
     >>> from surefoot.contact.laws.soft import SpringDamper
     >>> found = translate(SpringDamper(1e4, 20.0), to="ode", mass=1.0, dt=0.001)
     >>> found.parameters
-    {'soft_erp': 0.3333333333333333, 'soft_cfm': 0.03333333333333333}
+    {'soft_erp': 0.5, 'soft_cfm': 0.05}
     """
     if keep not in ("motion", "rest"):
         raise ProblemError(unknown_name("keep", keep, ["motion", "rest"]))
