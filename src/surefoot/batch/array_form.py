@@ -13,7 +13,7 @@ from surefoot.batch.answers import ALMOST, INVALID, SOLVED, STALLED, Forces, che
 from surefoot.batch.certificate import lawful, scales
 from surefoot.batch.frameworks import Framework
 from surefoot.batch.modes import active, certified, finite, gradients, snapped
-from surefoot.batch.path import Path, jacobian, misses, path_gradients, path_of, velocity
+from surefoot.batch.path import ScaledBatch, jacobian, misses, path_gradients, path_of, velocity
 from surefoot.errors import ProblemError
 from surefoot.solvers.solver import ALMOST_FACTOR
 
@@ -32,7 +32,7 @@ TOLERANCE = 1e-8, 1e-4
 """Velocity error that counts as solved, in double and in single precision."""
 
 
-class Request(NamedTuple):
+class BatchRequest(NamedTuple):
     """What is asked of a batch: the law, the smoothing [W], the tolerance, and whether the CPU solves it."""
 
     convex: bool
@@ -59,7 +59,7 @@ def single_precision(xp: Framework, array: Any) -> bool:
 
 def request(
     xp: Framework, like: Any, law: str, smoothing: float, tol: float | None, on_host: bool
-) -> Request:
+) -> BatchRequest:
     """Return what is asked of arrays of a precision, with its tolerance where none is named.
 
     Raises
@@ -70,10 +70,10 @@ def request(
     if not 0.0 <= float(smoothing) < float("inf"):
         raise ProblemError(f"smoothing must be >= 0 and finite, got {smoothing}")
     wanted = TOLERANCE[single_precision(xp, like)] if tol is None else float(tol)
-    return Request(check_law(law), float(smoothing), wanted, on_host and smoothing == 0.0)
+    return BatchRequest(check_law(law), float(smoothing), wanted, on_host and smoothing == 0.0)
 
 
-def answer(xp: Framework, asked: Request, G: Any, g: Any, mu: Any, on: Any) -> tuple[Forces, Any]:
+def answer(xp: Framework, asked: BatchRequest, G: Any, g: Any, mu: Any, on: Any) -> tuple[Forces, Any]:
     """Return the answer of a batch, any entries, and the path's y (..., 3n), g where there is no path.
 
     G is (..., 3n, 3n), g (..., 3n), mu and on (..., n).
@@ -100,7 +100,11 @@ def answer(xp: Framework, asked: Request, G: Any, g: Any, mu: Any, on: Any) -> t
 
 
 def pull_back(
-    xp: Framework, asked: Request, given: tuple[Any, ...], point: tuple[Any, ...], weights: tuple[Any, Any]
+    xp: Framework,
+    asked: BatchRequest,
+    given: tuple[Any, ...],
+    point: tuple[Any, ...],
+    weights: tuple[Any, Any],
 ) -> tuple[Any, ...]:
     """Return the gradients in G, g and mu of weights on the forces and velocities of an answer.
 
@@ -120,7 +124,7 @@ def pull_back(
     return finite(xp, found, good)
 
 
-def descend(xp: Framework, path: Path, target: Any) -> tuple[Any, Any]:
+def descend(xp: Framework, path: ScaledBatch, target: Any) -> tuple[Any, Any]:
     """Follow the path down to κ = target (...,); return the best y (..., 3n) and its error (...,)."""
     single = single_precision(xp, path.g)
     enough, least = ENOUGH[single], PROXIMAL[single]
@@ -161,7 +165,7 @@ def descend(xp: Framework, path: Path, target: Any) -> tuple[Any, Any]:
     return found.best, found.error
 
 
-def _newton_step(xp: Framework, path: Path, y: Any, kappa: Any, proximal: Any) -> tuple[Any, Any, Any]:
+def _newton_step(xp: Framework, path: ScaledBatch, y: Any, kappa: Any, proximal: Any) -> tuple[Any, Any, Any]:
     """Return the Newton step (..., 3n) from y, the length that a line search gives it, and ||F|| there."""
     u = velocity(path, y)
     F = misses(xp, path, y, u, kappa)

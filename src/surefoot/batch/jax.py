@@ -17,7 +17,7 @@ import numpy as np
 
 from surefoot.batch import cones
 from surefoot.batch.answers import Forces, check_dtype, check_shapes
-from surefoot.batch.array_form import Request, answer, pull_back, request
+from surefoot.batch.array_form import BatchRequest, answer, pull_back, request
 from surefoot.batch.frameworks import Framework
 from surefoot.batch.host import solve_on_host as host_forces
 from surefoot.errors import MissingExtra
@@ -120,23 +120,23 @@ JAX = Framework(
 
 
 @partial(jax.jit, static_argnums=0)
-def _answer(asked: Request, *given: Any) -> tuple[Forces, Any]:
+def _answer(asked: BatchRequest, *given: Any) -> tuple[Forces, Any]:
     return answer(JAX, asked, *given)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def _solve(asked: Request, G: Any, g: Any, mu: Any, on: Any) -> Forces:
+def _solve(asked: BatchRequest, G: Any, g: Any, mu: Any, on: Any) -> Forces:
     found: Forces = _answer(asked, G, g, mu, on)[0]
     return found
 
 
-def _forward(asked: Request, *given: Any) -> Any:
+def _forward(asked: BatchRequest, *given: Any) -> Any:
     out, y = _answer(asked, *given)
     return out, (given, (out.forces, out.velocities, y))
 
 
 @partial(jax.jit, static_argnums=0)
-def _backward(asked: Request, kept: Any, cotangents: Forces) -> Any:
+def _backward(asked: BatchRequest, kept: Any, cotangents: Forces) -> Any:
     given, point = kept
     return (*pull_back(JAX, asked, given, point, (cotangents.forces, cotangents.velocities)), None)
 

@@ -21,7 +21,7 @@ from surefoot.batch.certificate import Scales, blocks_of, diagonal_of
 from surefoot.batch.modes import spread
 
 
-class Path(NamedTuple):
+class ScaledBatch(NamedTuple):
     """A batch in scaled unknowns.
 
     Attributes
@@ -52,7 +52,7 @@ class Path(NamedTuple):
     convex: bool
 
 
-def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) -> Path:
+def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) -> ScaledBatch:
     """Return the scaled problem; mu and on are (..., n)."""
     flat = g.shape
     one = xp.ones_like(mu)
@@ -68,10 +68,12 @@ def path_of(xp: Any, G: Any, g: Any, mu: Any, on: Any, s: Scales, convex: bool) 
     top = xp.where(top > 0.0, top, 1.0)
     scaled = side[..., :, None] * G * side[..., None, :]
     tilt = mu * D / top[..., None]
-    return Path(scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex)
+    return ScaledBatch(
+        scaled, free / top[..., None], on, T * wide * top[..., None], top * top, tilt, s, convex
+    )
 
 
-def velocity(path: Path, y: Any) -> Any:
+def velocity(path: ScaledBatch, y: Any) -> Any:
     """Return the scaled velocities G y + g (..., 3n)."""
     return (path.G @ y[..., None])[..., 0] + path.g
 
@@ -81,7 +83,7 @@ def by_contact(xp: Any, flat: Any) -> Any:
     return xp.reshape(flat, (*flat.shape[:-1], flat.shape[-1] // 3, 3))
 
 
-def slacks(xp: Any, path: Path, velocities: Any, kappa: Any) -> tuple[Any, Any, Any]:
+def slacks(xp: Any, path: ScaledBatch, velocities: Any, kappa: Any) -> tuple[Any, Any, Any]:
     """Return s (..., n, 3), the slopes (..., n, 2) of the shift in u_t, and in its rounding (..., n)."""
     u = by_contact(xp, velocities)
     if path.convex:
@@ -95,7 +97,7 @@ def slacks(xp: Any, path: Path, velocities: Any, kappa: Any) -> tuple[Any, Any, 
     return xp.stack([x, z, u[..., 2] + speed], -1), slope, round_ / safe
 
 
-def rounding(xp: Any, path: Path, kappa: Any) -> Any:
+def rounding(xp: Any, path: ScaledBatch, kappa: Any) -> Any:
     """Return what is added to mu² ||u_t||² under the root, in scaled units; ε as in `derivative_path`."""
     w, s = path.scales.weight, path.scales.speed
     power = (kappa * path.unit)[..., None] * w
@@ -136,7 +138,7 @@ def smoothed(xp: Any, z: Any, kappa: Any) -> tuple[Any, Any]:
     return value, xp.stack([xp.stack(row, -1) for row in J], -2)
 
 
-def misses(xp: Any, path: Path, y: Any, velocities: Any, kappa: Any) -> Any:
+def misses(xp: Any, path: ScaledBatch, y: Any, velocities: Any, kappa: Any) -> Any:
     """Return F (..., 3n) at y and its `velocity`, y itself at contacts that are off."""
     point = by_contact(xp, y)
     s, _, _ = slacks(xp, path, velocities, kappa)
@@ -144,7 +146,7 @@ def misses(xp: Any, path: Path, y: Any, velocities: Any, kappa: Any) -> Any:
     return xp.reshape(xp.where(path.on[..., None], point - p, point), y.shape)
 
 
-def jacobian(xp: Any, path: Path, y: Any, velocities: Any, kappa: Any) -> tuple[Any, Any]:
+def jacobian(xp: Any, path: ScaledBatch, y: Any, velocities: Any, kappa: Any) -> tuple[Any, Any]:
     """Return the Jacobian of F by y (..., 3n, 3n), 1 - J + J S G, and J, that of p_κ by contact."""
     s, tilt, _ = slacks(xp, path, velocities, kappa)
     _, J = smoothed(xp, by_contact(xp, y) - s, kappa[..., None])
@@ -162,7 +164,7 @@ def _shift(xp: Any, tilt: Any) -> Any:
 
 def path_gradients(
     xp: Any,
-    path: Path,
+    path: ScaledBatch,
     y: Any,
     kappa: Any,
     G: Any,
@@ -199,7 +201,7 @@ def path_gradients(
     return 0.5 * (outer + xp.swapaxes(outer, -1, -2)) + on_G, b + on_g, xp.where(path.on, rate, 0.0)
 
 
-def _of_rounding(xp: Any, path: Path, kappa: Any, G: Any, g: Any, weights: Any) -> tuple[Any, Any]:
+def _of_rounding(xp: Any, path: ScaledBatch, kappa: Any, G: Any, g: Any, weights: Any) -> tuple[Any, Any]:
     """Return the gradients in G and g of weights (..., n) on log ε², which depends on w_k and s_k."""
     w, s = path.scales.weight, path.scales.speed
     fast = (s > 0.0) & ((kappa * path.unit)[..., None] * w < s * s)  # ε = κ w / s, else its root

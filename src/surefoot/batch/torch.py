@@ -14,7 +14,7 @@ from typing import Any
 
 from surefoot.batch import cones
 from surefoot.batch.answers import Forces, check_dtype, check_shapes
-from surefoot.batch.array_form import Request, answer, pull_back, request
+from surefoot.batch.array_form import BatchRequest, answer, pull_back, request
 from surefoot.batch.frameworks import Framework
 from surefoot.batch.host import solve_on_host
 from surefoot.errors import MissingExtra, ProblemError
@@ -92,7 +92,7 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc]
     """Forces and velocities with their gradients; the certificate has none."""
 
     @staticmethod
-    def forward(ctx: Any, asked: Request, *given: Any) -> Any:
+    def forward(ctx: Any, asked: BatchRequest, *given: Any) -> Any:
         found, y = answer(TORCH, asked, *given)
         ctx.asked = asked
         ctx.save_for_backward(*given, found.forces, found.velocities, y)

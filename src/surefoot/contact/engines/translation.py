@@ -16,7 +16,7 @@ AGREED = 0.01
 """Relative difference up to which two contacts agree."""
 
 
-class Quantity(NamedTuple):
+class Comparison(NamedTuple):
     """One number of two contacts, side by side.
 
     Attributes
@@ -64,7 +64,7 @@ class Translation:
         return self.contact.settings()
 
     @property
-    def agreement(self) -> dict[str, Quantity]:
+    def agreement(self) -> dict[str, Comparison]:
         """Return rest depth [m], restitution, frequency [rad/s] and settling time [s] of both contacts."""
         return {
             name: _compared(getattr(self.given, name), getattr(self.translated, name))
@@ -150,5 +150,7 @@ def translate(
     return Translation(contact, made, tuple(lost), given, translated)
 
 
-def _compared(given: float, translated: float) -> Quantity:
-    return Quantity(given, translated, given == translated or abs(given - translated) <= AGREED * abs(given))
+def _compared(given: float, translated: float) -> Comparison:
+    return Comparison(
+        given, translated, given == translated or abs(given - translated) <= AGREED * abs(given)
+    )
